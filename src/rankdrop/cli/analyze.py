@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from math import radians
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -95,11 +96,7 @@ def analyze(
 
     begun = monotonic()
     model, task, made = open_ideal(robot, arm, intended=True)
-    within = radians(5.0) if options.within is None and options.limits else options.within
-    around = options.around
-    if isinstance(around, str):
-        around = tuple(parse_configuration(around, model, deg=False, option="--around"))
-    options = replace(options, within=within or None, around=around)
+    options = _for_arm(options, model)
     analysis = run(model, task, options, progress=report)
     alone = made is not None and arm.ideal is None and not made.tolerance.angle
     if made is not None and alone:
@@ -127,6 +124,26 @@ def analyze(
     )  # fmt: skip
 
 
+def _for_arm(options: AnalyzeOptions, robot: Robot) -> AnalyzeOptions:
+    """The options with a configuration in place of its text, and 5° where shares inside the limits are asked for."""
+    within, around = options.within, options.around
+    if within is None and options.limits:
+        within = radians(5.0)
+    if isinstance(around, str):
+        around = tuple(parse_configuration(around, robot, deg=False, option="--around"))
+    return replace(options, within=within or None, around=around)
+
+
+def _speed_and_aspects(analysis: results.Analysis) -> Iterator[Block]:
+    """How far joints stay from slow configurations, and the aspects, where they were asked for."""
+    speeds = text.speed_section(analysis)
+    if speeds is not None:
+        yield speeds
+    aspects = text.aspects_line(analysis.aspects)
+    if aspects:
+        yield [aspects]
+
+
 def _brief(
     analysis: results.Analysis, task: Task, made: verbs.Idealised | None, own: results.Analysis | None, *,
     seconds: float,
@@ -147,12 +164,7 @@ def _brief(
     blocks += [lost] if lost is not None else []
     if own is not None:
         blocks.append([f"The arm with the file's own numbers ({OWN}): {own.answer}"])
-    speeds = text.speed_section(analysis)
-    if speeds is not None:
-        blocks.append(speeds)
-    aspects = text.aspects_line(analysis.aspects)
-    if aspects:
-        blocks.append([aspects])
+    blocks += _speed_and_aspects(analysis)
     blocks.append([text.more_line(seconds)])
     return fitted(blocks, optional=[lost] if lost is not None else [], cut=[table] if table.rows else [])
 
@@ -175,12 +187,7 @@ def _blocks(
         yield from (corank_section(console, own, summary, every=every) for summary in own.coranks)
     if analysis.near is not None and analysis.families:
         yield text.near_overview(analysis.near, analysis.families)
-    speeds = text.speed_section(analysis)
-    if speeds is not None:
-        yield speeds
-    aspects = text.aspects_line(analysis.aspects)
-    if aspects:
-        yield [aspects]
+    yield from _speed_and_aspects(analysis)
     if analysis.families:
         yield [Text(text.legend(analysis.robot, analysis.families), style="dim")]
     if analysis.exact is not None:
@@ -256,19 +263,24 @@ def _family_table(robot: Robot, shown: Mapping[int, Family], *, gap: int, lost: 
     table = Table(box=box.SIMPLE_HEAD, padding=(0, gap, 0, 0), pad_edge=False, show_edge=False)
     every = [one for one in text.columns(robot, rows[0].corank) if lost or one.key != "lost"]
     for one in every:
-        if one.key == "lost":
-            table.add_column(one.title, ratio=1)
-        elif one.holds == text.WORDS:
-            widest = max(len(line) for row in rows for line in text.lines_of(one, row))
-            table.add_column(one.title, min_width=min(14, widest), max_width=_NAME_COLUMN)
-        elif one.holds == text.JOINT:
-            widest = max(_unbroken(text.broken(one, row)) for row in rows)
-            table.add_column(one.title, justify="center", min_width=widest)
-        else:
-            table.add_column(one.title, justify="right", no_wrap=True, min_width=len(one.title))
+        _add_column(table, one, rows)
     for index, row in shown.items():
         table.add_row(*(str(index) if one.key == "id" else _cell(one, row) for one in every))
     return table
+
+
+def _add_column(table: Table, column: text.Column, rows: Sequence[Family]) -> None:
+    """The head of a column, as wide as what stands in it needs."""
+    if column.key == "lost":
+        table.add_column(column.title, ratio=1)
+    elif column.holds == text.WORDS:
+        widest = max(len(line) for line in chain.from_iterable(text.lines_of(column, row) for row in rows))
+        table.add_column(column.title, min_width=min(14, widest), max_width=_NAME_COLUMN)
+    elif column.holds == text.JOINT:
+        widest = max(_unbroken(text.broken(column, row)) for row in rows)
+        table.add_column(column.title, justify="center", min_width=widest)
+    else:
+        table.add_column(column.title, justify="right", no_wrap=True, min_width=len(column.title))
 
 
 def _cell(column: text.Column, row: Family) -> Text:

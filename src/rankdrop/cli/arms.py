@@ -85,8 +85,9 @@ def _listed(entries: Sequence[catalogue.CatalogEntry], text: str) -> Iterator[Re
 
 
 def _similar(text: str) -> str:
-    every = catalogue.search_catalog("")
-    words = {word for entry in every for word in (entry.name, entry.maker.lower()) if word}
+    words: set[str] = set()
+    for entry in catalogue.search_catalog(""):
+        words |= {entry.name, entry.maker.lower()} - {""}
     similar = get_close_matches(text.lower(), sorted(words), n=5, cutoff=0.5)
     if similar:
         return f"; similar: {', '.join(similar)}"
@@ -192,12 +193,10 @@ def jacobian(
     """
     if options.latex is not None and options.q is not None and not options.symbolic:
         raise OptionError("numbers are not written as LaTeX", where="--latex", mend="give --symbolic as well")
-    point = options.at.strip()
-    if point != "tip" and not point.isdecimal():
-        raise OptionError("this is no reference point", where="--at", got=repr(point), allowed="tip, or a link from 1")
+    at = _reference_point(options.at.strip())
     model, task = open_arm(robot, arm)
     found = verbs.link_jacobian(
-        model, options.frame, task, at=None if point == "tip" else int(point),
+        model, options.frame, task, at=at,
         q=None if options.q is None else parse_configuration(options.q, model, deg=options.deg),
         symbolic=options.symbolic or options.q is None, inverse=options.inverse,
         lengths=catalogue.read_lengths(options.lengths), seconds=options.time_limit / 3.0,
@@ -211,3 +210,16 @@ def jacobian(
         return fitted(sections, cut=[one for one in sections if len(one.lines) > _FEW])
 
     return Done(blocks, {"latex": found.latex, "json": found.to_dict}, holds=found.holds and not missing)
+
+
+def _reference_point(text: str) -> int | None:
+    """The link at the origin of which the reference point is; None for the tip.
+
+    Raises:
+        OptionError: it names neither.
+    """
+    if text == "tip":
+        return None
+    if not text.isdecimal():
+        raise OptionError("this is no reference point", where="--at", got=repr(text), allowed="tip, or a link from 1")
+    return int(text)

@@ -81,9 +81,7 @@ class Done:
 
 def command(function: Callable[..., Done | int]) -> Callable[..., int]:
     """A command as cyclopts reads it: records among its parameters become options, and its result an exit code."""
-    for name, hint in get_type_hints(function, include_extras=True).items():
-        if isinstance(hint, type) and issubclass(hint, Options) and is_dataclass(hint):
-            function.__annotations__[name] = derived(hint)
+    _derive_records(function)
     parameters = signature(function).parameters
     typed = signature(function).replace(parameters=[one for name, one in parameters.items() if name != "report"])
 
@@ -106,6 +104,13 @@ def command(function: Callable[..., Done | int]) -> Callable[..., int]:
 
     run.__signature__ = typed  # type: ignore[attr-defined]
     return run
+
+
+def _derive_records(function: Callable[..., Any]) -> None:
+    """Replace the records among the types of a function's parameters by those that cyclopts reads."""
+    for name, hint in get_type_hints(function, include_extras=True).items():
+        if isinstance(hint, type) and issubclass(hint, Options) and is_dataclass(hint):
+            function.__annotations__[name] = derived(hint)
 
 
 def _targets_of(record: Options) -> Iterator[tuple[str, str, str | None, tuple[str, ...]]]:
@@ -137,6 +142,11 @@ def deliver(done: Done, targets: Mapping[str, str | None]) -> int:
     failed = [error for step in steps if (error := _failure(step)) is not None]
     if failed:
         raise min(failed, key=lambda error: isinstance(error, BrokenPipeError))
+    return _exit_code(done)
+
+
+def _exit_code(done: Done) -> int:
+    """The code of finished work: its own, else by whether it is complete and holds."""
     if done.code is not None:
         return done.code
     if not done.complete:
@@ -556,8 +566,6 @@ def arm_section(
     grid = Table.grid(padding=(0, 2, 0, 0))
     grid.add_column(style="dim", no_wrap=True)
     grid.add_column(overflow="fold")  # a long path keeps its end
-    names = [joint.name for joint in robot.variables]
-    numbered = all(name.endswith(str(number)) for number, name in enumerate(names, start=1))
     if task.length_scale is None:
         whose = "the arm's reach"
     else:
@@ -566,7 +574,7 @@ def arm_section(
     rows, redundancy = arms.count(task.m, "row"), robot.n - generic_rank
     facts = [
         ("chain", f"{arms.count(robot.n, 'joint')} from {robot.base} to {robot.tip}"),
-        ("joints", "" if numbered else ", ".join(f"{number} {name}" for number, name in enumerate(names, start=1))),
+        ("joints", _numbered_names([joint.name for joint in robot.variables])),
         ("task", f"{task.name} ({rows}), rank {generic_rank}, redundancy {redundancy}"),
         ("length scale", f"{task.scale(robot):.4g} m, {whose}; no family depends on it"),
         *lines.items(),
@@ -577,6 +585,13 @@ def arm_section(
         if text:
             grid.add_row(label, text)
     yield grid
+
+
+def _numbered_names(names: Sequence[str]) -> str:
+    """The names of the joints with their numbers; empty where each name ends with its number."""
+    if all(name.endswith(str(number)) for number, name in enumerate(names, start=1)):
+        return ""
+    return ", ".join(f"{number} {name}" for number, name in enumerate(names, start=1))
 
 
 def _first_sentence(text: str) -> str:

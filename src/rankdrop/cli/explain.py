@@ -116,16 +116,9 @@ def explain(
         )  # fmt: skip
     if arm.task is None and output.analysis is None:
         task = local.asked_task(model, task)
-    if options.evaluations == EVALUATIONS:
-        budget = BUDGET[output.only]
-    else:
-        budget = options.evaluations
-    if output.only == "nearest":
-        coranks = 6
-    else:
-        coranks = options.coranks
+    options = _for_parts(options, output.only)
     found = run(
-        model, parse_configuration(q, model, deg=tool.deg), task, replace(options, evaluations=budget, coranks=coranks),
+        model, parse_configuration(q, model, deg=tool.deg), task, options,
         analysis=None if output.analysis is None else results.Analysis.load(output.analysis),
         tolerances=DEFAULT if output.tolerance is None else replace(DEFAULT, singular=output.tolerance),
     )  # fmt: skip
@@ -136,27 +129,33 @@ def explain(
     if output.certificate is None and near is None:
         proven = None
     else:
-        proven = of_place(found, near, budget)
+        proven = of_place(found, near, options.evaluations)
     if output.lie:
         procedure = local.report(local.OrderedScrewSet.of(found.robot, found.q), options.seed)
     else:
         procedure = None
 
     def blocks() -> list[Block]:
-        if proven is None or output.only != "nearest":
-            certified = []
-        else:
-            certified = [Section("certificate", in_words(proven))]
-        lie: list[Block] = [] if procedure is None else [[text.procedure_text(procedure)]]
-        return [*_sections(found, made, here, output), *certified, *lie]
+        shown: list[Block] = [*_sections(found, made, here, output)]
+        if proven is not None and output.only == "nearest":
+            shown.append(Section("certificate", in_words(proven)))
+        if procedure is not None:
+            shown.append([text.procedure_text(procedure)])
+        return shown
 
-    return Done(
-        blocks,
-        {"json": lambda: _record(found, made, here, procedure, output.only),
-         "certificate": lambda: proven},
-        last=partial(say, STOPPED) if stopped_early(found) else None,
-        code=exits.INTERRUPTED if stopped_early(found) else _code(found, output.only),
-    )  # fmt: skip
+    files = {"json": lambda: _record(found, made, here, procedure, output.only), "certificate": lambda: proven}
+    if stopped_early(found):
+        return Done(blocks, files, last=partial(say, STOPPED), code=exits.INTERRUPTED)
+    return Done(blocks, files, code=_code(found, output.only))
+
+
+def _for_parts(options: ExplainOptions, only: str | None) -> ExplainOptions:
+    """The options for the parts that are asked for: how many enclosures, and up to which corank."""
+    if options.evaluations == EVALUATIONS:
+        options = replace(options, evaluations=BUDGET[only])
+    if only == "nearest":
+        options = replace(options, coranks=6)
+    return options
 
 
 def _of_pose(

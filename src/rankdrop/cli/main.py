@@ -27,6 +27,7 @@ try:
     import io
     import traceback
     from collections.abc import Iterator, Sequence
+    from itertools import chain
     from threading import current_thread, main_thread
     from types import FrameType
     from typing import Literal
@@ -230,7 +231,8 @@ def _expand(argv: Sequence[str]) -> list[str]:
     else:
         full = []
     plain = {"--degrees": ["--deg"], "-v": full, "--verbose": full}
-    return [first, *(one for word in words[1:] for one in plain.get(word, [word])), *rest]
+    replaced = chain.from_iterable(plain.get(word, [word]) for word in words[1:])
+    return [first, *replaced, *rest]
 
 
 def _printed_json(words: Sequence[str]) -> Iterator[str]:
@@ -261,28 +263,33 @@ def _run(argv: Sequence[str]) -> int:
             raise
         _close_stdout()  # rich leaves by SystemExit where it prints a help
         return exits.BROKEN_PIPE
-    except Exception as error:
-        if isinstance(error, OSError) and error.errno in _NO_ROOM and error.filename is None:  # files name themselves
-            _close_stdout()
-            say(f"error: stdout: cannot write: {error.strerror}")
-            return exits.BAD_INPUT
-        if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:
-            name = os.fsdecode(error.filename or "")
-            say(f"error: the name of a file is too long; got {len(os.fsencode(name)):,} bytes: {name[:40]!r} …; "
-                "allowed: what the file system takes, most often 255 bytes between two slashes")  # fmt: skip
-            return exits.BAD_INPUT
-        raise
+    except OSError as error:
+        words = _system_words(error)
+        if words is None:
+            raise
+        say(f"error: {words}")
+        return exits.BAD_INPUT
     if isinstance(code, int):
         return code
     return exits.FINE
 
 
+def _system_words(error: OSError) -> str | None:
+    """What to say of stdout that is full, which is closed then, and of too long a name of a file; None of others."""
+    if error.errno in _NO_ROOM and error.filename is None:  # files name themselves
+        _close_stdout()
+        return f"stdout: cannot write: {error.strerror}"
+    if error.errno == errno.ENAMETOOLONG:
+        name = os.fsdecode(error.filename or "")
+        return (f"the name of a file is too long; got {len(os.fsencode(name)):,} bytes: {name[:40]!r} …; "
+                "allowed: what the file system takes, most often 255 bytes between two slashes")  # fmt: skip
+    return None
+
+
 def _in_our_words(error: CycloptsError) -> str:
     text = " ".join(str(error).split())
     if isinstance(error, UnusedCliTokensError):
-        text = f"unexpected argument {', '.join(error.unused_tokens or [])}."
-        if error.unused_tokens and all(re.match(r"[-+−]?[\d.]", word) for word in error.unused_tokens):
-            text += ' Numbers of one option need commas or quotes: --q 0,-60,0 or --q "0 -60 0".'
+        text = _unexpected(error.unused_tokens or [])
     if isinstance(error, UnknownCommandError) and error.unused_tokens and (arm := _arm(error.unused_tokens[0])):
         return f"{arm} is an arm; a command comes first: rankdrop analyze {arm}. See `rankdrop --help`."
     if isinstance(error, MissingArgumentError) and error.argument is not None:
@@ -294,6 +301,14 @@ def _in_our_words(error: CycloptsError) -> str:
     if isinstance(error, UnknownOptionError) and command in app:
         text += f" Allowed: {', '.join(_options(command))}."
     return f"{text} See `{' '.join(['rankdrop', command]).strip()} --help`."
+
+
+def _unexpected(words: Sequence[str]) -> str:
+    """Words that no option takes, with advice where they are numbers."""
+    text = f"unexpected argument {', '.join(words)}."
+    if words and all(re.match(r"[-+−]?[\d.]", word) for word in words):
+        text += ' Numbers of one option need commas or quotes: --q 0,-60,0 or --q "0 -60 0".'
+    return text
 
 
 def _arm(word: str) -> str:
@@ -325,7 +340,8 @@ def _options(command: str) -> list[str]:
     if command.startswith("-") or command not in app:
         return []
     arguments = app[command].assemble_argument_collection()
-    return sorted({name for argument in arguments for name in argument.names if name.startswith("--")})
+    names = chain.from_iterable(argument.names for argument in arguments)
+    return sorted({name for name in names if name.startswith("--")})
 
 
 def _close_stdout() -> None:

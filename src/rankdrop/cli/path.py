@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -31,7 +32,7 @@ from rankdrop.questions import PathOptions, RemedyOptions
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
-    pass
+    from rankdrop.robot import Robot
 
 
 @dataclass(frozen=True)
@@ -221,10 +222,12 @@ def path(
     if source.start is not None:
         start.append(tuple(parse_configuration(source.start, model, deg=source.deg, option="--start")))
     families = _opened_families(source.analysis)
-    if mend.fixed is not None and mend.fixed_as == "input" and not several and paths.holds_poses(named[0], model):
-        paths.check_pose_target(named[0], mend.fixed)
-    own = arm.task is None and arm.length_scale is None
-    question = paths.PathQuestion(None if own else task, families, check, source.deg, source.topic, *start)
+    if not several:
+        _check_target(named[0], model, mend)
+    asked = None
+    if arm.task is not None or arm.length_scale is not None:
+        asked = task
+    question = paths.PathQuestion(asked, families, check, source.deg, source.topic, *start)
     with reporter(quiet=output.quiet) as report:
         if several:
             checked = paths.check_files(model, named, question, out=many.out, workers=many.workers,
@@ -234,10 +237,21 @@ def path(
         result, remedies = paths.check_any_file(model, named[0], question, say=say, progress=progress), None
         if isinstance(result, paths.ProgramCheck):
             return _of_program(result, _line_remedies(result, families, mend), output)
-        if result.complete and (mend.wanted or not result.clear or result.verdict == paths.TOO_FAST):
+        if result.complete and (mend.wanted or _needs_remedy(result)):
             remedies = _mended(result, families, mend, report)
     written = Written(name, named[0], families, source.deg)
     return _of_one(result, remedies, near, families, output, mend, written)
+
+
+def _check_target(file: Path, model: Robot, mend: Remedies) -> None:
+    """Refuse a file for a mended path in the form of its input that poses cannot be written to."""
+    if mend.fixed is not None and mend.fixed_as == "input" and paths.holds_poses(file, model):
+        paths.check_pose_target(file, mend.fixed)
+
+
+def _needs_remedy(check: paths.PathCheck) -> bool:
+    """Whether a path is not free, or too fast."""
+    return not check.clear or check.verdict == paths.TOO_FAST
 
 
 def _line_remedies(
@@ -368,7 +382,6 @@ def _of_one(
     result: paths.PathCheck, remedies: paths.Mending | None, near: covers.ModelTolerance | None,
     families: results.Analysis | None, output: PathOutput, mend: Remedies, written: Written,
 ) -> Done:  # fmt: skip
-    file, fixed = written.source, mend.fixed
     if mend.wanted:
         local, remedies = (None, remedies)
     else:
@@ -377,42 +390,76 @@ def _of_one(
     complete = result.complete and (remedies is None or remedies.complete)
 
     def sections() -> list[Section]:
-        found = [*result.sections(full=output.full, mending=local), *(() if remedies is None else remedies.sections())]
+        found = [*result.sections(full=output.full, mending=local)]
+        if remedies is not None:
+            found += remedies.sections()
         if near is not None:
-            within = f"{near.length * 1e3:g} mm and {near.angle * 1e3:g} mrad"
-            arms = f"for every arm within {within} of this one, joint by joint"
-            found.append(Section("model", f"free {arms}: {'proven' if proven else 'not proven'}"))
+            found.append(_near_section(near, proven=proven))
         return found
 
-    def figure() -> bytes:
-        from rankdrop.report.figures import rendered
-        from rankdrop.report.path_page import path_figure
-
-        return rendered(path_figure(result), Path(output.figure or "").suffix.lower()[1:])
-
-    def page() -> str:
-        from rankdrop.report.path_page import path_page
-
-        return path_page(result)
-
-    files = {
-        "certificate": lambda: paths.path_certificate(result, near if proven else None, file=file)
-        if result.complete else None,
-        "json": lambda: result.to_dict() | ({} if remedies is None else {"remedies": remedies.to_dict()}),
-        "fixed": lambda: None if remedies is None or fixed is None else _fixed(remedies, mend, written),
-        "figure": figure,
-        "html": page,
-        "rows": lambda: paths.rows_file(paths.path_rows(result, families), output.rows or ""),
-    }  # fmt: skip
+    files: dict[str, Callable[[], Any]] = {
+        "certificate": partial(_certificate, result, near if proven else None, written.source),
+        "json": partial(_record, result, remedies),
+        "fixed": partial(_fixed, remedies, mend, written),
+        "figure": partial(_figure, result, output.figure),
+        "html": partial(_page, result),
+        "rows": partial(_rows, result, families, output.rows),
+    }
     return Done(
         sections, files, holds=result.holds and (near is None or proven), complete=complete,
         last=None if complete else partial(say, "interrupted: what was proven so far holds"),
     )  # fmt: skip
 
 
-def _fixed(mending: paths.Mending, mend: Remedies, written: Written) -> bytes | None:
+def _near_section(near: covers.ModelTolerance, *, proven: bool) -> Section:
+    """Whether a path is proven free for every arm near to this one."""
+    within = f"{near.length * 1e3:g} mm and {near.angle * 1e3:g} mrad"
+    arms = f"for every arm within {within} of this one, joint by joint"
+    return Section("model", f"free {arms}: {'proven' if proven else 'not proven'}")
+
+
+def _certificate(
+    check: paths.PathCheck, near: covers.ModelTolerance | None, file: Path
+) -> results.Record | None:
+    """The certificate of a path; None where the check was cut short."""
+    if not check.complete:
+        return None
+    return paths.path_certificate(check, near, file=file)
+
+
+def _record(check: paths.PathCheck, mending: paths.Mending | None) -> dict[str, Any]:
+    """A checked path and its remedies for programs."""
+    record: dict[str, Any] = check.to_dict()
+    if mending is not None:
+        record = record | {"remedies": mending.to_dict()}
+    return record
+
+
+def _figure(check: paths.PathCheck, target: str | None) -> bytes:
+    """The figure of a path in the format of the file's ending."""
+    from rankdrop.report.figures import rendered
+    from rankdrop.report.path_page import path_figure
+
+    return rendered(path_figure(check), Path(target or "").suffix.lower()[1:])
+
+
+def _page(check: paths.PathCheck) -> str:
+    """The page of a path."""
+    from rankdrop.report.path_page import path_page
+
+    return path_page(check)
+
+
+def _rows(check: paths.PathCheck, families: results.Analysis | None, target: str | None) -> Any:
+    """What holds at every row of a path, in the format of the file's ending."""
+    return paths.rows_file(paths.path_rows(check, families), target or "")
+
+
+def _fixed(mending: paths.Mending | None, mend: Remedies, written: Written) -> bytes | None:
     """The mended path; what was done, or why there is none, goes to stderr."""
-    target = mend.fixed or ""
+    target = mend.fixed
+    if mending is None or target is None:
+        return None
     one = mending.best or (mending.remedies[0] if mending.remedies else None)
     if one is None:
         say(f"{target} is not written: {'no remedy was found' if mending.needed else 'the path needs none'}")
@@ -439,8 +486,9 @@ def _given_start(check: paths.PathCheck) -> bool:
 
 
 def _of_several(model: Any, checked: list[dict[str, Any]], files: int, out: str | None) -> Done:
-    for line in (line for one in checked for line in one["said"]):
-        say(line)
+    for one in checked:
+        for line in one["said"]:
+            say(line)
     verdicts, complete = {one["verdict"] for one in checked}, len(checked) == files
     note = f"interrupted: {len(checked)} of {files} files were checked; {kept(out)}"
     return Done(

@@ -86,12 +86,8 @@ def cover(
         return exits.FINE
     if robot is None:
         raise OptionError("no arm is named", where="ROBOT", allowed="a name, a file, or --status FILE")
-    out, certificate = output.out, output.certificate
-    if out == STDOUT:
-        raise OptionError("a covering is not printed", where="--out", got=out, allowed="a file name")
-    if certificate is not None and (out is None or Path(out).resolve().parent != Path(certificate).resolve().parent):
-        raise OptionError("a certificate of a covering refers to its file", where="--certificate", got=certificate,
-                          mend="name the covering with --out, in the same folder")  # fmt: skip
+    out = output.out
+    _check_covering_files(out, output.certificate)
     model, task = open_arm(robot, arm)
     if output.analysis is None:
         families = None
@@ -110,6 +106,19 @@ def cover(
         holds=found.complete and found.holds, complete=not stopped,
         last=partial(say, f"interrupted: {kept(f'{out}.parts' if out else None)}") if stopped else None,
     )  # fmt: skip
+
+
+def _check_covering_files(out: str | None, certificate: str | None) -> None:
+    """Refuse a covering on stdout, and a certificate in another folder than its covering.
+
+    Raises:
+        OptionError: either.
+    """
+    if out == STDOUT:
+        raise OptionError("a covering is not printed", where="--out", got=out, allowed="a file name")
+    if certificate is not None and (out is None or Path(out).resolve().parent != Path(certificate).resolve().parent):
+        raise OptionError("a certificate of a covering refers to its file", where="--certificate", got=certificate,
+                          mend="name the covering with --out, in the same folder")  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -93,12 +93,7 @@ def report(
     from rankdrop.report.figures import check_figures
 
     paper = page.format != "html"
-    if page.figure and not paper:
-        raise OptionError("figures are files", where="--figure", got=page.figure[0],
-                          mend="add --format pdf, png or svg")  # fmt: skip
-    if page.out is not None:
-        page.target("")
-    check_different({"--out": page.out, "--json": output.json})
+    _check_files(page, output)
     analysis, made = _analysis(robot, arm, options, report)
     target = page.target(analysis.robot.name.replace("/", "-"))
     if paper:
@@ -114,6 +109,25 @@ def report(
             say(f"wrote {path}")
     if output.json is not None:
         write_json(analysis.to_dict(), output.json)
+    return _code(shown, analysis)
+
+
+def _check_files(page: ReportOptions, output: Output) -> None:
+    """Refuse files that cannot be written, before the work.
+
+    Raises:
+        OptionError: figures of a page, a target that cannot be written, or one file for two things.
+    """
+    if page.figure and page.format == "html":
+        raise OptionError("figures are files", where="--figure", got=page.figure[0],
+                          mend="add --format pdf, png or svg")  # fmt: skip
+    if page.out is not None:
+        page.target("")
+    check_different({"--out": page.out, "--json": output.json})
+
+
+def _code(shown: Content, analysis: results.Analysis) -> int:
+    """The exit code of a page; where it was cut short that is said."""
     if shown.interrupted or not analysis.complete:
         say("interrupted: the page says what was done")
         return exits.INTERRUPTED

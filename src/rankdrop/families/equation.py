@@ -64,7 +64,7 @@ class Equation:
         object.__setattr__(self, "terms", tuple(self.terms))
         if not self.terms:
             raise OptionError("an equation needs at least one term")
-        lengths = {len(part) for term in self.terms for part in (term.harmonics, term.powers)}
+        lengths = {len(term.harmonics) for term in self.terms} | {len(term.powers) for term in self.terms}
         if len(lengths) != 1:
             raise OptionError("the terms of an equation have different numbers of joints", got=sorted(lengths))
         kinds = {term.kind for term in self.terms} - {"sin", "cos"}

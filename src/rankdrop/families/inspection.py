@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import combinations, product
+from itertools import chain, combinations, product
 from typing import Any
 
 import numpy as np
@@ -116,7 +116,7 @@ def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspectio
         parts = [inspect(problem, q[i : i + each], signatures=signatures) for i in range(0, count, each)]
         names = ("q", "sigma", "exact", "regular", "condition", "tangent")
         arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-        return Inspection(**arrays, signatures=tuple(one for part in parts for one in part.signatures))
+        return Inspection(**arrays, signatures=tuple(chain.from_iterable(part.signatures for part in parts)))
     local = problem.block(q)
     sigma = np.asarray(local.sigma)
     if rank:

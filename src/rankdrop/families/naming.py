@@ -193,7 +193,7 @@ def _explain(structure: Structure, scene: Scene, matter: set[int], corank: int) 
         chosen = []
     if structure.tight and sum(true[i].losses for i in chosen) < corank:
         return [], set()
-    covered = {j for i in chosen for j in breaking[i]}
+    covered = set[int]().union(*(breaking[i] for i in chosen))
     for i in range(len(true)):
         if i not in chosen and breaking[i] - covered:
             chosen.append(i)
@@ -215,7 +215,7 @@ def _losing(facts: Sequence[Fact], breaking: Sequence[set[int]], corank: int) ->
 
 def _compose(facts: Sequence[Fact], tight: bool, corank: int) -> FamilyName:
     """Parts and details; the parts are `independent` where each of several facts is one part's own."""
-    named = {role for fact in facts for role in fact.roles}
+    named = set[ArmPart]().union(*(fact.roles for fact in facts))
     parts = tuple(part for part in ArmPart if part in named)
     if tight and corank > 1 and len(parts) == corank:
         return FamilyName(parts, True, _details([fact for fact in facts if len(fact.roles) != 1]))
@@ -251,7 +251,8 @@ def _aligned(facts: Sequence[Fact]) -> list[Detail]:
 def _relations(facts: Sequence[Fact], told: set[tuple[int, ...]]) -> list[Fact]:
     """What is parallel, then what is perpendicular, but for joints of which more is told."""
     kinds = (Geometry.PARALLEL, Geometry.PERPENDICULAR)
-    return [fact for kind in kinds for fact in facts if fact.geometry is kind and fact.joints not in told]
+    others = [fact for fact in facts if fact.geometry in kinds and fact.joints not in told]
+    return sorted(others, key=lambda fact: kinds.index(fact.geometry))
 
 
 def _parallel_to_bundles(facts: Sequence[Fact], own: Sequence[Fact]) -> list[Detail]:
@@ -312,13 +313,18 @@ def distinct_names(
         places = [place for place, other in enumerate(words) if other == same]
         texts = [conditions[place]() for place in places]
         for number, place in enumerate(places):
-            others = {text for k, one in enumerate(texts) if k != number for text in one}
-            own = [text for text in texts[number] if text not in others and len(text) <= _SHORT]
-            if own:
-                result[place] = replace(names[place], condition=own[0])
-            else:
+            own = _own_condition(texts, number)
+            if own is None:
                 result[place] = replace(names[place], ordinal=number + 1)
+            else:
+                result[place] = replace(names[place], condition=own)
     return shortened(result)
+
+
+def _own_condition(texts: Sequence[Sequence[str]], number: int) -> str | None:
+    """The first short condition that only one of several families has."""
+    others = set[str]().union(*(one for k, one in enumerate(texts) if k != number))
+    return next((text for text in texts[number] if text not in others and len(text) <= _SHORT), None)
 
 
 LONGEST = 60

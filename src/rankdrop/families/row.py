@@ -39,6 +39,20 @@ FURTHER = 1e-11  # |f| of the equations beyond the independent ones at a solutio
 STARTS = 400  # random starts of a soundness test
 
 
+def _product_of_differences(covector: Sequence[int], values: Sequence[float]) -> Equation:
+    """Π (u − v) over the values v of a joint that slides, written as a sum; u = covector·q."""
+    n, count = len(covector), len(values)
+    j = next(i for i, m in enumerate(covector) if m)
+    coefficients = np.poly(np.asarray(values, dtype=np.float64) * covector[j])
+    terms = []
+    for k, coefficient in enumerate(coefficients):
+        if coefficient:
+            powers = [0] * n
+            powers[j] = count - k
+            terms.append(Term(float(coefficient), "cos", (0,) * n, tuple(powers)))
+    return Equation(tuple(terms))
+
+
 def vanishing_on(covector: Sequence[int], values: Sequence[float], *, periodic: bool) -> Equation:
     """The simplest equation that holds exactly where covector·q takes one of `values`.
 
@@ -57,10 +71,7 @@ def vanishing_on(covector: Sequence[int], values: Sequence[float], *, periodic: 
     if not values:
         raise OptionError("a condition needs at least one value")
     if not periodic:
-        j = next(i for i, m in enumerate(covector) if m)
-        coefficients = np.poly(np.asarray(values, dtype=np.float64) * covector[j])
-        powers = [tuple((count - k) * int(i == j) for i in range(len(covector))) for k in range(count + 1)]
-        return Equation(tuple(Term(float(c), "cos", zero, p) for c, p in zip(coefficients, powers, strict=True) if c))
+        return _product_of_differences(covector, values)
     half = [int(m) for m in covector]
     if count == 1 or (count == 2 and abs(np.cos(values[0] - values[1]) + 1) < 1e-15):
         phase = float(values[0] / 2 if count == 1 else values[0] if -pi / 2 < values[0] < pi / 2 else values[1])

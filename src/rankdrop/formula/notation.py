@@ -173,18 +173,34 @@ def _rank(factor: Factor) -> tuple[Any, ...]:
 
 def _place(part: Product) -> tuple[Any, ...]:
     """Where a product stands in a sum: by its lengths, then slides, then angles; pure numbers come last."""
-    lengths = [f.name for f, power in part.factors for _ in range(power) if isinstance(f, Symbol) and not f.slide]
-    slides = [f.slide for f, power in part.factors for _ in range(power) if isinstance(f, Symbol) and f.slide]
-    waves = [(f.turns, f.kind) for f, power in part.factors for _ in range(power) if isinstance(f, Wave)]
-    sums = [_rank(f) for f, _ in part.factors if isinstance(f, Sum)]
-    return (not lengths, lengths, not slides, [-j for j in slides], not waves and not sums, waves, sums)
+    lengths: list[str] = []
+    slides: list[int] = []
+    waves: list[Any] = []
+    sums: list[Any] = []
+    for factor, power in part.factors:
+        if isinstance(factor, Symbol) and factor.slide:
+            slides += [-factor.slide] * power
+        elif isinstance(factor, Symbol):
+            lengths += [factor.name] * power
+        elif isinstance(factor, Wave):
+            waves += [(factor.turns, factor.kind)] * power
+        else:
+            sums.append(_rank(factor))
+    return (not lengths, lengths, not slides, slides, not waves and not sums, waves, sums)
 
 
 def is_number(factor: Factor) -> bool:
     """Whether a factor is a number: a root, or a sum of products of roots."""
     if isinstance(factor, Sum):
-        return all(is_number(inner) for part in factor.parts for inner, _ in part.factors)
+        return all(map(is_number, factors_of(factor.parts)))
     return isinstance(factor, Symbol) and factor.name in ROOTS and not factor.slide
+
+
+def factors_of(parts: Iterable[Product]) -> Iterator[Factor]:
+    """The factors of each of several products, without their powers."""
+    for part in parts:
+        for factor, _ in part.factors:
+            yield factor
 
 
 def half_of(form: Product, ring: Ring) -> Form:
@@ -340,6 +356,11 @@ def _too_long(value: Fraction) -> bool:
     return max(abs(value.numerator), value.denominator) > LONG
 
 
+def _are_doubles(parts: Iterable[Product]) -> bool:
+    """Whether the number of every product is what its double prints."""
+    return all(Fraction(repr(float(part.number))) == part.number for part in parts)
+
+
 def _rescaled(form: Product, exact: bool, every: bool) -> Product:
     """Sums divided by their largest number: those with long numbers, or every one."""
     number = form.number
@@ -350,7 +371,7 @@ def _rescaled(form: Product, exact: bool, every: bool) -> Product:
             most = max(abs(part.number) for part in parts)
             if every or any(_too_long(part.number) for part in parts):
                 divided = [Product(part.number / most, part.factors) for part in parts]
-                if not exact or most > EXACT or all(Fraction(repr(float(p.number))) == p.number for p in divided):
+                if not exact or most > EXACT or _are_doubles(divided):
                     parts, number = divided, number * most**power
             factors.append((Sum(tuple(parts)), power))
         else:
@@ -522,8 +543,9 @@ def describe_sum(factor: Factor) -> str:
     """What a sum in brackets holds: "120 sines and cosines of θ2, θ3, θ5"."""
     inside = [*_leaves(factor)]
     waves = [one for one in inside if isinstance(one, Wave)]
-    joints = {f"θ{j}" for one in waves for j, _ in one.turns}
-    joints |= {f"q{one.slide}" for one in inside if isinstance(one, Symbol) and one.slide}
+    joints = {f"q{one.slide}" for one in inside if isinstance(one, Symbol) and one.slide}
+    for one in waves:
+        joints |= {f"θ{j}" for j, _ in one.turns}
     return f"{len(waves)} sines and cosines, of {', '.join(sorted(joints, key=lambda name: int(name[1:])))}"
 
 

@@ -213,6 +213,15 @@ class _Reader:
         self.at += 1
         return Fraction(digits)
 
+    def name_or_wave(self, token: Node) -> Node:
+        """A name that was taken, or the sine or cosine that begins with it."""
+        bracket = self.token.name == "(" or self.token.kind == "raised"
+        if token.name in ("sin", "cos") or (token.name in WAVES and bracket and token.name not in self.letters):
+            return self.wave(token)
+        if self.token.name == "(" and token.name not in self.letters and not _KNOWN.fullmatch(token.name):
+            raise wrong(self.text, token.place, f"there is no function {token.name}", allowed="sin, cos, s, c")
+        return token
+
     def primary(self) -> Node:
         token = self.token
         if token.kind == "number":
@@ -220,12 +229,7 @@ class _Reader:
             return Node("number", token.place, number=self.value(token))
         if token.kind == "name" and token.name not in ("and", "or"):
             self.at += 1
-            bracket = self.token.name == "(" or self.token.kind == "raised"
-            if token.name in ("sin", "cos") or (token.name in WAVES and bracket and token.name not in self.letters):
-                return self.wave(token)
-            if self.token.name == "(" and token.name not in self.letters and not _KNOWN.fullmatch(token.name):
-                raise wrong(self.text, token.place, f"there is no function {token.name}", allowed="sin, cos, s, c")
-            return token
+            return self.name_or_wave(token)
         if self.take("±"):
             return Node("±", token.place, (self.power(),))
         if token.name == "(":
@@ -395,22 +399,26 @@ class Meaning:
         if node.kind == "+":
             return reduce(_combined, (self.angle(part) for part in node.parts))
         if node.kind == "*":
-            number, kept = Fraction(1), {ONE: Fraction(1)}
-            for part in node.parts:
-                one = self.angle(part.parts[0] if part.kind == "/" else part)
-                plain = one.keys() <= {ONE}
-                if part.kind == "/":
-                    if not plain or not one:
-                        raise wrong(self.text, part.place, "an angle is divided by numbers only, not by 0")
-                    number /= one[ONE]
-                elif plain:
-                    number *= one.get(ONE, Fraction(0))
-                elif kept.keys() - {ONE}:
-                    raise wrong(self.text, part.place, "angles are multiplied by numbers only")
-                else:
-                    kept = one
-            return _combined({}, kept, number)
+            return self.multiple_of_angle(node)
         raise wrong(self.text, node.place, "this is no angle", allowed="multiples of joint angles, pi, numbers")
+
+    def multiple_of_angle(self, node: Node) -> Angle:
+        """A product as an angle: numbers, and one angle at most."""
+        number, kept = Fraction(1), {ONE: Fraction(1)}
+        for part in node.parts:
+            one = self.angle(part.parts[0] if part.kind == "/" else part)
+            plain = one.keys() <= {ONE}
+            if part.kind == "/":
+                if not plain or not one:
+                    raise wrong(self.text, part.place, "an angle is divided by numbers only, not by 0")
+                number /= one[ONE]
+            elif plain:
+                number *= one.get(ONE, Fraction(0))
+            elif kept.keys() - {ONE}:
+                raise wrong(self.text, part.place, "angles are multiplied by numbers only")
+            else:
+                kept = one
+        return _combined({}, kept, number)
 
     def named_angle(self, node: Node) -> Angle:
         """π, q3 or θ3."""
@@ -504,6 +512,16 @@ class Meaning:
             raise wrong(self.text, node.place, "a condition is divided by numbers only, not by 0")
         return self.number(1 / form.f.coeffs()[0] * self.ring.half.constant(1))
 
+    def wave_of_sum(self, name: str) -> Wave | None:
+        """The sine or cosine that a name like s23 stands for; None for another name, or joints that do not turn."""
+        match = re.fullmatch(r"([sc])([1-9]+)", name)
+        if match is None:
+            return None
+        joints = sorted(int(digit) for digit in match[2])
+        if len(set(joints)) < len(joints) or not set(joints) <= set(self.ring.revolute):
+            return None
+        return Wave("sin" if match[1] == "s" else "cos", tuple((j, 2) for j in joints))
+
     def named(self, node: Node) -> Parsed:
         """A length, the variable of a slide, or s23."""
         ring, name = self.ring, node.name
@@ -512,13 +530,9 @@ class Meaning:
         joint = self.joint(node)
         if joint is not None and joint in ring.prismatic:
             return self.number(ring.q_half[joint])
-        match = re.fullmatch(r"([sc])([1-9]+)", name)
-        if match is not None:
-            joints = [int(digit) for digit in match[2]]
-            if len(set(joints)) == len(joints) and set(joints) <= set(ring.revolute):
-                kind = "sin" if match[1] == "s" else "cos"
-                one = Wave(kind, tuple((j, 2) for j in sorted(joints)))
-                return Parsed(half_of(Product(Fraction(1), ((one, 1),)), ring))
+        of_sum = self.wave_of_sum(name)
+        if of_sum is not None:
+            return Parsed(half_of(Product(Fraction(1), ((of_sum, 1),)), ring))
         if joint is not None:
             raise wrong(self.text, node.place, "an angle stands inside sin or cos, or alone in an equation of angles")
         allowed = [*ring.letters, *(f"q{j}" for j in ring.prismatic)]

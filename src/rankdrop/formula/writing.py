@@ -51,6 +51,7 @@ from rankdrop.formula.notation import (
     Text,
     Wave,
     derivative,
+    factors_of,
     fourier,
     half_of,
     number_of,
@@ -152,7 +153,7 @@ def _halved(factor: Factor) -> tuple[tuple[int, int], ...] | None:
             return factor.turns
         return None
     if isinstance(factor, Sum) and len(factor.parts) == 2:
-        waves = [f for part in factor.parts for f, _ in part.factors]
+        waves = [*factors_of(factor.parts)]
         if len(waves) == 2 and all(isinstance(f, Wave) for f in waves):
             return _halved(waves[0])
     return None
@@ -328,7 +329,7 @@ def _times(one: Product, two: Product) -> Product:
 def gathered(form: Product) -> Product:
     """A sum with common factors put before brackets, the one that saves most first."""
     parts = parts_of(form)
-    counts = Counter(factor for part in parts for factor, _ in part.factors if not isinstance(factor, Sum))
+    counts = Counter(factor for factor in factors_of(parts) if not isinstance(factor, Sum))
     common, count = next(iter(counts.most_common(1)), (Symbol(""), 0))
     if count < 2:
         return form
@@ -586,10 +587,11 @@ def _equation(
         half = np.zeros(n)
     else:
         half = np.asarray(shifts, dtype=np.float64) / 2
-    return normalised(
-        Term(value, kind, harmonics, powers, 0.0 - float(sum(m * x for m, x in zip(harmonics, half, strict=True))))
-        for (kind, harmonics, powers), value in found.items()
-    )
+    terms = []
+    for (kind, multiples, exponents), value in found.items():
+        phase = float(sum(m * x for m, x in zip(multiples, half, strict=True)))
+        terms.append(Term(value, kind, multiples, exponents, 0.0 - phase))
+    return normalised(terms)
 
 
 def _largest(waves: Sequence[Product]) -> Fraction:
@@ -622,7 +624,7 @@ def _sides(form: Product, notation: Text) -> str:
     """… = 0, or A = B where half angles make two terms of opposite sign."""
     parts = notation.parts(form)
     if len(parts) == 2 and parts[0].number > 0 > parts[1].number:
-        waves = [factor for part in parts for factor, _ in part.factors if isinstance(factor, Wave)]
+        waves = [factor for factor in factors_of(parts) if isinstance(factor, Wave)]
         if any(wave.halved for wave in waves):
             return f"{notation.product(parts[0])} = {notation.product(parts[1])}"
     return f"{notation.zero(form)} = 0"

@@ -104,7 +104,8 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
     found = [one for one in _candidates(robot, q, turns, moves) if (one.part, one.joint) not in always]
     exact = [one for one in found if one.exact]
     chosen = exact or sorted(found, key=lambda one: one.off)[: max(corank, 1)]
-    return tuple(one for part in Part for one in chosen if one.part is part)
+    order = [*Part]
+    return tuple(sorted(chosen, key=lambda one: order.index(one.part)))
 
 
 @once
@@ -113,6 +114,16 @@ def _always(robot: Robot, turns: bool, moves: bool) -> frozenset[tuple[Part, int
     draws = np.random.default_rng(3).uniform(-pi, pi, (_STRUCTURE, robot.n))
     seen = [{(one.part, one.joint) for one in _candidates(robot, q, turns, moves) if one.exact} for q in draws]
     return frozenset(set.intersection(*seen))
+
+
+def _triples(count: int, turns: bool) -> list[tuple[Part, int]]:
+    """Parts that are three axes in a row, with the middle one, of an arm of so many axes; the wrist where it turns."""
+    found = []
+    if turns and count >= 5:
+        found.append((Part.WRIST, count - 2))
+    if count >= ARM_AXES:
+        found.append((Part.SHOULDER, count - ARM_AXES + 1))
+    return found
 
 
 def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Special]:
@@ -134,12 +145,7 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
     elif moves and (turn := arm.elbow_turn(tip)) is not None:
         shape = Shape.STRETCHED if abs(turn) <= pi / 2 else Shape.FOLDED
         yield _measured(Part.ELBOW, shape, joints[elbow], values[elbow], turn)
-    ends = []
-    if turns and len(axes) >= 5:
-        ends.append((Part.WRIST, len(axes) - 2))
-    if len(axes) >= ARM_AXES:
-        ends.append((Part.SHOULDER, len(axes) - ARM_AXES + 1))
-    for part, middle in ends:
+    for part, middle in _triples(len(axes), turns):
         turn = arm.turn(middle)
         if turn is not None:
             yield _measured(part, Shape.JOINT, joints[middle], values[middle], turn)

@@ -149,24 +149,14 @@ def curve(
     """
     if len(q) == 1:
         q = np.repeat(q, 2, axis=0)
-        if times is None:
-            times = None
-        else:
+        if times is not None:
             times = np.repeat(times, 2)
         velocities, accelerations, interpolate = None, None, "linear"
     start, end = q[:-1], q[1:]
     if interpolate == "linear":
         return Curve(np.stack([start, end], axis=1), times)
-    needed = {"times": times, "velocities": velocities}
-    if interpolate == "quintic":
-        needed["accelerations"] = accelerations
-    missing = [name for name, value in needed.items() if value is None]
-    if missing or times is None or velocities is None:
-        raise OptionError(
-            f"{interpolate} interpolation needs {' and '.join(missing)}", where="interpolate", got=interpolate,
-            mend=f"give {' and '.join(missing)}, or interpolate='linear'",
-            typed=f"a file with {' and '.join(missing)}, or --interpolate linear",
-        )  # fmt: skip
+    if times is None or velocities is None or (interpolate == "quintic" and accelerations is None):
+        raise _not_given(interpolate, {"times": times, "velocities": velocities, "accelerations": accelerations})
     dt = np.diff(times)[:, None]
     v0, v1 = velocities[:-1] * dt, velocities[1:] * dt
     if interpolate == "cubic" or accelerations is None:
@@ -178,6 +168,19 @@ def curve(
         ),
         times,
     )
+
+
+def _not_given(interpolate: str, given: dict[str, Array | None]) -> OptionError:
+    """The error that says which of the quantities an interpolation needs are not given."""
+    needed = ["times", "velocities"]
+    if interpolate == "quintic":
+        needed.append("accelerations")
+    missing = " and ".join(name for name in needed if given[name] is None)
+    return OptionError(
+        f"{interpolate} interpolation needs {missing}", where="interpolate", got=interpolate,
+        mend=f"give {missing}, or interpolate='linear'",
+        typed=f"a file with {missing}, or --interpolate linear",
+    )  # fmt: skip
 
 
 def halves(control: Array) -> Array:

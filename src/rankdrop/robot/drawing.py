@@ -130,24 +130,21 @@ class Drawing:
                 raise RobotError("there is no such number", where=where, got=repr(text),
                                  allowed=", ".join(f"{part}.{one}" for one in FRAME))  # fmt: skip
             return Place(part, key, sign)
+        name = self._joint_named(part)
+        if name in self._joints and key in self._keys:
+            return Place(name, key, sign)
+        ends = f"tool or base with {', '.join(FRAME)}"
+        if not self._keys:
+            raise RobotError("of this robot only tool and base can be set", where=where, got=repr(text), allowed=ends)
+        joints = f"JOINT.KEY with JOINT one of {', '.join(self._joints)} and KEY one of {', '.join(self._keys)}"
+        raise RobotError("there is no such number", where=where, got=repr(text), allowed=f"{joints}; {ends}")
+
+    def _joint_named(self, part: str) -> str:
+        """The name of a joint that is given by its number, from 1; else what was given."""
         names = self._joints
-        if part.isdecimal() and len(part) <= len(str(len(names))):
-            number = int(part)
-        else:
-            number = 0
-        if 1 <= number <= len(names):
-            name = names[number - 1]
-        else:
-            name = part
-        if name not in names or key not in self._keys:
-            if not self._keys:
-                what = "of this robot only tool and base can be set"
-            else:
-                what = "there is no such number"
-            joints = f"JOINT.KEY with JOINT one of {', '.join(names)} and KEY one of {', '.join(self._keys)}; "
-            allowed = f"{joints if self._keys else ''}tool or base with {', '.join(FRAME)}"
-            raise RobotError(what, where=where, got=repr(text), allowed=allowed)
-        return Place(name, key, sign)
+        if part.isdecimal() and len(part) <= len(str(len(names))) and 1 <= int(part) <= len(names):
+            return names[int(part) - 1]
+        return part
 
     @cached_property
     def _joints(self) -> tuple[str, ...]:

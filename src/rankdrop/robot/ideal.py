@@ -7,7 +7,7 @@ arm gains structure, and `structure_words` says what that is.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
 from math import ceil, degrees, floor, log10, pi, radians
@@ -259,22 +259,33 @@ def _round_up(value: float, unit: float) -> float:
 def _holding(robot: Robot) -> list[_Fact]:
     numbers = numbers_of(robot, angle=NOTHING, length=NOTHING)
     slides = [joint.slides for joint in robot.joints]
-    found: list[_Fact] = []
+    return [*_points(numbers, slides), *_parallels(numbers, slides), *_pairs(numbers, slides)]
+
+
+def _points(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[_Fact]:
+    """Three joints in a row that turn about axes through one point."""
     for i in range(len(numbers) - 2):
         if not any(slides[i : i + 3]) and _point(numbers, i):
-            found.append(("point", (i + 1, i + 2, i + 3)))
+            yield "point", (i + 1, i + 2, i + 3)
+
+
+def _parallels(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[_Fact]:
+    """Pairs of parallel axes in a row, and runs of them without an offset along them."""
     for run in parallel_runs(numbers):
-        found += [("parallel", (i + 1, j + 1)) for i, j in pairwise(run)]
+        yield from (("parallel", (i + 1, j + 1)) for i, j in pairwise(run))
         inside = run[0] > 0 and run[-1] < len(numbers) - 1 and not any(slides[k] for k in run)
         if inside and abs(sum(along(numbers, run))) < NOTHING:
-            found.append(("flush", tuple(k + 1 for k in run)))
+            yield "flush", tuple(k + 1 for k in run)
+
+
+def _pairs(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[_Fact]:
+    """Pairs of axes in a row that are one line, meet, or stand at right angles."""
     for i, (one, _) in enumerate(pairwise(numbers)):
         pair = (i + 1, i + 2)
         if abs(one.a) < NOTHING and not slides[i] and not slides[i + 1]:
-            found.append(("common", pair) if parallel(one.twist) else ("meeting", pair))
+            yield ("common", pair) if parallel(one.twist) else ("meeting", pair)
         if abs(abs(one.twist) - pi / 2) < NOTHING:
-            found.append(("square", pair))
-    return found
+            yield "square", pair
 
 
 def _point(numbers: Sequence[Numbers], i: int) -> bool:
@@ -283,26 +294,40 @@ def _point(numbers: Sequence[Numbers], i: int) -> bool:
     return all(abs(x) < NOTHING for x in lengths) and not parallel(first.twist) and not parallel(middle.twist)
 
 
+_SAID = {
+    "parallel": "axes {} parallel", "common": "axes {} on one line", "meeting": "axes {} meeting",
+    "square": "axes {} at right angles", "flush": "no offset along axes {}",
+}  # fmt: skip
+"""Relation of axes -> its words, in this order."""
+
+
 def _merged(facts: Sequence[_Fact], n: int) -> list[str]:
     points = [joints for what, joints in facts if what == "point"]
     names: dict[tuple[int, ...], str] = {(1, 2, 3): "a spherical shoulder"} if n > 3 else {}
     names[n - 2, n - 1, n] = "a spherical wrist"
     points.sort(key=lambda joints: (joints not in names, -joints[0]))
     words = [names.get(joints, f"axes {_listed(joints)} in one point") for joints in points]
-    within = {pair for joints in points for pair in pairwise(joints)} | {(joints[1],) for joints in points}
-    said = {"parallel": "axes {} parallel", "common": "axes {} on one line", "meeting": "axes {} meeting",
-            "square": "axes {} at right angles", "flush": "no offset along axes {}"}  # fmt: skip
-    for what, text in said.items():
+    within = _in_points(points)
+    for what, text in _SAID.items():
         kept = [joints for kind, joints in facts if kind == what]
-        for joints in _chained(kept) if what in ("parallel", "common") else kept:
+        if what in ("parallel", "common"):
+            kept = _chained(kept)
+        for joints in kept:
+            if joints in within and what != "square":
+                continue
             if what == "flush" and len(joints) == 1:
-                if joints in within:
-                    words += []
-                else:
-                    words += [f"no offset along axis {joints[0]}"]
-            elif joints not in within or what == "square":
+                words.append(f"no offset along axis {joints[0]}")
+            else:
                 words.append(text.format(_listed(joints)))
     return words
+
+
+def _in_points(points: Iterable[tuple[int, ...]]) -> set[tuple[int, ...]]:
+    """Axes of which more is said already, of three axes in one point: pairs of them, and the one in the middle."""
+    within: set[tuple[int, ...]] = set()
+    for joints in points:
+        within |= {*pairwise(joints), (joints[1],)}
+    return within
 
 
 def _chained(pairs: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:

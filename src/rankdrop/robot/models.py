@@ -159,20 +159,7 @@ def from_pinocchio(model: Any, *, base: str | None = None, tip: str | None = Non
     """
     pin = _package("pinocchio", "pin", "cross")
     name = visible(str(model.name)) or "robot"
-    places: dict[str, tuple[int, Array]] = {}  # link -> joint that carries it, pose in its frame
-    nodes = ["universe", *(f"after {joint}" for joint in list(model.names)[1:])]
-    for frame in model.frames:
-        if frame.type not in (pin.FrameType.BODY, pin.FrameType.OP_FRAME):
-            continue
-        pose = frame.placement.homogeneous
-        if hasattr(frame, "parentJoint"):
-            carrier = frame.parentJoint
-        else:
-            carrier = frame.parent
-        unnamed = nodes[carrier] == ("universe" if carrier == 0 else f"after {model.names[carrier]}")
-        if unnamed and (pose == np.eye(4)).all():
-            nodes[carrier] = frame.name
-        places.setdefault(frame.name, (carrier, pose))
+    nodes, places = _pinocchio_links(pin, model)
     links = dict.fromkeys([*nodes, *places], 0)
     joints = {}
     for i in range(1, model.njoints):
@@ -197,6 +184,30 @@ def from_pinocchio(model: Any, *, base: str | None = None, tip: str | None = Non
     ends = replace(ends, base=base or ends.base)
     return chain_robot(tree, ends, "pinocchio", lambda joint: _pinocchio_motion(pin, model, joint, tree),
                        Angles(as_written), [], (start, last))  # fmt: skip
+
+
+def _pinocchio_links(pin: Any, model: Any) -> tuple[list[str], dict[str, tuple[int, Array]]]:
+    """The link that each joint carries: the first frame at its place, else named after it; and the place of each frame.
+
+    Returns:
+        Names of links, one for each joint and the universe first; link -> (number of the joint that carries it, its
+        pose (4, 4) in the frame of that joint).
+    """
+    places: dict[str, tuple[int, Array]] = {}
+    nodes = ["universe", *(f"after {joint}" for joint in list(model.names)[1:])]
+    for frame in model.frames:
+        if frame.type not in (pin.FrameType.BODY, pin.FrameType.OP_FRAME):
+            continue
+        pose = frame.placement.homogeneous
+        if hasattr(frame, "parentJoint"):
+            carrier = frame.parentJoint
+        else:
+            carrier = frame.parent
+        unnamed = nodes[carrier] == ("universe" if carrier == 0 else f"after {model.names[carrier]}")
+        if unnamed and (pose == np.eye(4)).all():
+            nodes[carrier] = frame.name
+        places.setdefault(frame.name, (carrier, pose))
+    return nodes, places
 
 
 def to_pinocchio(robot: Robot) -> Any:
@@ -241,19 +252,7 @@ def _pinocchio_motion(pin: Any, model: Any, joint: TreeJoint, tree: Tree) -> Mot
                          mend="name a base below it")  # fmt: skip
     data = own.createData()
     own.calc(data, pin.neutral(model))
-    v, omega = np.split(np.asarray(data.S).reshape(6), 2)
-    if v.any():
-        turning = JointKind.HELICAL
-    else:
-        turning = JointKind.REVOLUTE
-    if omega.any():
-        kind = turning
-    else:
-        kind = JointKind.PRISMATIC
-    if kind is JointKind.PRISMATIC:
-        axis, pitch = (v, 0.0)
-    else:
-        axis, pitch = (omega, float(v @ omega))
+    kind, axis, pitch = _kind_of_motion(np.asarray(data.S).reshape(6))
     lower, upper = -inf, inf
     if own.nq == 1:  # else it turns for ever, and the limits are those of a cosine and a sine
         most = RANGE[kind.measure]
@@ -266,6 +265,18 @@ def _pinocchio_motion(pin: Any, model: Any, joint: TreeJoint, tree: Tree) -> Mot
     rate = velocity if 0.0 < velocity <= RANGE["angle"] else inf  # 0 and huge numbers: not known
     return Motion(model.jointPlacements[i].homogeneous, kind, axis, pitch=pitch, lower=lower, upper=upper,
                   velocity=rate)  # fmt: skip
+
+
+def _kind_of_motion(screw: Array) -> tuple[JointKind, Array, float]:
+    """What a joint with the screw (v; ω), (6,), is: its kind, its axis (3,), and its pitch vᵀω [m/rad]."""
+    v, omega = np.split(screw, 2)
+    if not omega.any():
+        return JointKind.PRISMATIC, v, 0.0
+    if v.any():
+        kind = JointKind.HELICAL
+    else:
+        kind = JointKind.REVOLUTE
+    return kind, omega, float(v @ omega)
 
 
 def from_toolbox(model: Any, *, end: str | None = None, as_written: bool = False) -> Robot:
@@ -301,23 +312,28 @@ def from_toolbox(model: Any, *, end: str | None = None, as_written: bool = False
     pose = np.eye(4)
     joints: list[Joint] = []
     for item in transforms:
-        if not item.isjoint:
+        if item.isjoint:
+            joints.append(_toolbox_joint(item, f"joint{len(joints) + 1}", pose))
+        else:
             pose = pose @ rigid(item.A(), place)
-            continue
-        letters = str(item.kind if hasattr(item, "kind") else item.axis)  # version 1.4 renamed it
-        direction = pose[:3, "xyz".index(letters[-1])] * (-1.0 if item.isflip else 1.0)
-        if letters[0] == "t":
-            kind = JointKind.PRISMATIC
-        else:
-            kind = JointKind.REVOLUTE
-        screw = screw_of(kind, direction, pose[:3, 3])
-        if item.qlim is None:
-            lower, upper = (-inf, inf)
-        else:
-            lower, upper = (float(x) for x in np.ravel(item.qlim)[:2])
-        joints.append(Joint(f"joint{len(joints) + 1}", kind, screw, lower, upper, inf, pose))
     found = Robot(name, tuple(joints), pose, source=Source("toolbox", place))
     return as_intended(found, Angles(as_written))
+
+
+def _toolbox_joint(item: Any, name: str, pose: Array) -> Joint:
+    """The joint of an elementary transform that moves, at the pose (4, 4) that the ones before it give."""
+    letters = str(item.kind if hasattr(item, "kind") else item.axis)  # version 1.4 renamed it
+    direction = pose[:3, "xyz".index(letters[-1])] * (-1.0 if item.isflip else 1.0)
+    if letters[0] == "t":
+        kind = JointKind.PRISMATIC
+    else:
+        kind = JointKind.REVOLUTE
+    screw = screw_of(kind, direction, pose[:3, 3])
+    if item.qlim is None:
+        lower, upper = (-inf, inf)
+    else:
+        lower, upper = (float(x) for x in np.ravel(item.qlim)[:2])
+    return Joint(name, kind, screw, lower, upper, inf, pose)
 
 
 def to_toolbox(robot: Robot) -> Any:
@@ -396,28 +412,10 @@ def to_yourdfpy(robot: Robot) -> Any:
     for joint, step, axis, link in items:
         origin = np.eye(4)
         origin[:3, 3] = step
-        free = joint.lower == -inf and joint.upper == inf
-        most = 2.0 * RANGE[joint.kind.measure]  # what is beyond the range reads as no limit
-        lower, upper = max(joint.lower, -most), min(joint.upper, most)
-        if joint.velocity == inf:
-            rate = None
-        else:
-            rate = joint.velocity
-        limit = yourdfpy.urdf.Limit(effort=0.0, velocity=rate, lower=lower, upper=upper)
+        kind, limit = _yourdfpy_limit(yourdfpy, joint)
         follows = None
         if joint.mimic is not None:
             follows = yourdfpy.urdf.Mimic(joint.mimic.leader, joint.mimic.multiplier, joint.mimic.offset)
-        if joint.slides:
-            kind = "prismatic"
-        elif free:
-            kind = "continuous"
-        else:
-            kind = "revolute"
-        if kind == "continuous":
-            if rate is None:
-                limit = None
-            else:
-                limit = yourdfpy.urdf.Limit(effort=0.0, velocity=rate)
         joints.append(yourdfpy.Joint(joint.name, kind, links[-1].name, link, origin, axis.copy(),
                                      limit=limit, mimic=follows))  # fmt: skip
         links.append(yourdfpy.Link(link))
@@ -429,6 +427,22 @@ def to_yourdfpy(robot: Robot) -> Any:
     links.append(yourdfpy.Link(robot.tip))
     record = yourdfpy.Robot(robot.name, links, joints)
     return yourdfpy.URDF(robot=record, load_meshes=False, load_collision_meshes=False)
+
+
+def _yourdfpy_limit(yourdfpy: Any, joint: Joint) -> tuple[str, Any]:
+    """The type of a joint in URDF and its limit; None where a joint that turns for ever has no largest rate."""
+    most = 2.0 * RANGE[joint.kind.measure]  # what is beyond the range reads as no limit
+    lower, upper = max(joint.lower, -most), min(joint.upper, most)
+    rate = None
+    if joint.velocity != inf:
+        rate = joint.velocity
+    if joint.slides:
+        return "prismatic", yourdfpy.urdf.Limit(effort=0.0, velocity=rate, lower=lower, upper=upper)
+    if joint.lower != -inf or joint.upper != inf:
+        return "revolute", yourdfpy.urdf.Limit(effort=0.0, velocity=rate, lower=lower, upper=upper)
+    if rate is None:
+        return "continuous", None
+    return "continuous", yourdfpy.urdf.Limit(effort=0.0, velocity=rate)
 
 
 def _urdf_element(joint: Any) -> Element:

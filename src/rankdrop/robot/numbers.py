@@ -643,25 +643,25 @@ def _note(angles: Sequence[float], changes: Sequence[Change]) -> str:
         else:
             means = "the multiples of 15° they round"
         parts.append(f"{count(len(angles), 'angle')} read as {means}, at most {max(angles):.2g} rad")
-    turned = [change.by for change in changes if change.turns]
-    moved = [change.by for change in changes if not change.turns]
     if changes:
-        if turned:
-            what = [count(len(turned), "axis", "axes")]
-        else:
-            what = []
-        if moved:
-            what += [count(len(moved), "length")]
-        if turned:
-            most = [f"{max(turned):.2g} rad"]
-        else:
-            most = []
-        if moved:
-            most += [f"{max(moved) * 1e6:.2g} µm"]
-        parts.append(f"{' and '.join(what)} squared, at most {', '.join(most)}")
+        parts.append(_squared_words(changes))
     if parts:
         return "; ".join([*parts, "--as-written keeps the file's numbers"])
     return ""
+
+
+def _squared_words(changes: Sequence[Change]) -> str:
+    """How many axes and lengths were squared, and by how much at most."""
+    turned = [change.by for change in changes if change.turns]
+    moved = [change.by for change in changes if not change.turns]
+    what, most = [], []
+    if turned:
+        what.append(count(len(turned), "axis", "axes"))
+        most.append(f"{max(turned):.2g} rad")
+    if moved:
+        what.append(count(len(moved), "length"))
+        most.append(f"{max(moved) * 1e6:.2g} µm")
+    return f"{' and '.join(what)} squared, at most {', '.join(most)}"
 
 
 FAR_SLIDE = 10.0

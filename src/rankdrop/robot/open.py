@@ -6,7 +6,7 @@ import difflib
 import re
 import tomllib
 import unicodedata
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import import_module, resources
@@ -272,10 +272,11 @@ def search_catalog(text: str) -> tuple[CatalogEntry, ...]:
     """
     words = [_plain(word) for word in text.split()]
 
-    def told(entry: CatalogEntry) -> str:
-        return _plain(" ".join((entry.name, *entry.aliases, entry.maker, entry.about)))
+    def fits(entry: CatalogEntry) -> bool:
+        told = _plain(" ".join((entry.name, *entry.aliases, entry.maker, entry.about)))
+        return all(word in told for word in words)
 
-    return tuple(entry for entry in catalog_entries() if all(word in told(entry) for word in words))
+    return tuple(entry for entry in catalog_entries() if fits(entry))
 
 
 @cache
@@ -368,27 +369,25 @@ def _unknown(name: str) -> UnknownRobotError:
         shown = name
     else:
         shown = name[:499] + "…"
-    is_path = "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES)
-    if is_path:
-        what = "there is no such file"
-    else:
-        what = "there is no such robot in the catalogue and no such file"
-    if is_path:
-        allowed = None
-    else:
-        allowed = f"a file, or one of {len(robot_names())} names: rankdrop robots lists them"
-    close = _same_names(Path(name).stem) if is_path else _close_names(name)  # ur5e.urdf: the catalogue has ur5e
-    if close:
-        mend = f"did you mean {' or '.join(close)}?"
-    else:
-        mend = None
-    if is_path or len(_plain(name)) < _TELLING:
-        fitting = 0
-    else:
+    if "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES):
+        mend = _meant(_same_names(Path(name).stem))  # ur5e.urdf: the catalogue has ur5e
+        return UnknownRobotError("there is no such file", got=repr(shown), allowed=None, mend=mend)
+    mend = _meant(_close_names(name))
+    fitting = 0
+    if len(_plain(name)) >= _TELLING:
         fitting = len(search_catalog(name[:80]))
     if fitting > _SUGGESTED:
         mend = f"{fitting} arms fit: rankdrop robots {name[:80]!r} lists them"
+    allowed = f"a file, or one of {len(robot_names())} names: rankdrop robots lists them"
+    what = "there is no such robot in the catalogue and no such file"
     return UnknownRobotError(what, got=repr(shown), allowed=allowed, mend=mend)
+
+
+def _meant(names: Sequence[str]) -> str | None:
+    """The question whether one of these names was meant; None where there are none."""
+    if not names:
+        return None
+    return f"did you mean {' or '.join(names)}?"
 
 
 _LARGEST = 30.0  # [m]; Canadarm2, the longest arm flown, reaches 17.6 m, and arms of 30 mm become 30 m

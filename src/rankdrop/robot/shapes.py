@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -85,8 +86,7 @@ def visuals_of(
     known = dict(packages)
     shapes: list[Visual] = []
     notes: list[str] = []
-    links = [element for element in root.children if element.tag == "link"]
-    every = [(link, visual) for link in links for visual in link.children if visual.tag == "visual"]
+    every = _visual_elements(root)
     if len(every) > MOST_VISUALS:
         error = RobotError("the file has too many shapes; the first ones are used", where=str(file), got=len(every),
                            allowed=f"at most {MOST_VISUALS:,}")  # fmt: skip
@@ -98,6 +98,15 @@ def visuals_of(
         except RobotError as error:
             notes.append(str(error))
     return tuple(shapes), tuple(notes)
+
+
+def _visual_elements(root: Element) -> list[tuple[Element, Element]]:
+    """Each link of a URDF file with each of its visual elements."""
+    found = []
+    for link in root.children:
+        if link.tag == "link":
+            found += [(link, visual) for visual in link.children if visual.tag == "visual"]
+    return found
 
 
 def _carriers(robot: Robot, tree: Tree) -> dict[str, tuple[int, Array]]:
@@ -116,7 +125,7 @@ def _carriers(robot: Robot, tree: Tree) -> dict[str, tuple[int, Array]]:
 
 def _colours(root: Element) -> dict[str, tuple[float, float, float]]:
     found: dict[str, tuple[float, float, float]] = {}
-    for element in [root, *(visual for link in root.children for visual in link.children)]:
+    for element in [root, *chain.from_iterable(link.children for link in root.children)]:
         for material in element.children:
             name, colour = material.attributes.get("name", ""), material.first("color")
             if material.tag == "material" and name and colour is not None:

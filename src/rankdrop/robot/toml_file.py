@@ -160,13 +160,7 @@ def _robot(
     where = place("", None)
     form = _form(document, where)
     check_keys(document, _DH_FILE_KEYS if form == "dh" else _SCREW_FILE_KEYS, where)
-    joints = document.get("joints")
-    if not isinstance(joints, list) or not joints or not all(isinstance(joint, dict) for joint in joints):
-        raise RobotError("there are no joints", where=where("joints"), allowed="one [[joints]] table per joint")
-    check_joints(len(joints), where("joints"))
-    notes = document.get("notes", [])
-    if not isinstance(notes, list) or not all(isinstance(note, str) for note in notes):
-        raise RobotError("notes is a list of texts", where=where("notes"), got=repr(notes))
+    joints, notes = _joint_tables(document, where), _notes(document, where)
     common: dict[str, Any] = {
         "name": _text(document, "name", where, default_name),
         "task": _text(document, "task", where, "pose"),
@@ -186,6 +180,31 @@ def _robot(
         home = None
     columns = _screw_columns(joints, document.get("order"), place)
     return from_screws(order="linear-first", home=home, notes=notes, **columns, **common)
+
+
+def _joint_tables(document: dict[str, Any], where: Where) -> list[dict[str, Any]]:
+    """The tables of the joints.
+
+    Raises:
+        RobotError: there are none, too many, or other things.
+    """
+    joints = document.get("joints")
+    if not isinstance(joints, list) or not joints or not all(isinstance(joint, dict) for joint in joints):
+        raise RobotError("there are no joints", where=where("joints"), allowed="one [[joints]] table per joint")
+    check_joints(len(joints), where("joints"))
+    return joints
+
+
+def _notes(document: dict[str, Any], where: Where) -> list[str]:
+    """The notes of a file.
+
+    Raises:
+        RobotError: they are no list of texts.
+    """
+    notes = document.get("notes", [])
+    if not isinstance(notes, list) or not all(isinstance(note, str) for note in notes):
+        raise RobotError("notes is a list of texts", where=where("notes"), got=repr(notes))
+    return notes
 
 
 def _form(document: dict[str, Any], where: Where) -> str:
@@ -233,14 +252,7 @@ def _screw_columns(joints: list[dict[str, Any]], order: str | None, place: Place
 
 
 def _from_axis(joint: dict[str, Any], where: Where) -> list[_Simple]:
-    word = joint.get("kind", "revolute")
-    if word in ("Cylindrical", "Spherical"):
-        word = word.lower()
-    else:
-        word = word
-    if word not in _KEYS_OF:
-        joint_kind(word, where("kind"), ("cylindrical", "spherical"))
-        word = joint_kind(word, where("kind")).value
+    word = _kind_word(joint, where)
     check_keys(joint, (*_KEYS_OF[word], "kind", "name", "lower", "upper", "velocity"), where)
     if word != "spherical":
         axis = _vector(joint, "axis", "number", where)
@@ -257,12 +269,36 @@ def _from_axis(joint: dict[str, Any], where: Where) -> list[_Simple]:
         if word == "spherical":
             turns = spherical(point, _axes(joint.get("axes", [[1, 0, 0], [0, 1, 0], [0, 0, 1]]), where))
             return [(JointKind.REVOLUTE, turn, f"_{number}") for number, turn in enumerate(turns, 1)]
-        if word == "helical" and "pitch" not in joint:
-            raise RobotError("a helical joint needs a pitch", where=where("pitch"), mend="pitch = … in m/rad")
-        pitch = quantity(joint.get("pitch", 0.0), "length", where=where("pitch"))
+        pitch = _pitch(joint, word, where)
         return [(JointKind(word), prismatic(axis) if word == "prismatic" else helical(axis, point, pitch), "")]
     except RobotError as error:
         raise (error if error.where is not None else relocate(error, where(""))) from None
+
+
+def _kind_word(joint: dict[str, Any], where: Where) -> str:
+    """The kind of a joint as a key of `_KEYS_OF`; revolute where it is not said.
+
+    Raises:
+        RobotError: there is no such kind.
+    """
+    word = joint.get("kind", "revolute")
+    if word in ("Cylindrical", "Spherical"):
+        word = word.lower()
+    if word in _KEYS_OF:
+        return str(word)
+    joint_kind(word, where("kind"), ("cylindrical", "spherical"))
+    return joint_kind(word, where("kind")).value
+
+
+def _pitch(joint: dict[str, Any], kind: str, where: Where) -> float:
+    """The pitch of a joint [m/rad].
+
+    Raises:
+        RobotError: a helical joint has none.
+    """
+    if kind == "helical" and "pitch" not in joint:
+        raise RobotError("a helical joint needs a pitch", where=where("pitch"), mend="pitch = … in m/rad")
+    return quantity(joint.get("pitch", 0.0), "length", where=where("pitch"))
 
 
 def _axes(given: Any, where: Where) -> list[list[float]]:

@@ -54,19 +54,28 @@ def as_numbers(values: Any, what: str, error: type[RankdropError] = RobotError) 
     except (ValueError, TypeError, OverflowError):
         raise error(f"{what} is no array of numbers", got=f"a {type(values).__name__}", allowed=_NUMBERS) from None
     if array.dtype.kind == "O":
-        wrong = [type(one).__name__ for one in array.flat if not _is_real(one)]
-        if wrong:
-            raise error(f"{what} is no array of numbers", got=f"a {wrong[0]}", allowed=_NUMBERS)
-        if any(isinstance(one, Integral) and abs(int(one)) >= _LARGEST_INTEGER for one in array.flat):
-            raise error(f"{what} has an integer of more than 64 bits", allowed=_NUMBERS)
-        try:
-            return array.astype(np.float64)
-        except (ValueError, TypeError, OverflowError):
-            raise error(f"{what} has a number beyond the doubles", allowed=_NUMBERS) from None
+        return _objects_as_numbers(array, what, error)
     if array.dtype.kind not in "fiub":
         raise error(f"{what} is no array of numbers", got=f"an array of {array.dtype}", allowed=_NUMBERS)
     with np.errstate(over="ignore"):  # longer floats beyond the doubles become infinite
         return np.asarray(array, dtype=np.float64)
+
+
+def _objects_as_numbers(array: NDArray[Any], what: str, error: type[RankdropError]) -> Array:
+    """An array of objects, fractions or whole numbers of any length, as doubles.
+
+    Raises:
+        rankdrop.errors.RankdropError: of the type `error`: one is no number, or beyond the doubles.
+    """
+    wrong = [type(one).__name__ for one in array.flat if not _is_real(one)]
+    if wrong:
+        raise error(f"{what} is no array of numbers", got=f"a {wrong[0]}", allowed=_NUMBERS)
+    if any(isinstance(one, Integral) and abs(int(one)) >= _LARGEST_INTEGER for one in array.flat):
+        raise error(f"{what} has an integer of more than 64 bits", allowed=_NUMBERS)
+    try:
+        return array.astype(np.float64)
+    except (ValueError, TypeError, OverflowError):
+        raise error(f"{what} has a number beyond the doubles", allowed=_NUMBERS) from None
 
 
 def _is_real(one: object) -> bool:

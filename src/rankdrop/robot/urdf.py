@@ -288,31 +288,17 @@ def _axis(tree: Tree, joint: TreeJoint) -> Array:
 
 
 def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, float, float]:
+    """Lower and upper limit and the largest rate of a joint; inf: none is given."""
     element = joint.element.first("limit")
     if element is None:
         given = {}
     else:
         given = element.attributes
     where = tree.where(joint, "limit")
-    most = RANGE["length" if joint.kind == "prismatic" else "angle"]
-
-    def read(key: str) -> float:
-        """The number; beyond the range it is how exporters write that there is no limit."""
-        value = finite(given.get(key, "0"), where, key)
-        if abs(value) <= most:
-            return value
-        notes.append(f"joint {joint.name!r}: {key} {value:g} is read as no limit")
-        return inf if value > 0 else -inf
-
     if "velocity" in given:
-        velocity = read("velocity")
+        velocity = _largest_rate(_limit(joint, given, "velocity", where, notes), joint, where, notes)
     else:
         velocity = inf
-    if velocity < 0.0:
-        raise RobotError("the largest velocity is negative", where=where, got=velocity, allowed="a rate ≥ 0")
-    if velocity == 0.0:  # written by exporters that do not know it
-        velocity = inf
-        notes.append(f"joint {joint.name!r}: velocity 0 is read as not known")
     if joint.kind == "continuous":
         return -inf, inf, velocity
     if "lower" not in given and "upper" not in given:
@@ -321,10 +307,33 @@ def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, floa
     for key in ("lower", "upper"):
         if key not in given:
             notes.append(f"joint {joint.name!r} has no {key} limit: it is 0, the default of URDF")
-    lower, upper = read("lower"), read("upper")
+    lower, upper = (_limit(joint, given, key, where, notes) for key in ("lower", "upper"))
     if lower > upper or lower == inf or upper == -inf:
         raise RobotError(
             "lower limit above upper limit", where=where, got=f"lower {lower}, upper {upper}", allowed="lower ≤ upper",
             mend="exchange or correct the two limits",
         )
     return lower, upper, velocity
+
+
+def _limit(joint: TreeJoint, given: Mapping[str, str], key: str, where: str, notes: list[str]) -> float:
+    """A number of a limit; beyond the range it is how exporters write that there is no limit."""
+    value = finite(given.get(key, "0"), where, key)
+    if abs(value) <= RANGE["length" if joint.kind == "prismatic" else "angle"]:
+        return value
+    notes.append(f"joint {joint.name!r}: {key} {value:g} is read as no limit")
+    return inf if value > 0 else -inf
+
+
+def _largest_rate(velocity: float, joint: TreeJoint, where: str, notes: list[str]) -> float:
+    """The largest rate of a joint; 0, written by exporters that do not know it, is read as not known.
+
+    Raises:
+        RobotError: it is negative.
+    """
+    if velocity < 0.0:
+        raise RobotError("the largest velocity is negative", where=where, got=velocity, allowed="a rate ≥ 0")
+    if velocity == 0.0:
+        notes.append(f"joint {joint.name!r}: velocity 0 is read as not known")
+        return inf
+    return velocity

@@ -266,16 +266,25 @@ def expand(path: str, folders: dict[str, str], args: dict[str, str]) -> tuple[st
         raise
     except Exception as error:  # xacro raises whatever its expressions raise
         raise _expansion_error(" ".join(f"{type(error).__name__}: {error}".split()), path, missing, arguments) from None
-    for argument in arguments.given:
-        if argument not in arguments.asked:
-            takes = ", ".join(arguments.asked) or "none: the file takes no arguments"
-            raise RobotError("the file has no such argument", where=path, got=repr(argument), allowed=takes)
+    _check_arguments(arguments, path)
     if "<link" not in text:
         raise RobotError("nothing comes out of the xacro file: it has no links and may only define macros",
                          where=path, mend="open the file that uses them, often a .urdf.xacro near it")  # fmt: skip
     notes = [f"package {package!r} found: {folder}" for package, folder in far.items()]
     notes += [f"package {package!r} is not found: only files that are not read are in it" for package in missing]
     return text, _ARGUMENT.sub(lambda match: arguments.get(match[1], match[0]), name), notes
+
+
+def _check_arguments(arguments: _Arguments, path: str) -> None:
+    """Refuse an argument that the file did not ask for.
+
+    Raises:
+        RobotError: with the arguments that it takes.
+    """
+    for argument in arguments.given:
+        if argument not in arguments.asked:
+            takes = ", ".join(arguments.asked) or "none: the file takes no arguments"
+            raise RobotError("the file has no such argument", where=path, got=repr(argument), allowed=takes)
 
 
 def _expansion_error(reason: str, path: str, packages: dict[str, None], arguments: _Arguments) -> RobotError:

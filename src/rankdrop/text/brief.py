@@ -5,14 +5,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from math import ceil, degrees, floor
 from typing import Any
 
 from rankdrop.distance.share import Near
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.equation import pretty_angle
-from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import ArmPart
 from rankdrop.families.parts import FamilyParts
 from rankdrop.families.record import Family, Pin, SpeedDistance
@@ -62,22 +62,36 @@ def analysis_table(analysis: Any) -> Section:
         shares = {one.id: share_cell(one) for one in near.families}
     rows, letters = [], False
     for family in analysis.families:
-        shown, outside = within(family, robot, limits=analysis.settings.limits)
-        exact = exact_conditions(family)
-        short = bool(exact) and len(exact) <= _SHORT and bool(family.coupled)
-        letters |= short
-        asked = _asked(robot, shown, exact if short else "")
-        failed = family.soundness.agree < family.soundness.tested
-        if outside:
-            asked += f"; outside the limits: {outside}"
-        if failed:
-            asked += f"; TESTED {share_text(family.soundness.agree, family.soundness.tested)}"
+        exact = _short_condition(family)
+        letters |= bool(exact)
         rank = str(analysis.generic_rank - family.corank)
         name = family_title(robot, analysis.task, family)
-        rows.append((rank, name, asked, *((shares.get(family.id, ""),) if near else ())))
+        row = [rank, name, _asked_and_tested(analysis, family, exact)]
+        if near is not None:
+            row.append(shares.get(family.id, ""))
+        rows.append(tuple(row))
     if not letters:
         return _table(robot, rows, {}, "", near)
     return _table(robot, rows, analysis.exact.letters, angles_text(robot, analysis.exact.shifts), near)
+
+
+def _short_condition(family: Family) -> str:
+    """The exact condition on the coupled joints of a family where it is short enough for the table; else empty."""
+    exact = exact_conditions(family)
+    if not exact or len(exact) > _SHORT or not family.coupled:
+        return ""
+    return exact
+
+
+def _asked_and_tested(analysis: Any, family: Family, exact: str) -> str:
+    """What a family asks of the joints, the values outside the limits, and the share of a test that failed."""
+    shown, outside = within(family, analysis.robot, limits=analysis.settings.limits)
+    asked = _asked(analysis.robot, shown, exact)
+    if outside:
+        asked += f"; outside the limits: {outside}"
+    if family.soundness.agree < family.soundness.tested:
+        asked += f"; TESTED {share_text(family.soundness.agree, family.soundness.tested)}"
+    return asked
 
 
 def conditions_table(conditions: Any) -> Section:
@@ -142,8 +156,10 @@ def _values(robot: Robot, pin: Pin) -> str:
 def _of_joints(robot: Robot, family: ExactFamily) -> str:
     names = symbols(robot)
     parts = [pin.text() for pin in family.pins]
-    coupled = sorted({joint for one in family.conditions for joint in one.joints})
-    return "; ".join([*parts, _function(names[joint - 1] for joint in coupled)] if coupled else parts)
+    coupled = set[int]().union(*(one.joints for one in family.conditions))
+    if coupled:
+        parts.append(_function(names[joint - 1] for joint in sorted(coupled)))
+    return "; ".join(parts)
 
 
 def lost_section(
@@ -157,7 +173,7 @@ def lost_section(
     lines = tuple(
         f"{family_label(robot, task, one)}: {'; '.join(lost_sentences(one.lost_freedoms))}" for one in mine
     )
-    freedoms: list[LostFreedom] = [lost for one in mine for lost in one.lost_freedoms]
+    freedoms = chain.from_iterable(one.lost_freedoms for one in mine)
     note = lost_note(robot, freedoms)
     return Section(f"Lost at rank {generic_rank - first}", lines=lines, notes=(note,) if note else ())
 
@@ -285,30 +301,34 @@ def speed_section(analysis: Any) -> Section | None:
         return None
     names = {family.id: family_label(analysis.robot, analysis.task, family) for family in analysis.families}
     pace = f"{1000 * told.tool_speed:.4g} mm/s"
-    middle = degrees_text(told.around, (joint.unit for joint in analysis.robot.variables))
-    notes = [
-        "every straight motion of the tool, in any direction and without turning, at the joints' rate limits",
-        f"proven by intervals for every configuration inside the joint limits and within {degrees(told.span):.3g}° of "
-        f"{middle} in each joint",
-    ]
     if analysis.slow is None:
         lines: tuple[str, ...] = ()
     else:
         lines = (slow_line(analysis.slow),)
-    if told.free:
-        free = ", ".join(map(str, told.free))
-        notes.append(f"joint{'s' if len(told.free) > 1 else ''} {free}: any value, the speed does not depend on it")
-    if any(one.spent for one in told.distances):
-        notes.append("≤: the boxes allowed were spent, a smaller distance may hold")
-    if told.others:
-        others = ", ".join(f"{names.get(one, '')} ({one})" for one in told.others)
-        notes.append(f"{others}: not one joint at a value, so no distance of one joint")
     rows = [(one.family, names.get(one.family, ""), one.joint, _kept(one), _slower(one)) for one in told.distances]
     return Section(
         f"Speed {pace}", "how far a joint has to stay from the value that is singular",
         columns=("", "family", "joint", f"keeps {pace} from", "slower found"), rows=tuple(rows), lines=lines,
-        texts=(0, 1, 2, 3, 4), notes=tuple(notes),
+        texts=(0, 1, 2, 3, 4), notes=tuple(_speed_notes(analysis.robot, told, names)),
     )  # fmt: skip
+
+
+def _speed_notes(robot: Robot, told: Any, names: Mapping[str, str]) -> Iterator[str]:
+    """For which motions and configurations the distances hold, and of which families there are none."""
+    middle = degrees_text(told.around, (joint.unit for joint in robot.variables))
+    yield "every straight motion of the tool, in any direction and without turning, at the joints' rate limits"
+    yield (
+        f"proven by intervals for every configuration inside the joint limits and within {degrees(told.span):.3g}° of "
+        f"{middle} in each joint"
+    )
+    if told.free:
+        free = ", ".join(map(str, told.free))
+        yield f"joint{'s' if len(told.free) > 1 else ''} {free}: any value, the speed does not depend on it"
+    if any(one.spent for one in told.distances):
+        yield "≤: the boxes allowed were spent, a smaller distance may hold"
+    if told.others:
+        others = ", ".join(f"{names.get(one, '')} ({one})" for one in told.others)
+        yield f"{others}: not one joint at a value, so no distance of one joint"
 
 
 def _kept(one: SpeedDistance) -> str:

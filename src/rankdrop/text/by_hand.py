@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations, product
 
 from rankdrop.algebra.polynomial import Equality, Polynomial
@@ -13,7 +13,7 @@ from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, condition
 from rankdrop.exact.derivation import Reason
 from rankdrop.exact.determinants import Decoupling, MinorChoice, minor_name
 from rankdrop.exact.stratum import Stratum
-from rankdrop.exact.suppression import Case, Proof, Suppression
+from rankdrop.exact.suppression import Case, Dependence, Proof, Suppression
 from rankdrop.exact.tree import Tree
 from rankdrop.formula.notation import Step, Text, fourier
 from rankdrop.formula.writing import Condition, Value, atoms_text, condition_text, single_angles, text_of
@@ -119,21 +119,38 @@ def _choice(found: Suppression) -> Iterator[str]:
     """KG's conditions (a), (b), (c), with how many sixes each leaves."""
     known, free = triples(found.chain), [(six, terms) for six, terms in found.sixes if terms]
     yield f"(a) not dependent everywhere: {len(free)} of {len(found.sixes)} sixes"
-    with_triple = [one for one in free if any(set(joints) <= set(one[0]) for joints, _ in known)]
+    threes = [set(three) for three, _ in known]
+    with_triple = [(six, terms) for six, terms in free if _holds_one(six, threes)]
     if with_triple:
         names = ", ".join(f"{three[0]}–{three[-1]} ({kind})" for three, kind in known)
         yield f"(b) with three joints that are one, {names}: {len(with_triple)}"
     else:
         yield "(b) no three joints are a planar or spherical one"
-    left = with_triple or free
-    least = min(six[-1] - six[0] for six, _ in left)
-    near = [(six, terms) for six, terms in left if six[-1] - six[0] == least]
-    yield f"(c) {'in a row' if least == 5 else 'as near to a row as can be'}: {len(near)}"
+    yield from _nearest_to_a_row(with_triple or free)
+
+
+def _holds_one(six: Iterable[int], threes: Iterable[set[int]]) -> bool:
+    """Whether one of the sets of three joints is among the six."""
+    return any(three.issubset(six) for three in threes)
+
+
+def _nearest_to_a_row(sixes: Sequence[tuple[Sequence[int], int]]) -> Iterator[str]:
+    """KG's condition (c): the sixes that are nearest to a row of joints, and the terms of their determinants."""
+    least = min(six[-1] - six[0] for six, _ in sixes)
+    near = [(six, terms) for six, terms in sixes if six[-1] - six[0] == least]
+    if least == 5:
+        how = "in a row"
+    else:
+        how = "as near to a row as can be"
+    yield f"(c) {how}: {len(near)}"
     if len(near) > 1:
         terms = ", ".join(f"{count} for {_short(six)}" for six, count in near)
         counts = [count for _, count in near]
-        alike = counts.count(min(counts)) > 1
-        yield f"terms of the determinant: {terms}; {'of equals the last' if alike else 'the least'}"
+        if counts.count(min(counts)) > 1:
+            taken = "of equals the last"
+        else:
+            taken = "the least"
+        yield f"terms of the determinant: {terms}; {taken}"
 
 
 def _cases(found: Suppression, case: Case) -> Iterator[Step]:
@@ -145,22 +162,9 @@ def _cases(found: Suppression, case: Case) -> Iterator[Step]:
 
 
 def _case(found: Suppression, case: Case) -> Iterator[str]:
-    ring, dependence = found.chain.ring, case.dependence
-    if dependence is not None:
-        screw, on, proof = dependence.screw, dependence.on, dependence.proof
-        for j in sorted((screw, *on)):  # with the case's angles put in, where that changes short ones
-            column = found.columns[j - 1]
-            short = [case.stratum.short(x) for x in column]
-            if short != column and sum(map(len, short)) <= LONG:
-                yield Formula(f"here {_screw(ring, j, short)}")
-        if proof is None:
-            yield f"${screw} is zero"
-        else:
-            one = f"a multiple of {_names(on)}, which is not zero:"
-            several = f"a combination of {_names(on)}, which are independent:"
-            yield f"${screw} is {one if len(on) == 1 else several}"
-            yield from _proof(found, proof, on)
-        yield f"${screw} is suppressed; left: {_names(case.joints)}"
+    ring = found.chain.ring
+    if case.dependence is not None:
+        yield from _suppressed(found, case, case.dependence)
     if case.basic is not None:
         p = case.basic.product.polynomial
         yield Formula(f"|{_names(case.basic.joints)}| = {Value(ring, p, ring.factor(p)).text()}")
@@ -171,6 +175,26 @@ def _case(found: Suppression, case: Case) -> Iterator[str]:
     if case.family and len(case.joints) > 6:
         yield "every determinant of six of the screws that are left is zero here"
     yield from _branches(case)
+
+
+def _suppressed(found: Suppression, case: Case, dependence: Dependence) -> Iterator[str]:
+    """Which screw is a combination of which others in a case, how that is proven, and which screws are left."""
+    screw, on, proof = dependence.screw, dependence.on, dependence.proof
+    for j in sorted((screw, *on)):  # with the case's angles put in, where that changes short ones
+        column = found.columns[j - 1]
+        short = [case.stratum.short(x) for x in column]
+        if short != column and sum(map(len, short)) <= LONG:
+            yield Formula(f"here {_screw(found.chain.ring, j, short)}")
+    if proof is None:
+        yield f"${screw} is zero"
+    else:
+        if len(on) == 1:
+            kind = f"a multiple of {_names(on)}, which is not zero:"
+        else:
+            kind = f"a combination of {_names(on)}, which are independent:"
+        yield f"${screw} is {kind}"
+        yield from _proof(found, proof, on)
+    yield f"${screw} is suppressed; left: {_names(case.joints)}"
 
 
 def _proof(found: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from keyword import iskeyword
 from math import pi
@@ -270,34 +270,39 @@ class Code:
         Conditions that are long stand below the table, where pages break; a table that is long breaks over pages.
         """
         rows, long = self._latex_rows()
+        values = [rf"${_latex_minor(one)} = {one.value.latex()}$" for one in self.determinants]
+        formulas = [*rows, *long, *values]
+        packages = []
         if len(rows) > _LONG_TABLE or long:
             kind = "longtable"
+            packages.append(kind)
         else:
             kind = "tabular"
-        head = [
-            rf"\begin{{{kind}}}{{@{{}}l@{{\quad}}p{{0.24\linewidth}}@{{\ }}r@{{\quad}}p{{0.48\linewidth}}@{{}}}}",
-            r"& family & corank & conditions \\", r"\hline",
-        ]  # fmt: skip
-        packages = []
-        if kind == "longtable":
-            packages += ["longtable"]
-        values = [rf"${_latex_minor(one)} = {one.value.latex()}$" for one in self.determinants]
-        if any(r"\tfrac" in row for row in [*rows, *long, *values]):
-            packages += ["amsmath"]
+        if any(r"\tfrac" in formula for formula in formulas):
+            packages.append("amsmath")
+        lines = []
         if packages:
-            head = [rf"% needs \usepackage{{{','.join(packages)}}}", *head]
-        below = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
-        below += [rf"\theta_{{{j}}} = q_{{{j}}} {_shift_latex(shift)}" for j, shift in self._shifted()]
-        if any(re.search(r"\b[sc]_", row) for row in [*rows, *long, *values]):
-            below += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
-        if below:
-            tail = [r"\par\smallskip", ", ".join(f"${text}$" for text in below)]
-        else:
-            tail = []
-        said = [line for value in values for line in (r"\par\smallskip", value)]
+            lines.append(rf"% needs \usepackage{{{','.join(packages)}}}")
+        lines += [
+            rf"\begin{{{kind}}}{{@{{}}l@{{\quad}}p{{0.24\linewidth}}@{{\ }}r@{{\quad}}p{{0.48\linewidth}}@{{}}}}",
+            r"& family & corank & conditions \\", r"\hline", *rows, rf"\end{{{kind}}}",
+        ]  # fmt: skip
         if long:
-            long = [r"{\small\raggedright\sloppy", *long, "}"]
-        return "\n".join([*head, *rows, rf"\end{{{kind}}}", *long, *said, *tail, ""])
+            lines += [r"{\small\raggedright\sloppy", *long, "}"]
+        for value in values:
+            lines += [r"\par\smallskip", value]
+        meanings = self._latex_meanings(formulas)
+        if meanings:
+            lines += [r"\par\smallskip", ", ".join(f"${text}$" for text in meanings)]
+        return "\n".join([*lines, ""])
+
+    def _latex_meanings(self, formulas: Iterable[str]) -> list[str]:
+        """The lengths, the angles that are shifted, and, where the formulas have them, what s and c stand for."""
+        told = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
+        told += [rf"\theta_{{{j}}} = q_{{{j}}} {_shift_latex(shift)}" for j, shift in self._shifted()]
+        if any(re.search(r"\b[sc]_", formula) for formula in formulas):
+            told += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
+        return told
 
     def _latex_rows(self) -> tuple[list[str], list[str]]:
         """(rows of the table, conditions that are too long for it)."""

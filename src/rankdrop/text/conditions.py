@@ -14,6 +14,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import partial
 from html import escape
+from itertools import chain
 from math import degrees
 from typing import Any
 
@@ -179,23 +180,29 @@ def _highest(conditions: Any) -> int:
 def _no_coranks(conditions: Any) -> Iterator[Section]:
     r = conditions.generic_rank
     last, highest = r - conditions.lowest, _highest(conditions)
-    if highest < last:
+    if highest + 1 == last:
+        yield Section(f"Corank {last}", _none(conditions))
+    elif highest < last:
         between = "and" if highest + 2 == last else "to"
-        if highest + 1 == last:
-            name = f"Corank {last}"
-        else:
-            name = f"Coranks {highest + 1} {between} {last}"
-        yield Section(name, _none(conditions))
-    texts = [text for family in conditions.families for text in family.texts[len(family.pins) :]]
-    decimals = any(_ROUNDED.search(text) for text in texts)
-    notes = (
-        _LEGEND if texts else "",
-        lost_note(conditions.robot, [one for family in conditions.families for one in family.lost_freedoms]),
-        _all_digits() if decimals else "",
-        f"nothing is said about coranks above {last}: they were not asked for" if last < r else "",
-    )
-    if any(notes):
-        yield Section("", "", notes=tuple(filter(None, notes)))
+        yield Section(f"Coranks {highest + 1} {between} {last}", _none(conditions))
+    notes = [*_condition_notes(conditions)]
+    if last < r:
+        notes.append(f"nothing is said about coranks above {last}: they were not asked for")
+    if notes:
+        yield Section("", "", notes=tuple(notes))
+
+
+def _condition_notes(conditions: Any) -> Iterator[str]:
+    """What letters in the conditions and in lost motions mean, and where all digits stand."""
+    families = conditions.families
+    texts = [*chain.from_iterable(family.texts[len(family.pins) :] for family in families)]
+    if texts:
+        yield _LEGEND
+    lost = lost_note(conditions.robot, chain.from_iterable(family.lost_freedoms for family in families))
+    if lost:
+        yield lost
+    if any(_ROUNDED.search(text) for text in texts):
+        yield _all_digits()
 
 
 def _none(conditions: Any) -> str:
@@ -262,19 +269,29 @@ def _assumed(conditions: Any) -> Iterator[Section]:
             lines.append(f"{one.text} ({_holds(one, conditions)}); what this arm has besides was not derived")
     others = [one.text for one in conditions.assumptions if one.holds and not one.families]
     if others:
-        if conditions.settings.special:
-            more = ""
-        else:
-            more = f" ({advised('special')} derives arms with other lengths)"
-        short = sorted((text for text in others if not _DIGITS.search(text)), key=len)[:_UNDERIVED]
-        number = len(others) - len(short)
-        lines.append(f"true here; what happens otherwise was not derived{more}:")
-        lines += [Formula(f"    {text}") for text in short]
-        if number:
-            every = advised("json", python="to_dict()")
-            lines.append(f"    and {number} more polynomials in the lengths (all of them: {every})")
+        lines += _underived_lines(others, special=conditions.settings.special)
     if lines:
         yield Section("Assumptions on the lengths", "", tuple(lines))
+
+
+def _underived_lines(texts: Sequence[str], *, special: bool) -> Iterator[str]:
+    """Assumptions that hold, the failing of which was not derived: the shortest, and how many more.
+
+    Args:
+        texts: of the assumptions.
+        special: arms with other lengths were derived.
+    """
+    if special:
+        more = ""
+    else:
+        more = f" ({advised('special')} derives arms with other lengths)"
+    short = sorted((text for text in texts if not _DIGITS.search(text)), key=len)[:_UNDERIVED]
+    number = len(texts) - len(short)
+    yield f"true here; what happens otherwise was not derived{more}:"
+    yield from (Formula(f"    {text}") for text in short)
+    if number:
+        every = advised("json", python="to_dict()")
+        yield f"    and {number} more polynomials in the lengths (all of them: {every})"
 
 
 def _holds(assumption: Assumption, conditions: Any) -> str:
@@ -349,21 +366,27 @@ def _not_real(conditions: Any) -> Iterator[Section]:
 
 
 def _checks(conditions: Any) -> Iterator[Section]:
-    tested = sum(family.rank_check.tested for family in conditions.families)
-    agree = sum(family.rank_check.agree for family in conditions.families)
-    cloud, lines = conditions.explained, []
-    if tested:
-        lines.append(f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 11913")
-    if cloud.tested:
-        lines.append(f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family")
-    else:
-        lines.append("the numeric search for singular configurations found none" if conditions.settings.points
-                     else "no singular configuration was looked for numerically")  # fmt: skip
+    lines = [*_tested_lines(conditions)]
     if conditions.method != "tree" and not conditions.disagreements and not conditions.left:
         lines.append(f"corank 1 derived twice: rank tree and {_method(conditions)} agree")
     lines += [f"DISAGREEMENT: {one}" for one in conditions.disagreements]
     lines.append(shipped_line() if conditions.anew else f"Time taken: {conditions.seconds:.1f} s.")
     yield Section("Checks", "", tuple(lines))
+
+
+def _tested_lines(conditions: Any) -> Iterator[str]:
+    """At how many random points of the families the rank is as claimed, and what the numeric search says."""
+    tested = sum(family.rank_check.tested for family in conditions.families)
+    agree = sum(family.rank_check.agree for family in conditions.families)
+    cloud = conditions.explained
+    if tested:
+        yield f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 11913"
+    if cloud.tested:
+        yield f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family"
+    elif conditions.settings.points:
+        yield "the numeric search for singular configurations found none"
+    else:
+        yield "no singular configuration was looked for numerically"
 
 
 def _unfinished(conditions: Any) -> Iterator[Section]:
@@ -508,7 +531,7 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
     agrees = analysis.exact is not None and analysis.exact.agrees
     exact = agrees or (derived is not None and of_conditions(derived).holds)
     exact_claim = exact and not exact_chain(analysis.robot, analysis.task).rounded
-    claims = ((SAMPLED,) if analysis.sound_and_complete else ()) + ((EXACT,) if exact_claim else ())
+    claims = _claims((analysis.sound_and_complete, SAMPLED), (exact_claim, EXACT))
     if not analysis.complete:
         text = f"Interrupted: corank {analysis.unfinished} is unfinished; nothing is said about it and higher ones."
         return Verdict(INTERRUPTED, claims, text)
@@ -519,6 +542,11 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
         return _failed(failures, claims)
     sentence = f"{_verified(analysis, derived=exact, exact=exact_claim)}{_apart(analysis, derived)}."
     return Verdict(VERIFIED, claims, sentence)
+
+
+def _claims(*claims: tuple[bool, str]) -> tuple[str, ...]:
+    """Those of the claims that hold."""
+    return tuple(claim for holds, claim in claims if holds)
 
 
 def _verified(analysis: Any, *, derived: bool, exact: bool) -> str:
@@ -556,6 +584,13 @@ def _failures(analysis: Any) -> Iterator[Failure]:
     exact = analysis.exact
     if exact is not None and exact.derived and not exact.agrees:
         yield from (("derivation", text) for text in exact.disagreements)
+    yield from _sampled_failures(analysis)
+    if exact is not None and not exact.derived and not exact.holds:
+        yield "not derived", exact.reason
+
+
+def _sampled_failures(analysis: Any) -> Iterator[Failure]:
+    """Families that hold at regular configurations, coranks with points on no row, families without conditions."""
     for row in analysis.families:
         singular, solved = row.soundness.agree, row.soundness.tested
         if row.named and singular < solved:
@@ -565,8 +600,6 @@ def _failures(analysis: Any) -> Iterator[Failure]:
         if share.agree < share.tested:
             yield "unexplained", one.corank, share.tested - share.agree, share.tested
     yield from (("unnamed", row.id) for row in analysis.families if not row.named)
-    if exact is not None and not exact.derived and not exact.holds:
-        yield "not derived", exact.reason
 
 
 def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
@@ -576,11 +609,11 @@ def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
         derived: exactly.
         tested: what was found of a condition that was held against it: "exact", "too small", … "not tested".
     """
-    exactly, rounded = _exactness(derived.chain)
+    _, rounded = _exactness(derived.chain)
     lie_on, points = derived.explained.agree, derived.explained.tested
     general = all(one.holds for one in derived.assumptions)
     exact = derived.complete and general and not rounded
-    claims = ((EXACT,) if exact else ()) + ((SAMPLED,) if 0 < points == lie_on else ())
+    claims = _claims((exact, EXACT), (0 < points == lie_on, SAMPLED))
     if derived.interrupted:
         return Verdict(INTERRUPTED, claims, "Interrupted: finished families are shown, and unfinished sets listed.")
     failures = [*_contradictions(derived)]
@@ -588,18 +621,25 @@ def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
         failures.append(("condition", "too small and too large" if tested == "both" else tested))
     if failures:
         return _failed(failures, claims)
-    if derived.lowest:
-        tail = f"; coranks above {derived.generic_rank - derived.lowest} were not asked for"
-    else:
-        tail = ""
+    return _derived(derived, claims)
+
+
+def _derived(derived: Any, claims: tuple[str, ...]) -> Verdict:
+    """The verdict on an exact derivation that nothing contradicts: verified where something was tested."""
+    exactly, rounded = _exactness(derived.chain)
     how = exactly if rounded else _EXACTLY
+    points = derived.explained.tested
+    end = f"{rounded}."
+    if derived.lowest:
+        end = f"; coranks above {derived.generic_rank - derived.lowest} were not asked for{rounded}."
     if points:
-        return Verdict(VERIFIED, claims, f"Verified by {how} and {count(points, 'random test')}{tail}{rounded}.")
-    tail = f"not tested on singular configurations found numerically{tail}{rounded}."
-    if ranks := sum(family.rank_check.tested for family in derived.families):
+        return Verdict(VERIFIED, claims, f"Verified by {how} and {count(points, 'random test')}{end}")
+    untested = f"not tested on singular configurations found numerically{end}"
+    ranks = sum(family.rank_check.tested for family in derived.families)
+    if ranks:
         on = f"the rank is as derived at {count(ranks, 'random point')} of the families"
-        return Verdict(VERIFIED, claims, f"Verified by {how}: {on}; {tail}")
-    return Verdict(UNCHECKED, claims, f"{exactly.capitalize()}: {tail}")
+        return Verdict(VERIFIED, claims, f"Verified by {how}: {on}; {untested}")
+    return Verdict(UNCHECKED, claims, f"{exactly.capitalize()}: {untested}")
 
 
 def _contradictions(derived: Any) -> Iterator[Failure]:

@@ -22,7 +22,7 @@ import numpy as np
 from rankdrop.codec import Record
 from rankdrop.configuration import Cause, at
 from rankdrop.distance.distance import FamilyDistance
-from rankdrop.families.record import Family
+from rankdrop.families.record import Family, Incidence
 from rankdrop.kinematics import pose
 from rankdrop.local.directions import FramedDirections, constraint, in_short, is_nearly_pure
 from rankdrop.local.nearest import Nearest
@@ -30,7 +30,7 @@ from rankdrop.local.pointing import pointing_task, turn_follows
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
 from rankdrop.options import advised
-from rankdrop.results.explanation import Explanation, Summary
+from rankdrop.results.explanation import Blame, Explanation, Summary
 from rankdrop.results.known import shipped_conditions_record
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Formula, Section
@@ -171,22 +171,7 @@ _SOURCES = {"catalogue": "the catalogue", "analysis": "the analysis given", "on 
 def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     """The answer in five sentences: what it is, what is lost, what to do, what is next, how sure."""
     summary, rank = explanation.summary, explanation.rank
-    what, lost, way, sure = _SUMMARY[summary.cause]
-    if lost in (_SLOW, _SLOWEST) and (summary.slowest is None or isinf(summary.slowest.speed)):
-        lost = "Lost: nothing"
-    if summary.cause == Cause.NONE and explanation.task.m > rank.generic_rank:
-        what = _REGULAR_BUT_NEVER
-    if not summary.way_out:
-        way = _NO_JOG.get(way, way)
-    if summary.next_searches:
-        following = f"Next: none found by {summary.next_searches} searches."
-    else:
-        following = NOT_SEARCHED
-    if summary.next_distance is not None:
-        other = parts_words(summary.next_place)
-        if not other and explanation.next.family is not None:
-            other = explanation.next.family.called.short
-        following = f"Next: {other}, {_degrees(summary.next_distance)} of joint motion away."
+    templates, following = _templates(explanation), _next_words(explanation)
     facts = _summarised(explanation, summary)
     size = f"rank {rank.rank} computed to {power(rank.sigma_error)}"
     name, parts = facts["name"], parts_words(summary.place)
@@ -196,7 +181,7 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
             facts["lost"] = _motions_words(summary.lost, shown)
         else:
             facts["lost"] = f"see {advised('full')}"
-        words = [text.format_map(facts) for text in (what, lost, way, sure)]
+        words = [text.format_map(facts) for text in templates]
         lines = (f"{explanation.robot.name} is {words[0]}.", f"{words[1]}.", f"{words[2]}.", following,
                  f"Verified: {size}{words[3]}.")  # fmt: skip
         if sum(len(wrap(line, _COLUMNS)) for line in lines) <= _LINES:
@@ -204,30 +189,80 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     return lines
 
 
+def _templates(explanation: Explanation) -> tuple[str, str, str, str]:
+    """Verdict, loss, advice and evidence as texts to be filled with facts, by the cause of the verdict."""
+    summary = explanation.summary
+    what, lost, way, sure = _SUMMARY[summary.cause]
+    if lost in (_SLOW, _SLOWEST) and (summary.slowest is None or isinf(summary.slowest.speed)):
+        lost = "Lost: nothing"
+    if summary.cause == Cause.NONE and explanation.task.m > explanation.rank.generic_rank:
+        what = _REGULAR_BUT_NEVER
+    if not summary.way_out:
+        way = _NO_JOG.get(way, way)
+    return what, lost, way, sure
+
+
+def _next_words(explanation: Explanation) -> str:
+    """The nearest other singularity, or that none was found, or that nobody looked."""
+    summary = explanation.summary
+    if summary.next_distance is not None:
+        other = parts_words(summary.next_place)
+        if not other and explanation.next.family is not None:
+            other = explanation.next.family.called.short
+        return f"Next: {other}, {_degrees(summary.next_distance)} of joint motion away."
+    if summary.next_searches:
+        return f"Next: none found by {summary.next_searches} searches."
+    return NOT_SEARCHED
+
+
 _COLUMNS, _LINES = 78, 6  # of the answer on a terminal of 80 columns, indented by two
 
 
 def _summarised(explanation: Explanation, summary: Summary) -> dict[str, object]:
     """What the sentences of the summary are filled with."""
-    units, moves, rank = explanation.robot.units, summary.way_out, explanation.rank
-    joints = [joint_word(number, one.name) for number, one in enumerate(explanation.robot.variables, start=1)]
-    pinned = [f"{joints[i - 1]} at {_value_words(value, units[i - 1])}" for i, value in summary.pinned[:2]]
-    jog = [f"{joints[i - 1]} by {jog_step(value, units[i - 1])}" for i, value in moves]
-    after = after_jog(rank.generic_rank, regular=summary.regular_after, deficient=rank.always_singular)
-    if summary.cause == Cause.NONE:
-        after = f"; σ{rank.generic_rank} is {short(summary.sigma_after or 0.0, 2)} then"
     names = [one.name for one in explanation.robot.variables]
-    place, offsets = f", {_degrees(summary.distance or 0.0)} away", _offset_words(summary)
+    if summary.ideal:
+        place = f"; offsets of {_offset_words(summary)} keep it from being exact"
+    else:
+        place = f", {_degrees(summary.distance or 0.0)} away"
+    slowest = proven = ""
+    if summary.slowest is not None:
+        slowest = _speed_words(summary.slowest)
+    if summary.radius:
+        proven = f"; none within {short(below(degrees(summary.radius), 3))}° (proven)"
     return _measured(explanation) | {
         "name": special_words(summary.place, names) or summary.family or "family unknown",
-        "pinned": f" ({', '.join(pinned)})" if pinned and not summary.place else "",
-        "place": f"; offsets of {offsets} keep it from being exact" if summary.ideal else place,
+        "pinned": _pinned_words(explanation.robot, summary),
+        "place": place,
         "never": _motions_words(explanation.lost.never.tolist()),
-        "slowest": "" if summary.slowest is None else _speed_words(summary.slowest),
-        "jog": f"jog {', then '.join(jog)}{after}",
+        "slowest": slowest,
+        "jog": _jog_words(explanation),
         "source": "the exact conditions" if summary.exact else _SOURCES[summary.source],
-        "proven": f"; none within {short(below(degrees(summary.radius), 3))}° (proven)" if summary.radius else "",
+        "proven": proven,
     }
+
+
+def _pinned_words(robot: Robot, summary: Summary) -> str:
+    """The first two joints that the family pins, with their values, in brackets; empty where the parts are named."""
+    if summary.place or not summary.pinned:
+        return ""
+    joints = robot.variables
+    pinned = ", ".join(
+        f"{joint_word(i, joints[i - 1].name)} at {_value_words(value, joints[i - 1].unit)}"
+        for i, value in summary.pinned[:2]
+    )
+    return f" ({pinned})"
+
+
+def _jog_words(explanation: Explanation) -> str:
+    """The way out as joints to jog one after the other, and what holds after it."""
+    summary, rank, joints = explanation.summary, explanation.rank, explanation.robot.variables
+    jog = ", then ".join(
+        f"{joint_word(i, joints[i - 1].name)} by {jog_step(value, joints[i - 1].unit)}" for i, value in summary.way_out
+    )
+    if summary.cause == Cause.NONE:
+        return f"jog {jog}; σ{rank.generic_rank} is {short(summary.sigma_after or 0.0, 2)} then"
+    return f"jog {jog}{after_jog(rank.generic_rank, regular=summary.regular_after, deficient=rank.always_singular)}"
 
 
 def _offset_words(summary: Summary) -> str:
@@ -346,12 +381,26 @@ def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
     if not all(name.endswith(str(number)) for number, name in enumerate(names, start=1)):
         numbered = ", ".join(f"{number} {name}" for number, name in enumerate(names, start=1))
         lines.append(Formula(f"joints {numbered}"))
-    rows = [("rad, m" if any(joint.unit == "m" for joint in joints) else "rad", *map(fixed, explanation.q))]
-    if any(joint.unit == "rad" for joint in joints):
-        turned = zip(np.degrees(explanation.q) + 0.0, joints, strict=True)
-        rows.append(("deg", *("" if joint.unit == "m" else minus(f"{value:.2f}") for value, joint in turned)))
     columns = ("joint", *(str(number) for number in range(1, robot.n + 1)))
-    yield Section("Numbers", "", tuple(lines), columns, tuple(rows), notes=robot.notes)
+    yield Section("Numbers", "", tuple(lines), columns, _joint_values(robot, explanation.q), notes=robot.notes)
+
+
+def _joint_values(robot: Robot, q: Array) -> tuple[tuple[str, ...], ...]:
+    """The joint values as a row of a table, and those of revolute joints in degrees as a second one."""
+    joints = robot.variables
+    unit = "rad"
+    if any(joint.unit == "m" for joint in joints):
+        unit = "rad, m"
+    first = (unit, *map(fixed, q))
+    if not any(joint.unit == "rad" for joint in joints):
+        return (first,)
+    second = ["deg"]
+    for joint, value in zip(joints, np.degrees(q) + 0.0, strict=True):
+        if joint.unit == "m":
+            second.append("")
+        else:
+            second.append(minus(f"{value:.2f}"))
+    return first, tuple(second)
 
 
 def _null_motions_words(explanation: Explanation) -> str:
@@ -366,23 +415,32 @@ def _null_motions_words(explanation: Explanation) -> str:
 
 
 def _warnings(explanation: Explanation, full: bool) -> Iterator[str]:
-    reach, outside = explanation.length_scale, list[str]()
+    reach = explanation.length_scale
     if reach > _HUGE:
         yield f"lengths are divided by {short(reach)} m: are those of the robot file in mm?"
-    for number, (joint, value) in enumerate(zip(explanation.robot.variables, explanation.q, strict=True), start=1):
-        turns = joint.unit == "rad"
-        at, low, high = (
-            f"{short(degrees(x) if turns else x)}{'°' if turns else ' m'}" for x in (value, joint.lower, joint.upper)
-        )
-        if number in explanation.outside_limits:
-            outside.append(f"{joint_word(number, joint.name)} at {at} is outside its limits, {low} … {high}")
-        elif number in explanation.at_limits:
-            outside.append(f"{joint_word(number, joint.name)} at {at} stands at a limit ({low} … {high})")
+    outside = [*_limit_words(explanation)]
     if full or len(outside) < 2:
         yield from outside
     else:
         both = ((explanation.outside_limits, "outside the limits"), (explanation.at_limits, "at a limit"))
         yield "; ".join(f"{plural('joint', len(x))} {numbers(x)} {where}" for x, where in both if x)
+
+
+def _limit_words(explanation: Explanation) -> Iterator[str]:
+    """Each joint that is outside its limits or stands at one, with its value and the limits."""
+    for number, (joint, value) in enumerate(zip(explanation.robot.variables, explanation.q, strict=True), start=1):
+        at, low, high = (_angle_or_length(x, joint.unit) for x in (value, joint.lower, joint.upper))
+        if number in explanation.outside_limits:
+            yield f"{joint_word(number, joint.name)} at {at} is outside its limits, {low} … {high}"
+        elif number in explanation.at_limits:
+            yield f"{joint_word(number, joint.name)} at {at} stands at a limit ({low} … {high})"
+
+
+def _angle_or_length(value: float, unit: str) -> str:
+    """The value of a joint: "12.3°", "0.25 m"."""
+    if unit == "rad":
+        return f"{short(degrees(value))}°"
+    return f"{short(value)} m"
 
 
 def _listed(head: str, items: Iterable[str]) -> tuple[str, ...]:
@@ -394,22 +452,28 @@ def _listed(head: str, items: Iterable[str]) -> tuple[str, ...]:
 
 
 def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
-    met, lines, notes = explanation.met, list[str](), tuple[str, ...]()
+    met, notes = explanation.met, tuple[str, ...]()
     own = [one for one in met if one.family.corank == met[0].family.corank]
+    lines: list[str] = []
     for one in own[: None if full else 2]:
-        family, conditions = one.family, condition_sentences(explanation.robot, explanation.task, one.family)
-        if full:
-            of = f"  (corank {family.corank}, dimension {family.dimension}; {one.source})"
-        else:
-            of = ""
-        lines.append(f"{family_title(explanation.robot, explanation.task, family)}{of}")
-        lines.append(Formula(f"{'    ' * full}{'; '.join(conditions)}"))
+        lines += _family_lines(explanation, one, full)
     if full:
         lines += _listed("lies on", (one.family.name for one in met if one not in own))
         lines += _listed("here", (one.words for one in explanation.relations if not one.structural))
         notes = _listed("at every configuration", (one.words for one in explanation.relations if one.structural))
     if lines or notes:
         yield Section("Which singularity" if met else "Axes", _focus(explanation), tuple(lines), notes=notes)
+
+
+def _family_lines(explanation: Explanation, incidence: Incidence, full: bool) -> tuple[str, str]:
+    """A family through q: its title, with `full` its corank, dimension and source; and the conditions on it."""
+    family, robot, task = incidence.family, explanation.robot, explanation.task
+    title = family_title(robot, task, family)
+    conditions = "; ".join(condition_sentences(robot, task, family))
+    if not full:
+        return title, Formula(conditions)
+    title = f"{title}  (corank {family.corank}, dimension {family.dimension}; {incidence.source})"
+    return title, Formula(f"    {conditions}")
 
 
 def _focus(explanation: Explanation) -> str:
@@ -422,22 +486,38 @@ def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
     lost = explanation.lost
     if lost.framed is None:
         return
-    hardly = explanation.far.near_miss is not None and not explanation.rank.corank
+    if explanation.far.near_miss is not None and not explanation.rank.corank:
+        can, torque = "can hardly move other than", "with hardly any joint torque"
+    else:
+        can, torque = "can only move", "without joint torque"
     seen = [one for frame, one in lost.seen.items() if full or frame != "link"] or lost.seen.values()
-    lines = [f"The tool {'can hardly move other than' if hardly else 'can only move'} so that"]
-    for one in (lost_text(explanation.robot, framed) for framed in seen):
-        lines.append(Formula(f"  in {one['axes']}: {', '.join(one['constraints'])}"))
-        brief = "; ".join(filter(None, one["short"]))
-        lines += [f"      {brief}"] * (full and bool(brief))
+    lines = [f"The tool {can} so that"]
+    for framed in seen:
+        lines += _remaining(explanation.robot, framed, full)
     if full:
-        lines += _screws(explanation, "with hardly any joint torque" if hardly else "without joint torque")
+        lines += _screws(explanation, torque)
     if explanation.rank.corank:
         title = "What is lost"
     else:
         title = "What is nearly lost"
-    nearly = any(is_nearly_pure(direction) for framed in seen for direction in framed.directions)
-    notes = (_TWIST, _COUNTED) if full and nearly else (_TWIST,)
-    yield Section(title, _focus(explanation), tuple(lines), notes=notes)
+    notes = [_TWIST]
+    if full and any(_has_nearly_pure(framed) for framed in seen):
+        notes.append(_COUNTED)
+    yield Section(title, _focus(explanation), tuple(lines), notes=tuple(notes))
+
+
+def _remaining(robot: Robot, framed: FramedDirections, full: bool) -> Iterator[str]:
+    """What all motions that remain obey, in one frame; with `full` also what that comes to."""
+    words = lost_text(robot, framed)
+    yield Formula(f"  in {words['axes']}: {', '.join(words['constraints'])}")
+    brief = "; ".join(filter(None, words["short"]))
+    if full and brief:
+        yield f"      {brief}"
+
+
+def _has_nearly_pure(framed: FramedDirections) -> bool:
+    """Whether a lost direction is nearly a translation or nearly a rotation."""
+    return any(is_nearly_pure(direction) for direction in framed.directions)
 
 
 def _never(explanation: Explanation, full: bool) -> Iterator[Section]:
@@ -496,7 +576,12 @@ Columns = dict[str, Callable[[Any], str]]
 
 def _table(records: Iterable[Any], columns: Columns) -> dict[str, Any]:
     """Columns and rows of a section."""
-    return {"columns": tuple(columns), "rows": tuple(tuple(cell(one) for cell in columns.values()) for one in records)}
+    return {"columns": tuple(columns), "rows": tuple(_row(one, columns) for one in records)}
+
+
+def _row(record: Any, columns: Columns) -> tuple[str, ...]:
+    """The cells of a record."""
+    return tuple(cell(record) for cell in columns.values())
 
 
 def _yes(holds: bool) -> str:
@@ -524,17 +609,25 @@ def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:
     blame = explanation.blame
     lines = [circuit.words for circuit in blame.smallest]
     lines += [system.words for system in blame.systems if system.permanent or full]
-    lines += [f"deficient at every configuration: {blame.always}"] * bool(blame.always)
-    lines += ["the chain is too long to list dependent sets of joints"] * (not blame.complete)
+    if blame.always:
+        lines.append(f"deficient at every configuration: {blame.always}")
+    if not blame.complete:
+        lines.append("the chain is too long to list dependent sets of joints")
     if lines:
         yield Section("Joints to blame", _dependencies(explanation) if blame.smallest else "", tuple(lines))
-    if full and blame.circuits:
+    if full:
+        yield from _blame_tables(blame)
+
+
+def _blame_tables(blame: Blame) -> Iterator[Section]:
+    """Every circuit, the singular runs of joints, and Hunt's cofactors."""
+    if blame.circuits:
         yield Section("Every circuit", "dependent sets of joints without a smaller one inside",
                       **_table(blame.circuits, _CIRCUITS), texts=(0, 1, 2, 3))  # fmt: skip
-    if full and blame.ordered:
+    if blame.ordered:
         yield Section("Singular runs of joints", "as Gallardo-Alvarado and Rico-Martínez look for them",
                       **_table(blame.ordered, _RUNS))  # fmt: skip
-    if full and blame.hunt is not None:
+    if blame.hunt is not None:
         if blame.hunt.joints:
             table = _table(blame.hunt.joints, _HUNT)
         else:
@@ -686,19 +779,30 @@ def _direction(explanation: Explanation, direction: Direction) -> str:
 
 
 def _far(explanation: Explanation, full: bool) -> Iterator[Section]:
-    far, units = explanation.far, explanation.robot.units
-    lines, rows = [*_nearest_words(explanation, full), *_certified_words(explanation)], list[tuple[str, ...]]()
-    if full and far.nearest is not None and not _is_a_family(far.nearest, far.families):
-        rows.append((angle(far.nearest.distance), "the nearest", *_deltas(far.nearest.delta, units)))
-    for one in far.families[: None if full else 2]:
-        moves = _deltas(one.delta, units) if full else ()
-        name = family_title(explanation.robot, explanation.task, one.family)
-        rows.append((angle(one.distance), name + f" (corank {one.family.corank})" * full, *moves))
+    lines = [*_nearest_words(explanation, full), *_certified_words(explanation)]
+    rows = _distance_rows(explanation, full)
+    columns, notes = tuple[str, ...](), tuple[str, ...]()
+    if rows:
+        columns = ("distance", "family")
+    if rows and full:
+        columns += tuple(f"{number}" for number in range(1, explanation.robot.n + 1))
+        notes = ("by joint: the motion to it",)
     if lines or rows:
-        joints = tuple(f"{number}" for number in range(1, explanation.robot.n + 1)) if full else ()
-        columns = ("distance", "family", *joints) if rows else ()
-        notes = ("by joint: the motion to it",) if full and rows else ()
         yield Section(_how_far(explanation), "", tuple(lines), columns, tuple(rows), (0, 1), notes=notes)
+
+
+def _distance_rows(explanation: Explanation, full: bool) -> list[tuple[str, ...]]:
+    """Distance and name of the nearest families; with `full` of all of them, the motion of each joint, the nearest."""
+    far, units, robot, task = explanation.far, explanation.robot.units, explanation.robot, explanation.task
+    if not full:
+        return [(angle(one.distance), family_title(robot, task, one.family)) for one in far.families[:2]]
+    rows = []
+    if far.nearest is not None and not _is_a_family(far.nearest, far.families):
+        rows.append((angle(far.nearest.distance), "the nearest", *_deltas(far.nearest.delta, units)))
+    for one in far.families:
+        name = f"{family_title(robot, task, one.family)} (corank {one.family.corank})"
+        rows.append((angle(one.distance), name, *_deltas(one.delta, units)))
+    return rows
 
 
 def _how_far(explanation: Explanation) -> str:
@@ -983,13 +1087,19 @@ def _written(robot: Robot, task: Task, family: Family) -> tuple[list[_Condition]
 
 def _joints(terms: list[Record]) -> frozenset[int]:
     """Numbers of the joints of an equation, from its terms: harmonics of angles, powers of slides."""
-    both = [pair for one in terms for pair in enumerate(zip(one["harmonics"], one["powers"], strict=True), start=1)]
-    return frozenset(number for number, (harmonic, power) in both if harmonic or power)
+    found: set[int] = set()
+    for one in terms:
+        exponents = zip(one["harmonics"], one["powers"], strict=True)
+        found |= {number for number, exponent in enumerate(exponents, start=1) if any(exponent)}
+    return frozenset(found)
 
 
 def _letters(polynomial: list[Any], letters: Record) -> frozenset[str]:
     """Lengths that stand in a polynomial as letters, from its terms [[variable, power, …], coefficient]."""
-    return frozenset(name for variables, _ in polynomial for name in variables[::2] if name in letters)
+    names: set[str] = set()
+    for variables, _ in polynomial:
+        names.update(variables[::2])
+    return frozenset(names & letters.keys())
 
 
 def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, ...]:
@@ -1012,20 +1122,27 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
     pins = ((one.number, values_in_degrees(robot, one.number, one.values)) for one in family.pinned)
     told = [f"{joint_symbols(robot)[number - 1]} = {values}" for number, values in pins]
     told += (one.text for one in short)
-    named = {name for one in short for name in one.letters}
-    if there := [f"{name} = {value:.6g} m".replace("-", "−") for name, value in letters.items() if name in named]:
-        told[-1] += f", {', '.join(there)}"
+    named = frozenset[str]().union(*(one.letters for one in short))
+    lengths = [f"{name} = {value:.6g} m".replace("-", "−") for name, value in letters.items() if name in named]
+    if lengths:
+        told[-1] += f", {', '.join(lengths)}"
     if long:
-        if written is None:
-            where = "in the JSON"
-        else:
-            where = "`rankdrop conditions` prints it"
-        if len(long) == 1:
-            count = "a long condition"
-        else:
-            count = f"{len(long)} long conditions"
-        told.append(f"{count} on joints {numbers(sorted({number for one in long for number in one.joints}))} ({where})")
+        told.append(_long_words(long, exact=written is not None))
     return tuple(told)
+
+
+def _long_words(long: Sequence[_Condition], *, exact: bool) -> str:
+    """How many conditions are too long to print, on which joints, and where they stand."""
+    if exact:
+        where = "`rankdrop conditions` prints it"
+    else:
+        where = "in the JSON"
+    if len(long) == 1:
+        count = "a long condition"
+    else:
+        count = f"{len(long)} long conditions"
+    joints = frozenset[int]().union(*(one.joints for one in long))
+    return f"{count} on joints {numbers(sorted(joints))} ({where})"
 
 
 def _unpinned(family: Family, written: tuple[list[_Condition], Record] | None) -> tuple[list[_Condition], Record]:

@@ -15,6 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 from math import degrees, floor, isclose, isfinite
 from typing import NamedTuple
 
@@ -49,7 +50,7 @@ _MOST_TERMS = 30  # a longer condition is for programs
 
 def legend(robot: Robot, families: Iterable[Family] = ()) -> str:
     """What the marks and columns of a table of families mean, and letters and links in what is lost on them."""
-    lost = lost_note(robot, [lost for one in families for lost in one.lost_freedoms])
+    lost = lost_note(robot, chain.from_iterable(one.lost_freedoms for one in families))
     named = joints_named(robot)
     joints = f"Joints: {named}." if named else ""
     return " ".join(filter(None, (_LEGEND.format(length=f"{counted_length(robot):g}"), joints, lost)))
@@ -524,23 +525,34 @@ def overview(
     yield Section(f"{robot.name}{about}", f"rank {generic_rank} almost everywhere")
     for summary in coranks:
         rows = [family for family in families if family.corank == summary.corank]
-        if not rows:
+        if rows:
+            yield _corank_section(robot, generic_rank, summary, rows, limits=limits)
+        else:
             yield Section(title(summary, generic_rank), nothing_found(summary))
-            continue
-        shown = [within(row, robot, limits=limits) for row in rows]
-        notes = [(row.id, *note) for row, outside in shown
-                 for note in footnotes(robot, row, outside, lost=False)]  # fmt: skip
-        under = [f"{id} {words}" if label == AT else f"{id} {label}: {words}" for id, label, words in notes]
-        table = columns(robot, summary.corank)
-        yield Section(
-            title(summary, generic_rank), f"{number_of(rows)}, {explained(summary.completeness)}",
-            columns=tuple(one.title for one in table),
-            rows=tuple(tuple(one_line(one, row) for one in table) for row, _ in shown),
-            texts=tuple(i for i, one in enumerate(table) if one.holds == WORDS or one.key == "id"),
-            after=tuple(under), notes=(starts(summary),),
-        )  # fmt: skip
     if families:
         yield Section("", lines=(legend(robot, families),))
+
+
+def _corank_section(
+    robot: Robot, generic_rank: int, summary: CorankSummary, families: Sequence[Family], *, limits: bool
+) -> Section:
+    """The table of the families of one corank, the conditions under it, what the starts did."""
+    table = columns(robot, summary.corank)
+    rows, under = [], []
+    for family in families:
+        row, outside = within(family, robot, limits=limits)
+        rows.append(tuple(one_line(one, row) for one in table))
+        for label, words in footnotes(robot, row, outside, lost=False):
+            if label == AT:
+                under.append(f"{row.id} {words}")
+            else:
+                under.append(f"{row.id} {label}: {words}")
+    return Section(
+        title(summary, generic_rank), f"{number_of(families)}, {explained(summary.completeness)}",
+        columns=tuple(one.title for one in table), rows=tuple(rows),
+        texts=tuple(i for i, one in enumerate(table) if one.holds == WORDS or one.key == "id"),
+        after=tuple(under), notes=(starts(summary),),
+    )  # fmt: skip
 
 
 def near_misses_text(corank: int, many: int, followed: int, sigma: float, digits: int) -> str:

@@ -36,8 +36,11 @@ def sections_of(family: Family) -> tuple[Section, ...]:
 
 def _slides(family: Family) -> set[int]:
     """Numbers of joints that slide, as far as is known: in equations they stand as powers."""
-    powers = [term.powers for equation in family.equations for term in equation.terms]
-    return {*family.slides, *(number for one in powers for number, power in enumerate(one, start=1) if power)}
+    slides = set(family.slides)
+    for equation in family.equations:
+        for term in equation.terms:
+            slides |= {number for number, power in enumerate(term.powers, start=1) if power}
+    return slides
 
 
 def _format_value(value: float, slides: bool) -> str:

@@ -168,23 +168,21 @@ def inverse_sections(found: Any, *, deg: bool) -> tuple[Section, ...]:
 
 
 def _tables(found: Any, *, deg: bool) -> Iterator[Section]:
+    """The isolated solutions, the self-motions, and where there is neither the nearest poses in reach."""
     robot = found.robot
-    heads = tuple(f"{i} [{'°' if deg and one.unit == 'rad' else one.unit}]" for i, one in enumerate(robot.variables, 1))
+    heads = tuple(_head(number, joint.unit, deg=deg) for number, joint in enumerate(robot.variables, start=1))
     if found.branches:
         rows = tuple(
-            (str(number), one.verdict, ", ".join(one.posture) or "–",
-             _beyond_cell(robot, one) if one.beyond else "inside", *_cells(robot, one.q, deg=deg))
+            (str(number), *_branch_cells(robot, one), *_cells(robot, one.q, deg=deg))
             for number, one in enumerate(found.branches, start=1)
-        )  # fmt: skip
+        )
         yield Section("Solutions", "inside the joint limits first, then nearest to q = 0", columns=(
             "", "verdict", "posture", "joint limits", *heads), rows=rows, texts=(0, 1, 2, 3))  # fmt: skip
     if found.continua:
         rows = tuple(
-            (str(number), "singular" if one.singular else "regular",
-             f"{_SHAPES.get(one.dimension, 'set')}{', closed' * one.closed}",
-             f"{100 * one.inside:.0f} %" if one.dimension == 1 else "–", *_cells(robot, one.q, deg=deg))
+            (str(number), *_continuum_cells(one), *_cells(robot, one.q, deg=deg))
             for number, one in enumerate(found.continua, start=1)
-        )  # fmt: skip
+        )
         yield Section("Self-motions", "the tool stands still along them; one configuration of each", columns=(
             "", "verdict", "shape", "inside limits", *heads), rows=rows, texts=(0, 1, 2))  # fmt: skip
     why = found.unreached
@@ -193,6 +191,35 @@ def _tables(found: Any, *, deg: bool) -> Iterator[Section]:
         if why.turned is not None:
             lines.append(f"the nearest orientation there: {tool_place(robot, why.turned)}")
         yield Section("Nearest poses in reach", "joint limits ignored", lines=tuple(lines))
+
+
+def _head(number: int, unit: str, *, deg: bool) -> str:
+    """The head of the column of a joint: its number and unit."""
+    if deg and unit == "rad":
+        return f"{number} [°]"
+    return f"{number} [{unit}]"
+
+
+def _branch_cells(robot: Robot, branch: Any) -> tuple[str, str, str]:
+    """The verdict on an isolated solution, its posture, and the joints outside their limits."""
+    if branch.beyond:
+        limits = _beyond_cell(robot, branch)
+    else:
+        limits = "inside"
+    return branch.verdict, ", ".join(branch.posture) or "–", limits
+
+
+def _continuum_cells(continuum: Any) -> tuple[str, str, str]:
+    """The verdict on a self-motion, its shape, and the share of it that is inside the joint limits."""
+    verdict, inside = "regular", "–"
+    if continuum.singular:
+        verdict = "singular"
+    shape = _SHAPES.get(continuum.dimension, "set")
+    if continuum.closed:
+        shape += ", closed"
+    if continuum.dimension == 1:
+        inside = f"{100 * continuum.inside:.0f} %"
+    return verdict, shape, inside
 
 
 def _searched(found: Any) -> Iterator[str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from math import ceil
 
 from rankdrop.families.record import CorankSummary, Derivation, Family
@@ -140,7 +141,7 @@ def _notes(robot: Robot, rows: Sequence[Family], exact: Derivation | None) -> li
             parts += [as_text(f"witness {witness_text(robot, family.witness)}")]
         if parts:
             notes += [f"\\noindent Row {number}: {'; '.join(parts)}.\\par"]
-    links = lost_note(robot, [one for family in rows for one in family.lost_freedoms])
+    links = lost_note(robot, chain.from_iterable(family.lost_freedoms for family in rows))
     if links:
         notes += [f"\\noindent {as_text(links)}\\par"]
     lengths = ", ".join(f"${_symbol(name)} = {value:.6g}$ m" for name, value in _letters_in(notes, exact))
@@ -178,20 +179,27 @@ def _symbol(name: str) -> str:
 
 def _conditions(family: Family) -> Iterator[str]:
     """The conditions that the columns do not say, as mathematics: exact ones where there are, else the fitted ones."""
-    row = family.exact
-    known, bound = {one.number for one in family.pinned}, set(family.coupled)
-    exact = [] if row is None else [
-        *(text for text, pin in zip(row.latex, row.pinned, strict=False) if pin.number not in known),
-        *row.latex[len(row.pinned) :],
-    ]  # fmt: skip
-    own = [equation for equation in family.equations if bound & set(equation.joints)]
-    chosen = [f"${one}$" for one in exact] or [f"${equation.latex()} = 0$" for equation in own]
+    chosen = [f"${text}$" for text in _chosen(family)]
     for text in chosen[:_LINES]:
         yield text if len(text) <= _LONGEST else f"a condition of {len(text)} characters, see the JSON"
     if len(chosen) > _LINES:
         yield f"{len(chosen) - _LINES} more, see the JSON"
     if not family.named:
         yield "no condition found"
+
+
+def _chosen(family: Family) -> list[str]:
+    """The exact conditions of a family beyond its pinned joints; where there are none the fitted ones."""
+    row = family.exact
+    if row is not None:
+        known = {one.number for one in family.pinned}
+        pins = zip(row.latex, row.pinned, strict=False)
+        exact = [text for text, pin in pins if pin.number not in known]
+        exact += row.latex[len(row.pinned) :]
+        if exact:
+            return exact
+    bound = set(family.coupled)
+    return [f"{equation.latex()} = 0" for equation in family.equations if bound & set(equation.joints)]
 
 
 def as_text(text: str) -> str:

@@ -79,12 +79,17 @@ def lost_note(robot: Robot, freedoms: Iterable[LostFreedom]) -> str:
             axes |= {(frame.axes, axis) for axis in _axes_named(freedom)}
         if frame.origin > 0 and not any(frame.point):
             origins.add(frame.origin)
-    for number in sorted({link for link, _ in axes} | origins):
-        said = [_along(robot, number, axis) for axis in range(3) if (number, axis) in axes]
-        if number in origins:
-            said += [_through(robot, number)]
-        notes.append(_link(robot, number, [one for one in said if one]))
+    links = {link for link, _ in axes} | origins
+    notes += (_link_note(robot, number, axes, number in origins) for number in sorted(links))
     return " ".join(notes)
+
+
+def _link_note(robot: Robot, number: int, axes: set[tuple[int, int]], origin: bool) -> str:
+    """What the axes of a link mean that sentences name, and with `origin` where its origin is."""
+    said = [_along(robot, number, axis) for axis in range(3) if (number, axis) in axes]
+    if origin:
+        said.append(_through(robot, number))
+    return _link(robot, number, [one for one in said if one])
 
 
 def _axes_named(freedom: LostFreedom) -> tuple[int, ...]:

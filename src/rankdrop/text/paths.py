@@ -5,7 +5,7 @@ A check: five lines first, then crossings, with `full` free stretches and notes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import degrees, isfinite, isnan
 from operator import attrgetter
 from typing import Any
@@ -124,35 +124,43 @@ def turn_words(turn: Any, robot: Robot, *, place: bool = True) -> str:
         robot: the arm.
         place: name the pose at which it is made, and how far the path can be followed after it.
     """
-    moved = turn.to - turn.q
-    turns = [i for i, joint in enumerate(robot.variables) if joint.unit == "rad" and abs(moved[i]) > _TURNS]
-    order = sorted(turns, key=lambda i: (-round(abs(moved[i]), 6), i))
-    if order:
-        first, *others = order
-    else:
-        first, *others = [int(np.abs(moved).argmax())]
-
-    def change(i: int) -> str:
-        unit = robot.variables[i].unit
-        if unit == "rad":
-            scale, sign = (degrees(1.0), "°")
-        else:
-            scale, sign = (1.0, f" {unit}")
-        ends = " to ".join(f"{short(round(scale * float(x), 6) + 0.0, 4)}{sign}" for x in (turn.q[i], turn.to[i]))
-        return f"joint {i + 1} from {ends}"
-
+    first, *others = _turned_joints(turn, robot)
+    with_it = ""
     if others:
-        with_it = f", with {', '.join(change(i) for i in sorted(others))}"
-    else:
-        with_it = ""
-    words = f"turn {change(first)} with the tool held still{with_it}"
+        with_it = f", with {', '.join(_joint_turn(turn, robot, i) for i in sorted(others))}"
+    words = f"turn {_joint_turn(turn, robot, first)} with the tool held still{with_it}"
     if not place:
         return words
-    after = (
-        "; after it the path can be followed to its end" if turn.rest_complete else
-        f"; after it the path can be followed to pose {turn.rest_reached:.5g}" if turn.rest_complete is not None else ""
-    )  # fmt: skip
-    return f"{words}, at pose {turn.place:.5g}{after}"
+    return f"{words}, at pose {turn.place:.5g}{_after_turn(turn)}"
+
+
+def _turned_joints(turn: Any, robot: Robot) -> list[int]:
+    """The joints that an internal turn turns, counted from 0, the one that turns most first; at least one joint."""
+    moved = turn.to - turn.q
+    turns = [i for i, joint in enumerate(robot.variables) if joint.unit == "rad" and abs(moved[i]) > _TURNS]
+    if not turns:
+        return [int(np.abs(moved).argmax())]
+    return sorted(turns, key=lambda i: (-round(abs(moved[i]), 6), i))
+
+
+def _joint_turn(turn: Any, robot: Robot, i: int) -> str:
+    """Where a joint, counted from 0, begins and ends an internal turn."""
+    unit = robot.variables[i].unit
+    if unit == "rad":
+        scale, sign = degrees(1.0), "°"
+    else:
+        scale, sign = 1.0, f" {unit}"
+    ends = " to ".join(f"{short(round(scale * float(x), 6) + 0.0, 4)}{sign}" for x in (turn.q[i], turn.to[i]))
+    return f"joint {i + 1} from {ends}"
+
+
+def _after_turn(turn: Any) -> str:
+    """How far the path can be followed after an internal turn; empty where nobody looked."""
+    if turn.rest_complete is None:
+        return ""
+    if turn.rest_complete:
+        return "; after it the path can be followed to its end"
+    return f"; after it the path can be followed to pose {turn.rest_reached:.5g}"
 
 
 def sentence(check: Any) -> str:
@@ -243,30 +251,36 @@ def _open(check: Any) -> Iterator[str]:
 
 def summary(check: Any, mending: Any = None) -> tuple[str, ...]:
     """Five lines: the verdict, the path, what to do, the nearest singularity, and how this is known."""
+    lines = [sentence(check), _path_line(check), *_never_lines(check)]
+    if check.tool is not None and len(check.tool.branches) > 1:
+        lines.append(f"Branch: {_branches_words(check)}.")
+    if not check.holds:
+        lines.append(f"Next: {_advice(check)}.")
+        if mending is not None:
+            lines += local_lines(mending)
+    near = min((one for one in check.stretches if isfinite(one.closest.distance)),
+               key=lambda one: one.closest.distance, default=None)  # fmt: skip
+    if near is not None:
+        lines.append(f"Nearest singularity: {stretch_place(check, near)}, {_where(near)}.")
+    return (*lines, _verified_line(check))
+
+
+def _path_line(check: Any) -> str:
+    """How long the path is, how it runs between its rows, and how much of it is proven free."""
     times = check.curve.times
     if times is None:
         lasts = ""
     else:
         lasts = f", {times[-1] - times[0]:.6g} s"
     free = sum(one.verdict == "free" for one in check.stretches)
-    lines = [
-        sentence(check),
+    return (
         f"Path: {check.rows} rows{lasts}, {check.options.interpolate} between them; {free_words(check)} of its length "
-        f"is proven free, {free} stretch{'es' if free != 1 else ''}.",
-    ]
-    lines += _never_lines(check)
-    if check.tool is not None and len(check.tool.branches) > 1:
-        lines.append(f"Branch: {_branches_words(check)}.")
-    if not check.holds:
-        lines.append(f"Next: {_advice(check)}.")
-        if mending is None:
-            lines += []
-        else:
-            lines += local_lines(mending)
-    near = min((one for one in check.stretches if isfinite(one.closest.distance)),
-               key=lambda one: one.closest.distance, default=None)  # fmt: skip
-    if near is not None:
-        lines.append(f"Nearest singularity: {stretch_place(check, near)}, {_where(near)}.")
+        f"is proven free, {free} stretch{'es' if free != 1 else ''}."
+    )
+
+
+def _verified_line(check: Any) -> str:
+    """How many enclosures cover the path, how far the tip strays from it, and whence the families are."""
     if check.source == "on the spot":
         source = "none known, found on the spot"
     else:
@@ -279,8 +293,7 @@ def summary(check: Any, mending: Any = None) -> tuple[str, ...]:
         cover = "1 enclosure covers"
     else:
         cover = f"{check.evaluations:,} enclosures cover"
-    lines.append(f"Verified: {cover} it{tip}; families {source}.")
-    return tuple(lines)
+    return f"Verified: {cover} it{tip}; families {source}."
 
 
 def _never_lines(check: Any) -> Iterator[str]:
@@ -358,33 +371,50 @@ def _where(near: Any) -> str:
 
 
 def _advice(check: Any) -> str:
+    """What to do about a path that does not hold."""
     if not check.complete:
         return "run the same command again"
     if check.verdict == "too fast":
         worst = max(one.amount for one in check.violations if one.what == "rate")
         return f"run it at {short(1 / worst, 2)} of the speed, or let {_remedies()} compute a new time law or path"
-    if check.tool is not None and not check.tool.complete and turn_follows(check.robot, check.task):
-        axis, place = advised("task", "tool-axis-free"), advised("task", "position")
-        far = advised("pose", "…", python="rankdrop.inverse(arm, pose)")
-        return (f"{check.robot.n} joints reach few poses: {axis} or {place} leave free what they cannot do; "
-                f"explain with {far} says how far a pose is out of reach")  # fmt: skip
-    if check.tool is not None and check.tool.turn is not None and check.tool.turn.place == 1.0:
-        return f"make the turn first, then check the path again with {advised('start', '…')} at its end"
-    branches = () if check.tool is None else check.tool.branches
-    free = [(number, one) for number, one in enumerate(branches, start=1) if one.free and one.complete]
-    if free and not any(one.chosen for _, one in free):
-        number, one = free[0]
-        start = ",".join(f"{x:.6g}" for x in one.start.tolist())
-        taken = advised("start", f'"{start}"', python=f"start=[{start}]")
-        return f"branch {number} is free to the end: {taken} (rad)"
-    if check.verdict == "undecided" and check.tool is not None and not check.tool.complete:
-        tip, turn = advised("tip-tolerance", "…"), advised("turn-tolerance", "…")
-        return f"a larger {tip} and {turn} need fewer rows; or begin another file at that pose"
+    if check.tool is not None:
+        advice = _tool_advice(check)
+        if advice is not None:
+            return advice
     if check.verdict == "undecided":
         return f"a larger {advised('evaluations', '…')} may decide it"
     if check.verdict == "crossing" and check.tool is None:
         return f"{_joint_move(check)}; {_remedies()} computes changes for a tool move"
     return f"{_remedies()} computes changes that avoid it; {advised('full')} prints every stretch"
+
+
+def _tool_advice(check: Any) -> str | None:
+    """What to do about a move of the tool: ask for less, turn first, take another branch, allow a wider tube."""
+    tool = check.tool
+    if not tool.complete and turn_follows(check.robot, check.task):
+        axis, place = advised("task", "tool-axis-free"), advised("task", "position")
+        far = advised("pose", "…", python="rankdrop.inverse(arm, pose)")
+        return (f"{check.robot.n} joints reach few poses: {axis} or {place} leave free what they cannot do; "
+                f"explain with {far} says how far a pose is out of reach")  # fmt: skip
+    if tool.turn is not None and tool.turn.place == 1.0:
+        return f"make the turn first, then check the path again with {advised('start', '…')} at its end"
+    number = _better_branch(tool.branches)
+    if number is not None:
+        start = ",".join(f"{x:.6g}" for x in tool.branches[number - 1].start.tolist())
+        taken = advised("start", f'"{start}"', python=f"start=[{start}]")
+        return f"branch {number} is free to the end: {taken} (rad)"
+    if check.verdict == "undecided" and not tool.complete:
+        tip, turn = advised("tip-tolerance", "…"), advised("turn-tolerance", "…")
+        return f"a larger {tip} and {turn} need fewer rows; or begin another file at that pose"
+    return None
+
+
+def _better_branch(branches: Sequence[Any]) -> int | None:
+    """The number of the first branch that is free to the end; None where there is none, or it is the one chosen."""
+    free = [(number, one) for number, one in enumerate(branches, start=1) if one.free and one.complete]
+    if not free or any(one.chosen for _, one in free):
+        return None
+    return free[0][0]
 
 
 def _joint_move(check: Any) -> str:
@@ -446,29 +476,38 @@ def path_sections(
     """
     tone = {"free": "good", "undecided": "warning", "too near": "warning"}.get(check.verdict, "bad")
     first, *others = summary(check, mending)
-    scale = f"σ with translation divided by {check.length_scale:.4g} m; distances in joint space"
-    about = f"{check.robot.name}, {check.task.name}"
     sections = [Section(first, lines=tuple(others), tone=tone)]
-    met = sorted((one for one in check.stretches if one.verdict != "free"), key=attrgetter("start"))
-    if full or len(met) <= DESCRIBED:
-        lines = [line for one in met for line in crossing_lines(one, check, deg=deg, full=full)]
-    else:
-        lines = [f"{_crossed(one, check)}, {when(one.closest.place)}" for one in met[:LISTED]]
-        if len(met) > LISTED:
-            more = f"and {len(met) - LISTED} more; "
-        else:
-            more = ""
-        lines.append(f"{more}{advised('full')} describes each of them")
-    if lines:
-        sections.append(Section("Singularities on the path", lines=tuple(lines)))
+    met = _met_lines(check, deg=deg, full=full)
+    if met:
+        sections.append(Section("Singularities on the path", lines=tuple(met)))
     if check.tool is not None and len(check.tool.branches) > 1:
         sections.append(_branches_section(check, deg=deg))
     free = [one for one in check.stretches if one.verdict == "free"]
     if full and free:
         sections.append(_free_section(free, check, deg=deg))
-    if full or check.notes:
-        sections.append(Section("Notes", lines=(*check.notes, *((f"{about}: {scale}",) if full else ()))))
+    told = list(check.notes)
+    if full:
+        scale = f"σ with translation divided by {check.length_scale:.4g} m; distances in joint space"
+        told.append(f"{check.robot.name}, {check.task.name}: {scale}")
+    if told:
+        sections.append(Section("Notes", lines=tuple(told)))
     return tuple(sections)
+
+
+def _met_lines(check: Any, *, deg: bool, full: bool) -> list[str]:
+    """The stretches that are not free, in their order: each described, or where there are many the first ones named."""
+    met = sorted((one for one in check.stretches if one.verdict != "free"), key=attrgetter("start"))
+    lines: list[str] = []
+    if full or len(met) <= DESCRIBED:
+        for one in met:
+            lines += crossing_lines(one, check, deg=deg, full=full)
+        return lines
+    lines += (f"{_crossed(one, check)}, {when(one.closest.place)}" for one in met[:LISTED])
+    if len(met) > LISTED:
+        more = f"and {len(met) - LISTED} more; "
+    else:
+        more = ""
+    return [*lines, f"{more}{advised('full')} describes each of them"]
 
 
 def crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
@@ -516,31 +555,49 @@ def _crossed(one: Any, check: Any) -> str:
 
 
 def _free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
+    timed = check.curve.times is not None
     limited = any(not isnan(one.speed_factor) for one in free)
-    columns: dict[str, Callable[[Any], str]] = {
-        "nearest family": lambda one: f"{stretch_place(check, one)}{_id(one)}",
-        "rows": lambda one: f"{row_words(one.start)} – {row_words(one.end)}",
-        "time [s]": lambda one: f"{one.start.time:.4g} – {one.end.time:.4g}",
-        "closest": lambda one: "at its end" if one.closest.distance < _LEADS else _far(one.closest.distance),
-        "σ": lambda one: "→ 0" if one.closest.distance < _LEADS else short(one.closest.sigma, 3),
-        "weak": lambda one: "–" if isnan(one.closest.weak) else _percent(one.closest.weak),
-        "speed": lambda one: "–" if isnan(one.speed_factor) else f"× {one.speed_factor:.3g}",
-    }
+    columns = ["nearest family", "rows", "closest", "σ", "weak"]
     notes = ["closest: joint-space distance to the nearest singular configuration known [rad]; weak: share of the "
              "tool's travel there along the direction that would be lost"]  # fmt: skip
-    if check.curve.times is None:
-        del columns["time [s]"]
+    if timed:
+        columns.insert(2, "time [s]")
     if limited:
+        columns.append("speed")
         notes.append("speed: factor that keeps the velocity limits")
-    else:
-        del columns["speed"]
-    rows = tuple(tuple(cell(one) for cell in columns.values()) for one in sorted(free, key=attrgetter("start")))
+    rows = []
+    for one in sorted(free, key=attrgetter("start")):
+        row = [f"{stretch_place(check, one)}{_id(one)}", f"{row_words(one.start)} – {row_words(one.end)}"]
+        if timed:
+            row.append(f"{one.start.time:.4g} – {one.end.time:.4g}")
+        row += _closest_cells(one.closest)
+        if limited:
+            row.append(_speed_cell(one))
+        rows.append(tuple(row))
     where = tuple(
         f"{_far(one.closest.distance)} at row {row_words(one.closest.place)}{_way(one, check.robot)}: "
         f"{joints_words(check.robot, one.closest.q, deg=deg)}"
         for one in free[:_CLOSEST] if one.closest.distance >= _LEADS
     )
-    return Section("Proven free", columns=tuple(columns), rows=rows, after=where, notes=tuple(notes))
+    return Section("Proven free", columns=tuple(columns), rows=tuple(rows), after=where, notes=tuple(notes))
+
+
+def _closest_cells(closest: Any) -> tuple[str, str, str]:
+    """The distance to the nearest singular configuration, σ there, and the share of travel along the weak direction."""
+    if isnan(closest.weak):
+        weak = "–"
+    else:
+        weak = _percent(closest.weak)
+    if closest.distance < _LEADS:
+        return "at its end", "→ 0", weak
+    return _far(closest.distance), short(closest.sigma, 3), weak
+
+
+def _speed_cell(stretch: Any) -> str:
+    """The factor of the speed that keeps the velocity limits on a stretch."""
+    if isnan(stretch.speed_factor):
+        return "–"
+    return f"× {stretch.speed_factor:.3g}"
 
 
 def _id(one: Any) -> str:

@@ -86,9 +86,9 @@ def _reached(check: Any) -> Iterator[str]:
             first = part[0]
             name = stretch_place(_path_of(first.stretch, check), first.stretch)
             yield f"{words.format(times)}: {name}, {_in_line(first.line, first.text)}"
-    passed = [part.moves[index] for part in check.parts for index in part.passed]
-    if passed:
-        yield f"goes through a singularity {_in_line(passed[0].line, passed[0].text)}"
+    passed = next((part.moves[part.passed[0]] for part in check.parts if part.passed), None)
+    if passed is not None:
+        yield f"goes through a singularity {_in_line(passed.line, passed.text)}"
 
 
 def _path_of(stretch: Any, check: Any) -> Any:
@@ -137,8 +137,9 @@ def _broken(check: Any) -> Iterator[str]:
 
 
 def _open(check: Any) -> Iterator[str]:
+    """The open points of a program: undecided stretches, a distance that is not kept, an interrupted check."""
     undecided = sum(one.undecided_length for one in check.checks)
-    if any(one.verdict == "undecided" for path in check.checks for one in path.stretches):
+    if any(stretch.verdict == "undecided" for stretch in check.stretches):
         yield f"{undecided:.3g} rad of it undecided"
     if check.checks:
         far = angle(check.checks[0].options.min_distance)
@@ -167,18 +168,9 @@ def _next_lines(check: Any) -> Iterator[str]:
 
 
 def _read_lines(check: Any) -> Iterator[str]:
+    """What was read of a program, and what of it is not checked: corners, tool frames, the base, rates."""
     program, moves = check.program, check.program.moves
-    joint = sum(one.kind == "joint" for one in moves)
-    if check.unread:
-        unread = f"; {len(check.unread)} not read"
-    else:
-        unread = ""
-    if len(check.parts) > 1:
-        parts = f", in {len(check.parts)} parts"
-    else:
-        parts = ""
-    yield (f"Program: {program.language}; {len(moves)} {plural('move', len(moves))} read: {joint} joint, "
-           f"{len(moves) - joint} straight{unread}{parts}.")  # fmt: skip
+    yield _read_line(check)
     blends = [one.line for one in moves if one.blend]
     if blends:
         yield (f"Corners: checked as exact stops. The controller rounds those of {_lines_words(blends)}: it leaves the "
@@ -193,6 +185,19 @@ def _read_lines(check: Any) -> Iterator[str]:
     untimed = [part.untimed.line for part in check.parts if part.untimed is not None]
     if untimed:
         yield f"Rates: not checked, no speed is known for {_lines_words(untimed)}."
+
+
+def _read_line(check: Any) -> str:
+    """The language of a program and how many moves of each kind were read."""
+    moves = check.program.moves
+    joint = sum(one.kind == "joint" for one in moves)
+    unread = parts = ""
+    if check.unread:
+        unread = f"; {len(check.unread)} not read"
+    if len(check.parts) > 1:
+        parts = f", in {len(check.parts)} parts"
+    return (f"Program: {check.program.language}; {len(moves)} {plural('move', len(moves))} read: {joint} joint, "
+            f"{len(moves) - joint} straight{unread}{parts}.")  # fmt: skip
 
 
 def _begin_lines(check: Any) -> Iterator[str]:
@@ -298,22 +303,29 @@ def _moves_section(check: Any, *, full: bool) -> Section:
     if full or len(moves) <= _LISTED:
         shown = moves
     else:
-        shown = [one for one in moves if one.verdict not in (None, "free")]
-    rows = tuple(
-        (str(one.line), _KINDS[one.kind], "begins here" if one.verdict is None else str(one.verdict),
-         angle(one.distance) if isfinite(one.distance) else "–",
-         f"{one.joint}: {degrees(one.turn):.0f}°" if one.joint else "–",
-         "–" if one.seconds is None else f"{one.seconds:.3g}", one.text)
-        for one in shown[: None if full else _LISTED]
-    )  # fmt: skip
-    if len(rows) == len(moves):
-        notes = []
-    else:
-        notes = [f"{len(moves) - len(rows)} more moves; {advised('full')} prints all"]
+        shown = [one for one in moves if one.verdict not in (None, "free")][:_LISTED]
+    notes = []
+    if len(shown) < len(moves):
+        notes = [f"{len(moves) - len(shown)} more moves; {advised('full')} prints all"]
     return Section(
         "Moves", columns=("line", "kind", "verdict", "nearest singularity", "largest turn", "time [s]", "text"),
-        rows=rows, texts=(1, 2, 6), notes=tuple(notes),
+        rows=tuple(_move_row(one) for one in shown), texts=(1, 2, 6), notes=tuple(notes),
     )  # fmt: skip
+
+
+def _move_row(one: Any) -> tuple[str, ...]:
+    """The cells of a move."""
+    verdict = "begins here"
+    nearest = turn = seconds = "–"
+    if one.verdict is not None:
+        verdict = str(one.verdict)
+    if isfinite(one.distance):
+        nearest = angle(one.distance)
+    if one.joint:
+        turn = f"{one.joint}: {degrees(one.turn):.0f}°"
+    if one.seconds is not None:
+        seconds = f"{one.seconds:.3g}"
+    return str(one.line), _KINDS[one.kind], verdict, nearest, turn, seconds, one.text
 
 
 def _skipped_section(check: Any, *, full: bool) -> Section:

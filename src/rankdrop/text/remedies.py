@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import degrees, isfinite, isnan
 from operator import attrgetter
 from typing import Any
@@ -92,40 +93,43 @@ def remedy_note(kind: str, fact: Any) -> str:
             times it was tried, the bound, and for each place without one the place, why, and the bound that is needed;
             of "range" a joint, how much wider its range would have to be, and the arm.
     """
-    if kind == "local":
-        return f"bump and detour: not tried, more than {fact} places need one"
-    if kind == "range":
-        joint, beyond, robot = fact
-        amount = _amount(beyond, robot.variables[joint - 1].unit)
-        return f"joint limits: with {amount} more range of joint {joint} the poses are followed to the end"
-    if kind == "unfinished":
-        return f"other kinds: not tried, the poses are followed up to pose {short(fact)} only"
-    if kind == "bump":
-        return _bump_note(*fact)
-    if kind == "detour":
-        if fact is None:
-            return "detour: only for paths that are straight between their rows"
-        return _detour_note(*fact)
-    if kind == "path":
-        return f"the tool's path cannot be followed: {fact}"
-    if kind == "slow-down":
-        if fact:
+    match kind:
+        case "local":
+            return f"bump and detour: not tried, more than {fact} places need one"
+        case "range":
+            joint, beyond, robot = fact
+            amount = _amount(beyond, robot.variables[joint - 1].unit)
+            return f"joint limits: with {amount} more range of joint {joint} the poses are followed to the end"
+        case "unfinished":
+            return f"other kinds: not tried, the poses are followed up to pose {short(fact)} only"
+        case "bump":
+            return _bump_note(*fact)
+        case "detour" if fact is not None:
+            return _detour_note(*fact)
+        case "path":
+            return f"the tool's path cannot be followed: {fact}"
+        case "slow-down" if fact:
             return f"{kind}: the limits cannot be kept without making nearly all of the path slower"
-        return f"{kind}: only for paths that are straight between their rows"
-    if kind == "retime":
-        return f"{kind}: the limits could not be kept everywhere"
-    if kind == "blend":
-        return f"{kind}: {_BLENDS.get(fact) or f'{fact} tried, none was proven free'}"
-    run, ended = fact
+        case "detour" | "slow-down":
+            return f"{kind}: only for paths that are straight between their rows"
+        case "retime":
+            return f"{kind}: the limits could not be kept everywhere"
+        case "blend":
+            return f"{kind}: {_BLENDS.get(fact) or f'{fact} tried, none was proven free'}"
+    return f"{kind}: {_tried_words(kind, *fact)}"
+
+
+def _tried_words(kind: str, run: int, ended: Counter[str]) -> str:
+    """How many candidates of a kind were tried, how many ended for each reason, and how many run the whole path."""
     tried = run + ended.total()
     if not tried:
-        return f"{kind}: there is no {_CHANGES[kind]}"
+        return f"there is no {_CHANGES[kind]}"
     if len(ended) == 1 and tried > 1 and not run:
-        return f"{kind}: all {tried} that were tried {_ENDED[next(iter(ended))]}"
+        return f"all {tried} that were tried {_ENDED[next(iter(ended))]}"
     parts = [f"{count} {_ENDED[reason]}" for reason, count in sorted(ended.items())]
     if run:
         parts.append(f"{run} run it at the rows that were computed, and none was proven free")
-    return f"{kind}: {tried} tried: {', '.join(parts)}"
+    return f"{tried} tried: {', '.join(parts)}"
 
 
 def _bump_note(tried: int, bound: float, missing: Sequence[Any]) -> str:
@@ -189,11 +193,11 @@ def remedies_sentence(mending: Any) -> str:
         stopped = ", interrupted: not all kinds were tried"
     if not mending.remedies:
         return f"Remedies: none was found{stopped}; that is no proof that there is none."
-    parts = [
-        f"{', '.join(kinds)} ({what})" for clear, what in ((True, "checked again: free, proven"),
-                                                          (False, "limits kept; it still meets a singularity"))
-        if (kinds := [one.kind for one in mending.remedies if one.check.clear == clear])
-    ]  # fmt: skip
+    parts = []
+    for clear, what in ((True, "checked again: free, proven"), (False, "limits kept; it still meets a singularity")):
+        kinds = [one.kind for one in mending.remedies if one.check.clear == clear]
+        if kinds:
+            parts.append(f"{', '.join(kinds)} ({what})")
     return f"Remedies: {'; '.join(parts)}{stopped}."
 
 
@@ -208,6 +212,7 @@ def remedy_sections(mending: Any, *, deg: bool) -> tuple[Section, ...]:
 
 
 def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
+    """A remedy: its kind, what it changes and gains, how much of the limits it uses, and how far the tool strays."""
     lines = [f"{remedy.kind}: {remedy.words}"]
     robot = remedy.check.robot
     lines += [f"    {parameter[0]}: {_value(parameter, robot, deg=deg)}" for parameter in remedy.parameters]
@@ -215,31 +220,49 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
     if len(remedy.changes) > _LISTED:
         lines += [f"    and {len(remedy.changes) - _LISTED} more changes"]
     lines += [f"    {turn_far_words(turn)}" for turn in remedy.turns[:_NAMED]]
-    for what, values in remedy.gains.items():
+    lines += [f"    {words}" for words in _gain_words(remedy.gains)]
+    lines.append(f"    checked again: {remedy.check.sentence}")
+    if remedy.usage is not None:
+        lines.append(f"    {_usage_words(remedy)}")
+    if remedy.off[0] > 0.0:
+        lines.append(f"    {_off_words(remedy)}")
+    return lines
+
+
+def _gain_words(gains: Mapping[str, tuple[float, float]]) -> Iterator[str]:
+    """Each quantity that a remedy improves, before and after it; those that nobody knows are left out."""
+    for what, values in gains.items():
         name, unit = GAINS[what]
         before, after = (short(value) if isfinite(value) else "not known" for value in values)
         if not np.isnan(values).all():
-            lines.append(f"    {name}: {before} → {after}{' ' if unit else ''}{unit}")
-    lines.append(f"    checked again: {remedy.check.sentence}")
-    if remedy.usage is not None:
-        if remedy.retimed and remedy.kind not in ("retime", "slow-down"):
-            retimed = "new time law; "
-        else:
-            retimed = ""
-        used = [f"{short(100 * share)} % of the {what} limits" for share, what in
-                ((remedy.usage.rate, "rate"), (remedy.usage.acceleration, "acceleration")) if share > 0.0]  # fmt: skip
-        lines.append(f"    {retimed}at most {' and '.join(used)} at every instant ({remedy.usage.how})")
-    if remedy.off[0] > 0.0:
-        if isnan(remedy.off[1]):
-            turn = ""
-        else:
-            turn = f", {_small(degrees(remedy.off[1]))}°"
+            yield f"{name}: {before} → {after}{' ' if unit else ''}{unit}"
+
+
+def _usage_words(remedy: Any) -> str:
+    """How much of the limits of rate and acceleration a remedy uses."""
+    usage = remedy.usage
+    if remedy.retimed and remedy.kind not in ("retime", "slow-down"):
+        retimed = "new time law; "
+    else:
+        retimed = ""
+    used = [f"{short(100 * share)} % of the {what} limits" for share, what in
+            ((usage.rate, "rate"), (usage.acceleration, "acceleration")) if share > 0.0]  # fmt: skip
+    return f"{retimed}at most {' and '.join(used)} at every instant ({usage.how})"
+
+
+def _off_words(remedy: Any) -> str:
+    """How far the tool strays, and from what."""
+    distance, turned = remedy.off
+    if isnan(turned):
+        turn = ""
+    else:
+        turn = f", {_small(degrees(turned))}°"
+    if turn and not remedy.changes:
+        where = "of its path between rows, measured in their middles"
+    else:
         where = "of the old path where it leaves it"
-        if turn and not remedy.changes:
-            where = "of its path between rows, measured in their middles"
-        off = 1000 * remedy.off[0] / counted_length(robot)
-        lines.append(f"    the tool is within {_small(off)} mm{turn} {where}")
-    return lines
+    off = 1000 * distance / counted_length(remedy.check.robot)
+    return f"the tool is within {_small(off)} mm{turn} {where}"
 
 
 def change_words(change: Any, robot: Robot) -> str:
@@ -330,20 +353,29 @@ def _slower_words(changes: Sequence[Any]) -> str:
 
 
 def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:
+    """The value of a parameter of a remedy, with its unit; of "rad, m" one value for each joint."""
     _, value, unit = parameter
-    if unit == "rad, m" and isinstance(value, tuple):
-        return ", ".join(
-            f"{joint.name} {fixed(degrees(number), 2)}°" if joint.unit == "rad" and deg else
-            f"{joint.name} {fixed(number)} {joint.unit}" for joint, number in zip(robot.variables, value, strict=True)
-        )  # fmt: skip
-    if isinstance(value, tuple):
+    several = isinstance(value, tuple)
+    if unit == "rad, m" and several:
+        joints = zip(robot.variables, value, strict=True)
+        return ", ".join(_joint_value(joint, number, deg=deg) for joint, number in joints)
+    if several:
         values = value
     else:
         values = (value,)
     if unit == "rad" and deg:
         return f"{', '.join(short(degrees(number)) for number in values)}°"
     inside = ", ".join(short(number + 0.0) for number in values)
-    return f"{f'({inside})' if isinstance(value, tuple) else inside} {unit}".rstrip()
+    if several:
+        inside = f"({inside})"
+    return f"{inside} {unit}".rstrip()
+
+
+def _joint_value(joint: Any, value: float, *, deg: bool) -> str:
+    """The name of a joint and its value, angles in degrees with `deg`."""
+    if joint.unit == "rad" and deg:
+        return f"{joint.name} {fixed(degrees(value), 2)}°"
+    return f"{joint.name} {fixed(value)} {joint.unit}"
 
 
 def _small(value: float) -> str:

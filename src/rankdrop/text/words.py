@@ -642,23 +642,27 @@ def hunt_words(hunt: Hunt) -> str:
     if rows != joints:
         return f"Hunt's matrix of cofactors is of a square Jacobian; this one has {rows} rows, {joints} joints"
     if not hunt.applies:
-        regular = "shows nothing at a regular configuration"
         if hunt.lost:
             what = f"is zero where {hunt.lost} freedoms are lost"
         else:
-            what = regular
+            what = "shows nothing at a regular configuration"
         return f"Hunt's matrix of cofactors {what}: it names no screw"
     named = [one.number for one in hunt.joints if one.named]
     leading = [one.number for one in hunt.joints if one.tells]
-    missed = [one.number for one in hunt.joints if one.escapes and not one.tells]
-    wrong = [one.number for one in hunt.joints if one.tells and not one.escapes]
     text = f"Hunt's cofactors name the screws {numbers(named)}; they tell that "
     if leading:
         text += f"joint {numbers(leading)} leads out at first order"
     else:
         text += "no joint leads out at first order"
+    return f"{text}{_finite_motion(hunt)}"
+
+
+def _finite_motion(hunt: Hunt) -> str:
+    """What finite motion shows of the joints that Hunt's cofactors tell to lead out, as the end of a sentence."""
+    missed = [one.number for one in hunt.joints if one.escapes and not one.tells]
+    wrong = [one.number for one in hunt.joints if one.tells and not one.escapes]
     if missed:
-        return f"{text}; finite motion shows that joint {numbers(missed)} leads out too, at a higher order"
+        return f"; finite motion shows that joint {numbers(missed)} leads out too, at a higher order"
     if wrong:
-        return f"{text}; finite motion does not confirm it of joint {numbers(wrong)}"
-    return f"{text}, and finite motion agrees"
+        return f"; finite motion does not confirm it of joint {numbers(wrong)}"
+    return ", and finite motion agrees"

@@ -4,6 +4,7 @@ span that is free and every crossing, for `rankdrop.verify` to prove again.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,7 +34,7 @@ from rankdrop.task import Task
 from rankdrop.units import counted_length
 
 if TYPE_CHECKING:
-    from rankdrop.path.check.record import PathCheck
+    from rankdrop.path.check.record import PathCheck, Stretch
 
 EVALUATIONS = 500_000
 """Enclosures that the proof for near arms may cost."""
@@ -63,15 +64,34 @@ def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None, 
         displaced_jacobian(check.robot, setting, tolerance, check.task.rows)  # refuses what it is not for
     control = check.curve.control
     points = np.concatenate([control[:, :-1].reshape(-1, control.shape[2]), control[-1:, -1]])
+    met = [one for one in check.stretches if one.verdict != FREE]
     square = check.robot.n == setting.rank == len(setting.rows)
+    claim = {
+        "verdict": CLEAR if not met else "met", "degree": check.curve.degree, "points": points.tolist(),
+        "spans": _spans(check.curve, met, square=square),
+    }  # fmt: skip
+    if check.margin == "kept":
+        claim |= {"min_distance": check.options.min_distance, "scale": setting.scale.tolist()}
+    if file is not None:
+        claim["path"] = {"file": file.name, "sha256": file_hash(file)}
+    return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)
+
+
+def _spans(curve: Curve, stretches: Iterable[Stretch], *, square: bool) -> list[Record]:
+    """The claim on each part of a curve, in order: clear, a crossing, or open.
+
+    Args:
+        curve: the whole of it.
+        stretches: those that are not free.
+        square: the Jacobian is, so that crossings can be claimed.
+    """
 
     def spot(place: Place) -> list[Any]:
-        return list(check.curve.spot(place))
+        return list(curve.spot(place))
 
     spans: list[Record] = []
-    at, last = [0, 0.0], [len(control) - 1, 1.0]
-    met = [one for one in check.stretches if one.verdict != FREE]
-    for one in sorted(met, key=attrgetter("start")):
+    at, last = [0, 0.0], [len(curve.control) - 1, 1.0]
+    for one in sorted(stretches, key=attrgetter("start")):
         (start, end), (low, high) = map(spot, (one.start, one.end)), map(spot, one.bracket)
         if at != start:
             spans.append({"from": at, "to": start, "kind": CLEAR})
@@ -82,14 +102,7 @@ def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None, 
         at = end
     if at != last:
         spans.append({"from": at, "to": last, "kind": CLEAR})
-    claim = {
-        "verdict": CLEAR if not met else "met", "degree": check.curve.degree, "points": points.tolist(), "spans": spans,
-    }  # fmt: skip
-    if check.margin == "kept":
-        claim |= {"min_distance": check.options.min_distance, "scale": setting.scale.tolist()}
-    if file is not None:
-        claim["path"] = {"file": file.name, "sha256": file_hash(file)}
-    return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)
+    return spans
 
 
 def path_asked(

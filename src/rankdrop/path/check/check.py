@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -193,8 +192,7 @@ def check_curve(
     families, source = known_families(robot, task, analysis, tolerances)
     resolved = replace(task, length_scale=float(task.scale(robot)))
     arm, arm_task = in_metres(robot), task_in_metres(resolved, robot)
-    moved = path if arm is robot else replace(path, control=into_metres(robot, path.control), speeds=(
-        None if path.speeds is None else into_metres(robot, path.speeds)))  # fmt: skip
+    moved = path if arm is robot else _curve_in_metres(path, robot)
     proof = prove(
         arm, settings_for(arm, arm_task), moved, singular=tolerances.singular, evaluations=options.evaluations,
         progress=progress,
@@ -215,21 +213,33 @@ def check_curve(
                 remarks += (("distance open", row + 1),)
     length, undecided, time, free = _shares(moved, proof.setting.scale, parts)
     if arm is not robot:
-        def own(values: Array) -> Array:
-            if len(values):
-                return out_of_metres(robot, values)
-            return values
-
-        stretches = tuple(
-            replace(one, closest=replace(one.closest, q=own(one.closest.q), foot=own(one.closest.foot)),
-                    rates=own(one.rates)) for one in stretches
-        )  # fmt: skip
+        stretches = tuple(_in_own_units(one, robot) for one in stretches)
     return PathCheck(
         robot=robot, task=resolved, curve=path, rows=len(path.control) + 1, options=options, tolerances=tolerances,
         verdict=_verdict(parts, violations, kept, proof.complete), stretches=stretches, violations=violations,
         free_share=free, undecided_share=undecided, undecided_length=length, undecided_time=time, margin=kept,
         evaluations=spent, source=source, remarks=remarks, complete=proof.complete, profile=survey.profile,
     )  # fmt: skip
+
+
+def _curve_in_metres(path: Curve, robot: Robot) -> Curve:
+    """A curve of an arm in other units, in metres."""
+    speeds = None
+    if path.speeds is not None:
+        speeds = into_metres(robot, path.speeds)
+    return replace(path, control=into_metres(robot, path.control), speeds=speeds)
+
+
+def _in_own_units(stretch: Stretch, robot: Robot) -> Stretch:
+    """A stretch that was found in metres, with its configurations and rates in the units of the arm."""
+
+    def own(values: Array) -> Array:
+        if len(values):
+            return out_of_metres(robot, values)
+        return values
+
+    closest = replace(stretch.closest, q=own(stretch.closest.q), foot=own(stretch.closest.foot))
+    return replace(stretch, closest=closest, rates=own(stretch.rates))
 
 
 def _verdict(
@@ -372,22 +382,17 @@ def _branches(
     same = away <= _SAME
     if same.any():
         starts = solutions
+        chosen = int(away.argmin())
     else:
         starts = np.concatenate([first[None], solutions])
-    chosen = int(away.argmin()) if same.any() else 0
+        chosen = 0
     starts[chosen] = first
     if len(starts) > MOST_BRANCHES:  # a self-motion at a singular first pose: its points are no branches
         return ()
     found = []
     for row, q in enumerate(starts):
         if row == chosen:
-            branch, place = taken, 0.0
-            if check.crossings:
-                place = min(float(_pose_at(taken, one.closest.place.position)) for one in check.crossings)
-            elif taken.passed:
-                place = min(one.place for one in taken.passed)
-            elif any(one.verdict == UNDECIDED for one in check.stretches):
-                place = 1.0
+            branch, place = taken, _not_free_taken(taken, check)
         else:
             branch = follow(robot, poses, q, task, tolerance=tolerance, through=True)
             place = _not_free(robot, asked, branch, tolerances)
@@ -396,6 +401,17 @@ def _branches(
             branch.folds, branch.turn, place == 0.0, place, row == chosen,
         ))  # fmt: skip
     return tuple(found)
+
+
+def _not_free_taken(taken: Followed, check: PathCheck) -> float:
+    """The pose, from 1, from which on the branch that was taken and checked is not free; 0 where it is free."""
+    if check.crossings:
+        return min(float(_pose_at(taken, one.closest.place.position)) for one in check.crossings)
+    if taken.passed:
+        return min(one.place for one in taken.passed)
+    if any(one.verdict == UNDECIDED for one in check.stretches):
+        return 1.0
+    return 0.0
 
 
 def _pose_at(branch: Followed, row: float) -> float:
@@ -491,29 +507,9 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
     """A configuration at the first pose, all that were found, and how far it is from the start that was given."""
     solutions = within_limits(robot, goal, task)
     if start is not None:
-        given = as_numbers(start, "start", ConfigurationError)
-        if given.shape != (robot.n,) or not np.isfinite(given).all():
-            raise ConfigurationError("the start is one configuration", where="start", got=f"shape {given.shape}",
-                                     allowed=f"{robot.n} finite numbers")  # fmt: skip
-        reached = follow(robot, goal[None], given, task)
-        scale = joint_scale(robot, task)
-        ends = solutions + whole_turns(robot, given - solutions)
-        inside = np.asarray(((ends >= robot.lower - _EDGE) & (ends <= robot.upper + _EDGE)).all(axis=1))
-        ends = np.where(inside[:, None], ends, solutions)  # whole turns as in the start, where the limits allow them
-        if reached.complete:
-            far = float(np.linalg.norm((reached.q[0] - given) / scale))
-            if far <= _NEAR_START or not len(ends) or robot.n > task.m:
-                return reached.q[0], solutions, far
-            ends = np.concatenate([reached.q[:1], ends])
-        if len(ends) and not reached.joint:
-            away = np.linalg.norm((ends - given) / scale, axis=1)
-            return ends[away.argmin()], solutions, float(away.min())
-        if not reached.complete:
-            raise ConfigurationError(
-                "pose 1 is not reached from this start: " + (
-                    f"joint {reached.joint} is beyond its limit there" if reached.joint else "Newton's method fails"
-                ), where="start", mend="a start nearer to it, or none",
-            )  # fmt: skip
+        near = _nearest_to_start(robot, goal, task, solutions, start)
+        if near is not None:
+            return near[0], solutions, near[1]
     if not len(solutions):
         raise ConfigurationError(
             "pose 1 is out of reach: no configuration within the joint limits was found", where="poses",
@@ -521,6 +517,40 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
             typed="look at its units and its frame, or give --start",
         )  # fmt: skip
     return solutions[0], solutions, 0.0
+
+
+def _nearest_to_start(
+    robot: Robot, goal: Array, task: Task, solutions: Array, start: ArrayLike
+) -> tuple[Array, float] | None:
+    """The configuration at the first pose that is nearest to the start, and how far it is; None where none is known.
+
+    Raises:
+        ConfigurationError: the start is no configuration, or the pose is not reached from it.
+    """
+    given = as_numbers(start, "start", ConfigurationError)
+    if given.shape != (robot.n,) or not np.isfinite(given).all():
+        raise ConfigurationError("the start is one configuration", where="start", got=f"shape {given.shape}",
+                                 allowed=f"{robot.n} finite numbers")  # fmt: skip
+    reached = follow(robot, goal[None], given, task)
+    scale = joint_scale(robot, task)
+    ends = solutions + whole_turns(robot, given - solutions)
+    inside = np.asarray(((ends >= robot.lower - _EDGE) & (ends <= robot.upper + _EDGE)).all(axis=1))
+    ends = np.where(inside[:, None], ends, solutions)  # whole turns as in the start, where the limits allow them
+    if reached.complete:
+        far = float(np.linalg.norm((reached.q[0] - given) / scale))
+        if far <= _NEAR_START or not len(ends) or robot.n > task.m:
+            return reached.q[0], far
+        ends = np.concatenate([reached.q[:1], ends])
+    if len(ends) and not reached.joint:
+        away = np.linalg.norm((ends - given) / scale, axis=1)
+        return ends[away.argmin()], float(away.min())
+    if reached.complete:
+        return None
+    raise ConfigurationError(
+        "pose 1 is not reached from this start: " + (
+            f"joint {reached.joint} is beyond its limit there" if reached.joint else "Newton's method fails"
+        ), where="start", mend="a start nearer to it, or none",
+    )  # fmt: skip
 
 
 def timed_branch(robot: Robot, task: Task, poses: Array, times: Array | None, branch: Followed) -> Curve:
@@ -581,36 +611,45 @@ def check_file(
     Raises:
         RankdropError: the file cannot be read, with the place in it, or an option does not fit it.
     """
-    deg, start = question.deg, question.start
     wanted = resolve_task(question.task, robot)
-    read: Poses | Trajectory
-    if question.topic is None and holds_poses(file, robot):
-        read = read_poses(file, deg=deg)
-        hint = length_hint(read, reach(robot))
-    elif start is not None:
-        raise OptionError("a start is for poses of the tip, these are joint values", where="start",
-                          got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
-    else:
-        read = read_trajectory(file, robot, deg=deg, topic=question.topic)
-        if not deg:
-            refuse_degrees(read, robot, file)
-        hint = unit_hint(read.q, robot, deg=deg)
-        if hint is not None and not deg:
-            hint = degrees_advice(hint)
+    read, hint = _read_path(robot, file, question)
     if say is not None:
         for line in reading_remarks(read.name, hint, read.notes, read.unused):
             say(line)
-    check = partial(check_path if isinstance(read, Trajectory) else check_poses, robot, task=question.task,
-                    analysis=question.analysis, options=question.options, progress=progress)  # fmt: skip
+    asked: dict[str, Any] = {
+        "task": question.task, "analysis": question.analysis, "options": question.options, "progress": progress,
+    }  # fmt: skip
     if isinstance(read, Trajectory):
-        return check(read.q, read.times if read.timed else None, velocities=read.velocities,
-                     accelerations=read.accelerations)  # fmt: skip
+        return check_path(robot, read.q, read.times if read.timed else None, velocities=read.velocities,
+                          accelerations=read.accelerations, **asked)  # fmt: skip
     if not read.turned and max(wanted.rows) >= 3:
         raise TaskError("the file has positions alone, and the task wants orientations", got=wanted.name,
                         where=str(file),
                         mend="add qx, qy, qz, qw or roll, pitch, yaw, or use task='position'",
                         typed="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
     try:
-        return check(read.matrices, read.times, start=start)
+        return check_poses(robot, read.matrices, read.times, start=question.start, **asked)
     except ConfigurationError as error:
         raise ConfigurationError(**error.parts | {"where": f"{file}, {error.where}"}) from error
+
+
+def _read_path(robot: Robot, file: Path, question: PathQuestion) -> tuple[Poses | Trajectory, str | None]:
+    """The poses or joint values of a file, and a hint where their unit may be another one.
+
+    Raises:
+        RankdropError: the file cannot be read, or there is a start for joint values.
+    """
+    deg, start = question.deg, question.start
+    if question.topic is None and holds_poses(file, robot):
+        poses = read_poses(file, deg=deg)
+        return poses, length_hint(poses, reach(robot))
+    if start is not None:
+        raise OptionError("a start is for poses of the tip, these are joint values", where="start",
+                          got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
+    trajectory = read_trajectory(file, robot, deg=deg, topic=question.topic)
+    if not deg:
+        refuse_degrees(trajectory, robot, file)
+    hint = unit_hint(trajectory.q, robot, deg=deg)
+    if hint is not None and not deg:
+        hint = degrees_advice(hint)
+    return trajectory, hint

@@ -262,31 +262,41 @@ def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: boo
     move = _Move(aim, poses, k, place)
     if _local(aim, q)[2].shape[1] != 1:
         return None
-    candidates: list[tuple[float, Array]] = []
-    for sign in (1.0, -1.0):
-        u, _, kernel = _local(aim, q)
-        heading = sign * kernel[:, 0]
-        lost = float(u @ move.seen_from(q))
-        now, length = q, 0.0
-        for _ in range(_POINTS):
-            new = _next(move, now, heading, _ALONG)
-            if new is None or (limits and not _inside(aim, new)):
-                break
-            step = (new - now) / aim.joints
-            length += float(np.linalg.norm(step))
-            heading = step / np.linalg.norm(step)
-            other = _same_way(_local(aim, new)[0], u)
-            after = float(other @ move.seen_from(new))
-            if lost * after <= 0.0 and abs(lost - after) > 1e-9:
-                candidates.append((length, _zero(move, now, new, u, lost, after)))
-                break
-            now, u, lost = new, other, after
-            if length > 4 * _ALONG and _apart(aim, now, q) < 0.6 * _ALONG:
-                break
-    for _, end in sorted(candidates, key=lambda one: one[0]):
+    candidates = [_first_turn(move, q, sign, limits=limits) for sign in (1.0, -1.0)]
+    for _, end in sorted((one for one in candidates if one is not None), key=lambda one: one[0]):
         found, _ = departures(aim, poses, place, end)
         if any(not one.rest for one in found):
             return end
+    return None
+
+
+def _first_turn(move: _Move, q: Array, sign: float, *, limits: bool) -> tuple[float, Array] | None:
+    """Along the self-motion from q one way, the first configuration where the lost direction leaves the path free.
+
+    There the tool's next move ξ has no part along the lost direction u: uᵀξ changes its sign.
+
+    Returns:
+        How far it is along the curve, and the configuration (n,); None where there is none.
+    """
+    aim = move.aim
+    u, _, kernel = _local(aim, q)
+    heading = sign * kernel[:, 0]
+    lost = float(u @ move.seen_from(q))
+    now, length = q, 0.0
+    for _ in range(_POINTS):
+        new = _next(move, now, heading, _ALONG)
+        if new is None or (limits and not _inside(aim, new)):
+            return None
+        step = (new - now) / aim.joints
+        length += float(np.linalg.norm(step))
+        heading = step / np.linalg.norm(step)
+        other = _same_way(_local(aim, new)[0], u)
+        after = float(other @ move.seen_from(new))
+        if lost * after <= 0.0 and abs(lost - after) > 1e-9:
+            return length, _zero(move, now, new, u, lost, after)
+        now, u, lost = new, other, after
+        if length > 4 * _ALONG and _apart(aim, now, q) < 0.6 * _ALONG:
+            return None
     return None
 
 

@@ -378,16 +378,10 @@ def check_program(
         raised = _raised(robot)
     else:
         raised = 0.0
-    if question.start is None:
-        start = None
-    else:
-        start = np.array(question.start)
     walker = _Walker(robot, task, program, question, raised)
     parts: list[Part] = []
     runs = _runs(program)
-    if start is not None and runs[0][0].target.joints is not None:
-        raise OptionError("a start is for programs that begin with a pose, this one begins with joint values",
-                          where="start", got=", ".join(f"{x:.6g}" for x in start))  # fmt: skip
+    start = _start(question, runs)
     left, before = runs[::-1], start
     while left:
         moves = left.pop()
@@ -408,6 +402,20 @@ def check_program(
             break
     return ProgramCheck(robot, asked_for(robot, question.task, question.analysis), program, tuple(parts), raised,
                         len(left))  # fmt: skip
+
+
+def _start(question: PathQuestion, runs: Sequence[Sequence[Move]]) -> Array | None:
+    """The start that decides the branch of a program that begins with a pose; None where there is none.
+
+    Raises:
+        OptionError: the first move has joint values.
+    """
+    if question.start is None:
+        return None
+    if runs[0][0].target.joints is not None:
+        raise OptionError("a start is for programs that begin with a pose, this one begins with joint values",
+                          where="start", got=", ".join(f"{x:.6g}" for x in question.start))  # fmt: skip
+    return np.array(question.start)
 
 
 def _runs(program: Program) -> list[list[Move]]:
@@ -493,25 +501,10 @@ class _Walker:
         if move.target.joints is not None:
             walked.rows.append(self._joints(move))
             return
-        goal = self._pose(move)
-        posture = move.target.posture
-        if before is not None and posture == Posture():
-            try:
-                first, _, _ = configuration_at(self.robot, goal, self.task, before)
-            except ConfigurationError:
-                walked.ended = Ended(move, Cause.UNREACHED)
-                return
-        else:
-            solutions = self._solutions(goal)
-            if before is None and len(solutions):
-                near = solutions[0]
-            else:
-                near = before
-            chosen = self._in_posture(solutions, near, posture)
-            if chosen is None:
-                walked.ended = Ended(move, Cause.POSTURE if len(solutions) else Cause.UNREACHED)
-                return
-            first = chosen
+        first = self._at_first_pose(move, before)
+        if isinstance(first, Cause):
+            walked.ended = Ended(move, first)
+            return
         walked.rows.append(first)
         if before is None:
             walked.begins = "posture"
@@ -519,6 +512,26 @@ class _Walker:
             walked.begins = "start"
         else:
             walked.begins = "before"
+
+    def _at_first_pose(self, move: Move, before: Array | None) -> Array | Cause:
+        """A configuration at the pose of a move: in the posture it names, else near to the one before; or why none."""
+        goal, posture = self._pose(move), move.target.posture
+        if before is not None and posture == Posture():
+            try:
+                return configuration_at(self.robot, goal, self.task, before)[0]
+            except ConfigurationError:
+                return Cause.UNREACHED
+        solutions = self._solutions(goal)
+        if before is None and len(solutions):
+            near = solutions[0]
+        else:
+            near = before
+        chosen = self._in_posture(solutions, near, posture)
+        if chosen is not None:
+            return chosen
+        if len(solutions):
+            return Cause.POSTURE
+        return Cause.UNREACHED
 
     def _joint_move(self, walked: _Walked, index: int, move: Move) -> None:
         """Straight in joint space, to joint values or to a solution of a pose."""

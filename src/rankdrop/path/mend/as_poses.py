@@ -24,6 +24,7 @@ from rankdrop.path.check.check import (
     timed_branch,
     tip_tolerance,
 )
+from rankdrop.path.check.follow import Followed
 from rankdrop.path.check.record import GivenPoses, PathCheck
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import Curve, Index
@@ -271,6 +272,13 @@ class _Writer:
         on_branch = branch.complete and not branch.passed and (high == last or self._at(branch.last, q[-1]))
         if not on_branch:
             return NoPoses.UNPROVEN
+        path, times = self._within_rates(matrices, times, branch)
+        if not self._holds(path):
+            return NoPoses.UNPROVEN
+        return times
+
+    def _within_rates(self, matrices: Array, times: Array | None, branch: Followed) -> tuple[Curve, Array | None]:
+        """A branch in time, and the times of its poses (T,), later where a joint would exceed its rate."""
         limits = rate_limits(self.robot)
         path = timed_branch(self.robot, self.task, matrices, times, branch)
         for _ in range(_ROUNDS):
@@ -284,9 +292,7 @@ class _Writer:
             np.maximum.at(factor, move, np.where(most > 1.0, most * _SPARE, 1.0))
             times = times[0] + np.concatenate([[0.0], np.cumsum(np.diff(times) * factor)])
             path = timed_branch(self.robot, self.task, matrices, times, branch)
-        if not self._holds(path):
-            return NoPoses.UNPROVEN
-        return times
+        return path, times
 
     def _at(self, q: Array, other: Array) -> bool:
         return bool(np.abs((q - other) / self.aim.joints).max() <= _ON_BRANCH)

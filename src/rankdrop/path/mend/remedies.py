@@ -16,7 +16,7 @@ from operator import attrgetter
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.codec import Result
 from rankdrop.errors import OptionError, TaskError
@@ -25,7 +25,7 @@ from rankdrop.local.block import joint_scale
 from rankdrop.local.rates import rate_limits
 from rankdrop.options import takes
 from rankdrop.path.check.check import check_path
-from rankdrop.path.check.record import FREE, UNDECIDED, PathCheck
+from rankdrop.path.check.record import FREE, UNDECIDED, PathCheck, Stretch
 from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve
 from rankdrop.path.mend.bumps import CLEARANCE, SPARE, Bump, Bumper, Change, NoBump, Obstacle
@@ -198,8 +198,7 @@ class Mending(Result):
 def blends(check: PathCheck, most: float) -> Iterator[Proposal]:
     """Paths with the corners nearest to where it reaches singularities cut, less first, the tool within `most` [m]."""
     robot, path = check.robot, check.curve
-    bad = [one for one in check.stretches if one.verdict != FREE]
-    near = bad or [one for one in check.stretches if one.closest.distance < check.options.min_distance]
+    near = _reached(check)
     steps = np.diff(path.control, axis=1)[:, 0] / joint_scale(robot, check.task)
     size = np.linalg.norm(steps, axis=1)
     cosine = (steps[1:] * steps[:-1]).sum(axis=1) / np.maximum(size[1:] * size[:-1], 1e-300)
@@ -210,17 +209,54 @@ def blends(check: PathCheck, most: float) -> Iterator[Proposal]:
     at = np.interp([one.closest.place.position - 1.0 for one in near], np.arange(len(until)), until)
     away = np.abs(until[corners][None] - at[:, None])
     cut, least = np.unique(away.argmin(axis=1)), float(away.min(axis=1).max())
-    ends = np.concatenate([[0.0], until[corners], until[-1:]])
-    room = min(min(ends[k + 1] - ends[k], ends[k + 2] - ends[k + 1]) for k in cut)
-    room *= 0.5 if (np.diff(cut) == 1).any() else 1.0
+    room = _room(until, corners, cut)
+    if not least < room:
+        return
     rows = ", ".join(str(int(corner) + 1) for corner in corners[cut])
     tool = tool_path(robot, check.task, path)
-    for radius in np.geomspace(max(1.05 * least, 1e-3 * room), room, _SIZES) if least < room else ():
+    for radius in np.geomspace(max(1.05 * least, 1e-3 * room), room, _SIZES):
         place, q, off = _cut(robot, path, until, corners[cut], float(radius))
         if off <= most:
             parameters = ("radius", float(radius), "rad"), ("tool off", off, "m")
             made = replace(tool, place=place).trajectory(q, "linear")
             yield Proposal(("blend" if len(cut) == 1 else "blends", rows), parameters, made, (off, np.nan))
+
+
+def _poses_determine(tool: ToolPath) -> bool:
+    """Whether poses of the tool determine its task, so that the joints can follow them."""
+    try:
+        tool.aim  # noqa: B018  # refuses a task that poses do not determine
+    except TaskError:
+        return False
+    return True
+
+
+def _ends_early(check: PathCheck) -> float | None:
+    """The pose up to which a tool path can be followed; None where it is followed to its end, or is of joints."""
+    if check.tool is None or check.tool.complete:
+        return None
+    return check.tool.reached
+
+
+def _reached(check: PathCheck) -> list[Stretch]:
+    """The stretches that are not free; where all are, those that come nearer to a singularity than is asked."""
+    bad = [one for one in check.stretches if one.verdict != FREE]
+    return bad or [one for one in check.stretches if one.closest.distance < check.options.min_distance]
+
+
+def _room(until: Array, corners: NDArray[np.intp], cut: NDArray[np.intp]) -> float:
+    """The largest radius by which corners can be cut: to the next corner, half way where that one is cut as well.
+
+    Args:
+        until: (rows,) length of the path up to each row.
+        corners: rows at which the direction changes.
+        cut: which of the corners.
+    """
+    ends = np.concatenate([[0.0], until[corners], until[-1:]])
+    room: float = min(min(ends[k + 1] - ends[k], ends[k + 2] - ends[k + 1]) for k in cut)
+    if (np.diff(cut) == 1).any():
+        return 0.5 * room
+    return room
 
 
 def _cut(robot: Robot, path: Curve, until: Array, corners: Array, radius: float) -> tuple[Array, Array, float]:
@@ -368,9 +404,10 @@ class _Mender:
                 yield led
                 if isinstance(led, Remedy):
                     return
-        if self.found.tool is not None and not self.found.tool.complete:
+        reached = _ends_early(self.found)
+        if reached is not None:
             if self.kinds - set(LOCAL):
-                yield "unfinished", self.found.tool.reached
+                yield "unfinished", reached
             return
         tool = tool_path(self.found.robot, self.found.task, self.found.curve)
         yield from self._local(tool, most)
@@ -436,11 +473,17 @@ class _Mender:
             if isinstance(result, Remedy):
                 return
         if DETOUR in self.kinds and most.detour > 0.0 and found.poses is None:
-            if most.bump > 0.0:
-                bumps, failed = self._bumps(bumper, clearance)
-            else:
-                bumps, failed = ([], [])
-            yield self._detour(bumper, bumps if failed else [], most.detour, clearance)
+            bumps = self._bumps_beside(bumper, clearance)
+            yield self._detour(bumper, bumps, most.detour, clearance)
+
+    def _bumps_beside(self, bumper: Bumper, clearance: float) -> list[Bump]:
+        """The bumps of a path that needs detours besides them: some part of it has none."""
+        if bumper.bound <= 0.0:
+            return []
+        bumps, failed = self._bumps(bumper, clearance)
+        if failed:
+            return bumps
+        return []
 
     def _bump(self, bumper: Bumper, clearance: float) -> Remedy | Failure:
         """The joints moved aside at every singularity, farther where the path is not proven free."""
@@ -467,11 +510,7 @@ class _Mender:
 
     def _detour(self, bumper: Bumper, bumps: list[Bump], most: float, clearance: float) -> Remedy | Failure:
         """The tool led around what no bump avoids, on the path with its bumps."""
-        try:
-            bumper.tool.aim  # noqa: B018  # refuses a task that poses do not determine
-        except TaskError:
-            return DETOUR, None
-        if bumper.path.degree != 1:
+        if not _poses_determine(bumper.tool) or bumper.path.degree != 1:
             return DETOUR, None
         changes: list[Change] = []
         if bumps:

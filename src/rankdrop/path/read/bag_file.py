@@ -11,7 +11,7 @@ import errno
 import io
 import json
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -201,22 +201,40 @@ def _topic(connections: list[Any], name: str, topic: str | None) -> list[Any]:
         types.setdefault(one.topic, set()).add(one.msgtype)
     listed = [f"{key} ({_KINDS.get(some[0].msgtype, some[0].msgtype)})" for key, some in found.items()]
     every = ", ".join(listed[:_LISTED]) + (f" and {len(listed) - _LISTED} more" if len(listed) > _LISTED else "")
-    if topic is not None:
-        key = topic if topic in found else f"/{topic}"
-        if key not in found:
-            raise TrajectoryError("there is no such topic", where=name, got=topic, allowed=every or "none is in it")
-        if len(types[key]) > 1 or not types[key] <= set(_KINDS):
-            raise TrajectoryError("the topic has no joint values that are understood", where=f"{name}, topic {topic}",
-                                  got=", ".join(sorted(types[key])), allowed=" or ".join(_KINDS))  # fmt: skip
-        return found[key]
-    fitting = [key for key in found if types[key] <= set(_KINDS)]
+    if topic is None:
+        return found[_only_topic(types, name, every)]
+    return found[_topic_asked(types, name, every, topic)]
+
+
+def _topic_asked(types: Mapping[str, set[str]], name: str, every: str, topic: str) -> str:
+    """The topic that is asked for, with its slash.
+
+    Raises:
+        TrajectoryError: it is not there, or has no joint values.
+    """
+    key = topic if topic in types else f"/{topic}"
+    if key not in types:
+        raise TrajectoryError("there is no such topic", where=name, got=topic, allowed=every or "none is in it")
+    if len(types[key]) > 1 or not types[key] <= set(_KINDS):
+        raise TrajectoryError("the topic has no joint values that are understood", where=f"{name}, topic {topic}",
+                              got=", ".join(sorted(types[key])), allowed=" or ".join(_KINDS))  # fmt: skip
+    return key
+
+
+def _only_topic(types: Mapping[str, set[str]], name: str, every: str) -> str:
+    """The one topic that has joint values.
+
+    Raises:
+        TrajectoryError: there is none, or several.
+    """
+    fitting = [key for key, kinds in types.items() if kinds <= set(_KINDS)]
     if not fitting:
         raise TrajectoryError("no topic has joint values", where=name, got=every or "an empty bag",
                               allowed=" or ".join(_KINDS))  # fmt: skip
     if len(fitting) > 1:
         raise TrajectoryError("several topics have joint values", where=name, got=every,
                               mend=f"topic={fitting[0]!r}", typed=f"--topic {fitting[0]}")  # fmt: skip
-    return found[fitting[0]]
+    return fitting[0]
 
 
 Row = tuple[Array, Array | None, Array | None, int, int, int, str]
@@ -245,11 +263,11 @@ class _Rows:
 
     def take(self, message: Any, recorded: int, at: str) -> None:
         """The rows of a message."""
-        points = getattr(message, "points", None)
-        if points is None:
-            names = message.name
-        else:
+        plan = getattr(message, "points", None) is not None
+        if plan:
             names = message.joint_names
+        else:
+            names = message.name
         self.others.update(set(names) - set(self.wanted))
         missing = [one for one in self.wanted if one not in names]
         if len(missing) == len(self.wanted):
@@ -260,16 +278,28 @@ class _Rows:
                 f"the message lacks joints: {', '.join(missing)}" if missing else "a joint is named twice", where=at,
                 got=", ".join(names), allowed=", ".join(self.wanted),
             )  # fmt: skip
+        if plan:
+            self._take_plan(message, names, recorded, at)
+        else:
+            self._take_state(message, names, recorded, at)
+
+    def _take_state(self, message: Any, names: Sequence[str], recorded: int, at: str) -> None:
+        """The row of a JointState."""
+        places, header = [names.index(one) for one in self.wanted], _nanoseconds(message.header.stamp)
+        q = self._values(places, len(names), message.position, at, "position")
+        speed = np.asarray(message.velocity, dtype=np.float64)
+        if len(speed) == len(names) and bool(np.isfinite(speed[places]).all()):
+            qd = speed[places]
+        else:
+            qd = None  # drivers send empty ones, or NaN: nothing that is needed
+        self.rows.append((q, qd, None, header, recorded, 0, at))
+
+    def _take_plan(self, message: Any, names: Sequence[str], recorded: int, at: str) -> None:
+        """The rows of a JointTrajectory, one for each of its points."""
         places, header = [names.index(one) for one in self.wanted], _nanoseconds(message.header.stamp)
         values = partial(self._values, places, len(names))
-        if points is None:
-            q, speed = values(message.position, at, "position"), np.asarray(message.velocity, dtype=np.float64)
-            good = len(speed) == len(names) and bool(np.isfinite(speed[places]).all())
-            qd = speed[places] if good else None  # drivers send empty ones, or NaN: nothing that is needed
-            self.rows.append((q, qd, None, header, recorded, 0, at))
-            return
         self.starts.append(len(self.rows))
-        for number, point in enumerate(points, start=1):
+        for number, point in enumerate(message.points, start=1):
             here = f"{at}, point {number}"
             rates = ((point.velocities, "velocity"), (point.accelerations, "acceleration"))
             qd, qdd = (values(some, here, what) if len(some) else None for some, what in rates)
@@ -292,19 +322,11 @@ class _Rows:
             raise TrajectoryError("no message has this arm's joints", where=self.where, got=got,
                                   allowed=", ".join(self.wanted))  # fmt: skip
         q, qd, qdd, header, recorded, after, places = zip(*self.rows, strict=True)
-        starts = header if all(header) else recorded
+        stamped = all(header)
+        starts = header if stamped else recorded
         when = [start + later for start, later in zip(starts, after, strict=True)]
         in_force = self._in_force(starts, when)
         again = {k for i, k in pairwise(in_force) if when[i] == when[k] and (q[i] == q[k]).all()}
-        notes: list[tuple[Any, ...]] = []
-        if self.passed:
-            notes.append(("others", self.passed, count))
-        if not all(header):
-            notes.append(("recording",))
-        if len(self.starts) > 1:
-            notes.append(("plans", len(self.starts), len(when) - len(in_force)))
-        if again:
-            notes.append(("repeated", len(again)))
         kept = [k for k in in_force if k not in again]
         times = np.array([when[k] - when[kept[0]] for k in kept], dtype=np.float64) * 1e-9
         checked_times(times, lambda row: places[kept[row]])
@@ -313,10 +335,29 @@ class _Rows:
             values = [column[k] for k in kept]
             if all(value is not None for value in values):
                 parts[key] = np.array(values)
+        notes = [*self._notes(count, stamped=stamped, dropped=len(when) - len(in_force), repeated=len(again))]
         about = {"where": self.where, "notes": notes, "unused": sorted(self.others)}
         buffer = io.BytesIO()
         np.savez(buffer, about=np.array(json.dumps(about)), t=times, **parts)  # type: ignore[arg-type]  # allow_pickle
         return buffer.getvalue()
+
+    def _notes(self, count: int, *, stamped: bool, dropped: int, repeated: int) -> Iterator[tuple[Any, ...]]:
+        """Notes on the messages, as facts.
+
+        Args:
+            count: of messages.
+            stamped: every message has a time of its own.
+            dropped: points of plans that a later plan replaced.
+            repeated: rows that are the same as the one before.
+        """
+        if self.passed:
+            yield "others", self.passed, count
+        if not stamped:
+            yield ("recording",)
+        if len(self.starts) > 1:
+            yield "plans", len(self.starts), dropped
+        if repeated:
+            yield "repeated", repeated
 
     def _in_force(self, starts: Sequence[int], when: list[int]) -> list[int]:
         """Rows without those that a later plan has replaced, from its start on."""

@@ -152,16 +152,25 @@ def _instruction(
         return
     letter, _, register, key, rest = found.groups()
     words = {word.upper() for word in re.split(r"[\s,\[(]+", rest) if word}
-    target: Target | Reason = Reason.VARIABLE if register == "PR" else positions.get(key, Reason.VARIABLE)
-    if letter in ("C", "A"):
-        target = Reason.CIRCLE
-    elif letter == "S":
-        target = Reason.SPLINE
-    elif words & set(_SHIFTED):
-        target = Reason.RELATIVE
+    target: Target | Reason | None = _why_unread(letter, words)
+    if target is None and register == "PR":
+        target = Reason.VARIABLE
+    if target is None:
+        target = positions.get(key, Reason.VARIABLE)
     if isinstance(target, Target) and target.pose is not None and key in tools:
         listing.skip(count, text, Reason.TOOL)
     listing.move(count, text, _MOVES.get(letter, "line"), target, _speed(rest), blend="FINE" not in words)
+
+
+def _why_unread(letter: str, words: set[str]) -> Reason | None:
+    """Why the target of a move is not read: an arc, a spline, a shift of its position; None where it is."""
+    if letter in ("C", "A"):
+        return Reason.CIRCLE
+    if letter == "S":
+        return Reason.SPLINE
+    if words & set(_SHIFTED):
+        return Reason.RELATIVE
+    return None
 
 
 def _why_skipped(text: str) -> Reason | None:

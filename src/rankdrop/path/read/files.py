@@ -12,13 +12,13 @@ import reprlib
 import warnings
 import zlib
 from collections import Counter
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Container, Hashable, Mapping
 from dataclasses import dataclass, replace
 from math import isfinite, prod
 from pathlib import Path
 from tokenize import TokenError
 from typing import Any, BinaryIO
-from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, is_zipfile
+from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo, is_zipfile
 
 import numpy as np
 from numpy.lib.format import (
@@ -198,11 +198,16 @@ def trajectory_bytes(made: Trajectory, robot: Robot, target: str) -> bytes:
         np.savez(buffer, joint_names=np.array(names), **given)  # type: ignore[arg-type]  # allow_pickle is no array
         return buffer.getvalue()
     if ending == ".json":
-        words = [(_ENTRIES | {"t": "time_from_start"})[key] for key in given]
-        every = zip(*(values.tolist() for values in given.values()), strict=True)
-        points = [dict(zip(words, row, strict=True)) for row in every]
-        return (json.dumps({"joint_names": names, "points": points}, indent=1) + "\n").encode()
+        return _message_bytes(names, given)
     raise OptionError("the ending names no format", where=target, allowed=", ".join(WRITTEN))
+
+
+def _message_bytes(names: list[str], columns: Mapping[str, Array]) -> bytes:
+    """A JointTrajectory message as JSON, from its columns q, qd, qdd and t."""
+    words = [(_ENTRIES | {"t": "time_from_start"})[key] for key in columns]
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    points = [dict(zip(words, row, strict=True)) for row in rows]
+    return (json.dumps({"joint_names": names, "points": points}, indent=1) + "\n").encode()
 
 
 def read_arrays(path: Path, robot: Robot, *, deg: bool = False) -> Trajectory:
@@ -292,17 +297,8 @@ def _members(archive: ZipFile, where: str) -> dict[str, Array]:
     Raises:
         TrajectoryError: too many members, two of a name, a header that is refused, or too many numbers.
     """
-    listed = archive.infolist()
-    if len(listed) > MOST_MEMBERS:
-        raise TrajectoryError("the archive has too many arrays", where=where, got=len(listed),
-                              allowed=f"at most {MOST_MEMBERS:,}")  # fmt: skip
-    infos = {one.filename.removesuffix(".npy"): one for one in listed}
-    if len(infos) < len(listed):
-        counts = Counter(one.filename.removesuffix(".npy") for one in listed)
-        raise TrajectoryError("two arrays of the archive have the same name",
-                              where=f"{where}, {counts.most_common(1)[0][0]}", mend="name each array once")  # fmt: skip
-    chosen = {kind[0]: next((name for name in kind if name in infos), None) for kind in ARRAYS}
-    wanted = {key: name for key, name in chosen.items() if name is not None}
+    infos = _infos(archive, where)
+    wanted = _arrays_wanted(infos)
     if "q" not in wanted:
         raise TrajectoryError("the archive has no positions", where=where, got=", ".join(infos) or "nothing",
                               allowed=" or ".join(ARRAYS[0]))  # fmt: skip
@@ -321,6 +317,34 @@ def _members(archive: ZipFile, where: str) -> dict[str, Array]:
         with archive.open(infos[name]) as stream:
             found[key] = np.asarray(read_array(stream, allow_pickle=False))
     return found
+
+
+def _infos(archive: ZipFile, where: str) -> dict[str, ZipInfo]:
+    """The members of an archive by the names of their arrays.
+
+    Raises:
+        TrajectoryError: too many members, or two of a name.
+    """
+    listed = archive.infolist()
+    if len(listed) > MOST_MEMBERS:
+        raise TrajectoryError("the archive has too many arrays", where=where, got=len(listed),
+                              allowed=f"at most {MOST_MEMBERS:,}")  # fmt: skip
+    infos = {one.filename.removesuffix(".npy"): one for one in listed}
+    if len(infos) < len(listed):
+        counts = Counter(one.filename.removesuffix(".npy") for one in listed)
+        raise TrajectoryError("two arrays of the archive have the same name",
+                              where=f"{where}, {counts.most_common(1)[0][0]}", mend="name each array once")  # fmt: skip
+    return infos
+
+
+def _arrays_wanted(names: Container[str]) -> dict[str, str]:
+    """Of each kind of array that is there the first of its names, by the kind."""
+    wanted = {}
+    for kind in ARRAYS:
+        there = [name for name in kind if name in names]
+        if there:
+            wanted[kind[0]] = there[0]
+    return wanted
 
 
 def _judge(begin: bytes, key: str, where: str) -> int:
@@ -347,7 +371,7 @@ def _judge(begin: bytes, key: str, where: str) -> int:
                               got=f"an array of {dtype}")  # fmt: skip
     if min(shape, default=1) < 0:
         raise TrajectoryError("the array has a negative size", where=where, got=f"shape {shape}")
-    if texts and not (len(shape) <= 1 and prod(shape) <= MOST_STEPS and 0 < dtype.itemsize <= 4 * LONGEST_HEAD):
+    if texts and not _fits_names(shape, dtype):
         raise TrajectoryError("the names of the joints are too many or too long", where=where,
                               got=f"shape {shape} of {dtype}",
                               allowed=f"at most {MOST_STEPS:,} of {LONGEST_HEAD} characters")  # fmt: skip
@@ -357,6 +381,11 @@ def _judge(begin: bytes, key: str, where: str) -> int:
     if shape and shape[0] > MOST_ROWS:
         raise TrajectoryError("there are too many rows", where=where, got=shape[0], allowed=f"at most {MOST_ROWS}")
     return size
+
+
+def _fits_names(shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:
+    """Whether an array of this shape and type can hold the names of the joints: a list, not too many nor too long."""
+    return len(shape) <= 1 and prod(shape) <= MOST_STEPS and 0 < dtype.itemsize <= 4 * LONGEST_HEAD
 
 
 def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool = False) -> Trajectory:
@@ -377,22 +406,33 @@ def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool =
         TrajectoryError: with file and row.
         MissingExtraError: YAML is asked for and PyYAML is not installed.
     """
-    message = next(filter(None, map(_message, documents(text, name, yaml=yaml))), None)
-    if message is None:
-        raise TrajectoryError("there is no JointTrajectory in it", where=name,
-                              allowed="an object with joint_names and points")  # fmt: skip
-    names, points = message["joint_names"], message["points"]
-    if not isinstance(names, list) or not isinstance(points, list) or not points:
-        raise TrajectoryError("the trajectory has no points" if isinstance(names, list) else "joint_names is no list",
-                              where=name)  # fmt: skip
-    if not all(isinstance(one, str) for one in names):
-        raise TrajectoryError("joint_names is no list of texts", where=name, got=reprlib.repr(names))
+    names, points = _names_and_points(text, name, yaml=yaml)
     columns = {key: _column(points, word, names, name) for key, word in _ENTRIES.items()}
     if columns["q"] is None:
         raise TrajectoryError("the point has no positions", where=f"{name}, row 1")
     times = [_time(point, f"{name}, row {row}") for row, point in enumerate(points, start=1)]
     columns["t"] = _all_or_none(times, "point", "time_from_start", lambda row: f"{name}, row {row + 1}")
     return arranged(name, robot, columns, names, deg=deg)
+
+
+def _names_and_points(text: str, name: str, *, yaml: bool) -> tuple[list[str], list[Any]]:
+    """The names of the joints and the points of the message in a JSON or YAML text.
+
+    Raises:
+        TrajectoryError: there is no message in it, or one without names or points.
+    """
+    message = next(filter(None, map(_message, documents(text, name, yaml=yaml))), None)
+    if message is None:
+        raise TrajectoryError("there is no JointTrajectory in it", where=name,
+                              allowed="an object with joint_names and points")  # fmt: skip
+    names, points = message["joint_names"], message["points"]
+    if not isinstance(names, list):
+        raise TrajectoryError("joint_names is no list", where=name)
+    if not isinstance(points, list) or not points:
+        raise TrajectoryError("the trajectory has no points", where=name)
+    if not all(isinstance(one, str) for one in names):
+        raise TrajectoryError("joint_names is no list of texts", where=name, got=reprlib.repr(names))
+    return names, points
 
 
 def _all_or_none(times: list[float | None], row: str, key: str, place: Callable[[int], str]) -> Array | None:

@@ -8,6 +8,7 @@ R = Rz Ry Rx. The base frame is at the height of axis 2 (L). V is taken in mm/s.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Mapping
 from math import radians
 from typing import Literal
 
@@ -95,14 +96,9 @@ def _instruction(
         target = positions.get(goal, Reason.VARIABLE)
         if goal in tools and isinstance(target, Target):
             listing.skip(count, text, Reason.TOOL)
-        settings = {key: number(value) for key, mark, value in (tag.partition("=") for tag in tags) if mark}
+        settings = _settings(tags)
         kind = _MOVES[word]
-        if kind == "joint":
-            speed = Speed(share=positive(settings.get("VJ"), 0.01))
-        else:
-            speed = Speed(
-            linear=positive(settings.get("V"), MILLIMETRE), angular=positive(settings.get("VR"), radians(1.0)))
-        listing.move(count, text, kind, target, speed, blend=settings.get("PL") != 0.0)
+        listing.move(count, text, kind, target, _speed(kind, settings), blend=settings.get("PL") != 0.0)
     elif word in _OTHER_MOVES:
         listing.skip(count, text, _OTHER_MOVES[word])
     elif word in _FLOW or word.startswith("*"):
@@ -111,3 +107,21 @@ def _instruction(
         listing.skip(count, text, Reason.CALL)
     elif word not in ("NOP", "END"):
         listing.skip(count, text, Reason.OTHER)
+
+
+def _settings(tags: Iterable[str]) -> dict[str, float | None]:
+    """The numbers of the tags of a move, by what stands before the equals sign: VJ, V, VR, PL."""
+    settings = {}
+    for tag in tags:
+        key, mark, value = tag.partition("=")
+        if mark:
+            settings[key] = number(value)
+    return settings
+
+
+def _speed(kind: str, settings: Mapping[str, float | None]) -> Speed:
+    """The speed of a move: a share of the joints' rates, or rates of the tool."""
+    if kind == "joint":
+        return Speed(share=positive(settings.get("VJ"), 0.01))
+    linear = positive(settings.get("V"), MILLIMETRE)
+    return Speed(linear=linear, angular=positive(settings.get("VR"), radians(1.0)))

@@ -210,22 +210,31 @@ def _frame(rest: str, names: Names, where: str) -> Array | None:
 
 def _declare(names: Names, line: str, where: str) -> None:
     """Take in an assignment to a name; one to a component of it changes it."""
-    if "=" not in line or line.lstrip()[:1] in ("", "&"):
+    assignment = _assignment(line)
+    if assignment is None:
         return
-    left, _, right = line.partition("=")
-    words = left.split()
-    while words and words[0].upper() in _TYPES:
-        words.pop(0)
-    name = words[-1].upper() if words else ""
+    name, right = assignment
     base = name.partition(".")[0].partition("[")[0]
-    if len(words) != 1 or not _NAME.fullmatch(base) or base.startswith("$"):
+    if not _NAME.fullmatch(base) or base.startswith("$"):
         return
     if base != name:
         names.changed.add(base)
         return
-    right = right.strip()
     value = _literal(right, where) if right.startswith("{") else number(right)
     names.put(name, right, value)
+
+
+def _assignment(line: str) -> tuple[str, str] | None:
+    """What stands left of the equals sign, without types and in capitals, and right of it; None for other lines."""
+    if "=" not in line or line.lstrip()[:1] in ("", "&"):
+        return None
+    left, _, right = line.partition("=")
+    words = left.split()
+    while words and words[0].upper() in _TYPES:
+        words.pop(0)
+    if len(words) != 1:
+        return None
+    return words[0].upper(), right.strip()
 
 
 def _target(rest: str, names: Names, where: str) -> tuple[Target | Reason, str]:
@@ -252,11 +261,10 @@ def _literal(text: str, where: str) -> Target | Reason:
     values = _components(text)
     if values is None:
         return Reason.EXPRESSION
-    if any(key in values for key in _AXES):
-        if not all(key in values for key in _AXES):
-            return Reason.INCOMPLETE
+    axes = [key for key in _AXES if key in values]
+    if len(axes) == len(_AXES):
         return joint_target([values[key] for key in _AXES + _MORE_AXES if key in values], where)
-    if not all(key in values for key in _PLACE + _TURN):
+    if axes or not all(key in values for key in _PLACE + _TURN):
         return Reason.INCOMPLETE
     signs = values.get("T")
     if signs is not None and 0 <= signs < 64:

@@ -71,34 +71,55 @@ def read(text: str, name: str) -> Program:
         _declare(names, one, f"{name}, line {count}")
     routines = 0
     for count, one in statements:
-        first = _WORD.match(one)
-        if first is None:
+        word, rest = _first_word(one)
+        if word is None:
             continue
-        word, rest = first[0].upper(), one[first.end() :].strip()
-        if word == "LOCAL":
-            word, _, rest = rest.partition(" ")
-            word = word.upper()
+        move = _move_of(word)
         if word in _ROUTINES:
             routines += 1
             if routines > 1:
                 listing.skip(count, one, Reason.ROUTINE)
-        elif word == "ERROR":
-            listing.skip(count, one, Reason.BRANCH)
-        elif word in _FLOW:
-            listing.skip(count, one, _FLOW[word])
-        elif (move := _move_of(word)) is not None:
+        elif move is not None:
             _move(listing, names, count, one, rest, absolute=move == "MOVEABSJ", kind=_MOVES[move])
-        elif word.startswith("MOVEC"):
-            listing.skip(count, one, Reason.CIRCLE)
-        elif word.startswith(("MOVE", "TRIGG", "SEARCH", "ARC", "PAINT")):
-            listing.skip(count, one, Reason.OTHER_MOVE)
-        elif word in _QUIET:
-            continue
-        elif ":=" in one:
-            listing.skip(count, one, Reason.OTHER)
         else:
-            listing.skip(count, one, Reason.CALL)
+            reason = _why_skipped(word, one)
+            if reason is not None:
+                listing.skip(count, one, reason)
     return Program(name, Language.RAPID, tuple(listing.items))
+
+
+def _first_word(statement: str) -> tuple[str | None, str]:
+    """The first word of a statement after LOCAL, in capitals, and what follows it; None where it begins with none."""
+    first = _WORD.match(statement)
+    if first is None:
+        return None, ""
+    word, rest = first[0].upper(), statement[first.end() :].strip()
+    if word == "LOCAL":
+        word, _, rest = rest.partition(" ")
+        word = word.upper()
+    return word, rest
+
+
+def _why_skipped(word: str, statement: str) -> Reason | None:
+    """Why a statement that is no move is not read; None where it says nothing about the path.
+
+    Args:
+        word: its first, in capitals.
+        statement: the whole of it.
+    """
+    if word == "ERROR":
+        return Reason.BRANCH
+    if word in _FLOW:
+        return _FLOW[word]
+    if word.startswith("MOVEC"):
+        return Reason.CIRCLE
+    if word.startswith(("MOVE", "TRIGG", "SEARCH", "ARC", "PAINT")):
+        return Reason.OTHER_MOVE
+    if word in _QUIET:
+        return None
+    if ":=" in statement:
+        return Reason.OTHER
+    return Reason.CALL
 
 
 def _move_of(word: str) -> str | None:
@@ -178,21 +199,22 @@ def _target(values: list[object], where: str) -> Target | Reason:
         raise TrajectoryError("the quaternion is not of length one", where=where, got=f"{turn}",
                               allowed="q1, q2, q3, q4 of length 1, the real part first")  # fmt: skip
     rotation = turned_by(np.array([[x, y, z, w]]), lambda row: where)[0]
-    known = all(abs(one) < 100 and one == int(one) for one in posture[:3])
-    if known:
-        quarters = (int(posture[0]), int(posture[1]), int(posture[2]))
-    else:
-        quarters = None
-    return turned_target([MILLIMETRE * one for one in place], rotation, where, Posture(quarters=quarters))
+    return turned_target([MILLIMETRE * one for one in place], rotation, where, Posture(quarters=_quarters(posture)))
+
+
+def _quarters(configuration: list[float]) -> tuple[int, int, int] | None:
+    """Quarters of a turn of axes 1, 4 and 6, the first three of a confdata; None where one is no such number (9E9)."""
+    first, fourth, sixth = configuration[:3]
+    if all(abs(one) < 100 and one == int(one) for one in (first, fourth, sixth)):
+        return int(first), int(fourth), int(sixth)
+    return None
 
 
 def _move(
     listing: Listing, names: Names, count: int, one: str, rest: str, *, absolute: bool, kind: Literal["joint", "line"]
 ) -> None:
     """A move: [\\Conc,] target [\\ID], speed [\\V | \\T], zone [\\Z], tool [\\WObj]."""
-    arguments = [_switched(part) for part in parts_of(rest) if part]
-    while arguments and not arguments[0][0]:
-        arguments.pop(0)
+    arguments = _arguments(rest)
     if len(arguments) < 3:
         listing.skip(count, one, Reason.EXPRESSION)
         return
@@ -207,6 +229,14 @@ def _move(
         listing.skip(count, one, Reason.TOOL)
     made = _speed(speed[0], speed[1] | zone[1], names, kind, f"{listing.where}, line {count}")
     listing.move(count, one, kind, target, made, blend=zone[0].lower() != "fine")
+
+
+def _arguments(rest: str) -> list[tuple[str, dict[str, str]]]:
+    """The arguments of a move with their switches, from the target on: switches alone in front of it are left out."""
+    arguments = [_switched(part) for part in parts_of(rest) if part]
+    while arguments and not arguments[0][0]:
+        arguments.pop(0)
+    return arguments
 
 
 def _goal(text: str, names: Names, where: str) -> Target | Reason:

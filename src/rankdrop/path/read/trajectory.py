@@ -212,15 +212,26 @@ def arranged(
             raise TrajectoryError(f"{what} has another shape than the positions", where=where,
                                   got=f"shape {part.shape}", allowed=f"shape {q.shape}")  # fmt: skip
         parts[key] = checked(part[:, order], robot, rows_of(where, robot), what, factors=factors)
-    if times is not None:
-        if times.shape != (len(q),):
-            raise TrajectoryError("there is one time for each row", where=where, got=f"shape {times.shape}",
-                                  allowed=f"shape ({len(q)},)")  # fmt: skip
-        checked_times(times, lambda row: f"{where}, row {row + 1}")
+    if times is None:
+        when = regular_times(len(q))
+    else:
+        when = _one_for_each_row(times, len(q), where)
     wanted = {joint.name for joint in robot.variables}
     others = tuple(name for name in names or () if name not in wanted)
-    return Trajectory(Path(where).name, regular_times(len(q)) if times is None else times, parts["q"],
-                      times is not None, others, parts.get("qd"), parts.get("qdd"))  # fmt: skip
+    return Trajectory(Path(where).name, when, parts["q"], times is not None, others, parts.get("qd"), parts.get("qdd"))
+
+
+def _one_for_each_row(times: Array, rows: int, where: str) -> Array:
+    """The times (T,), checked: one for each row, and increasing.
+
+    Raises:
+        TrajectoryError: with file and row.
+    """
+    if times.shape != (rows,):
+        raise TrajectoryError("there is one time for each row", where=where, got=f"shape {times.shape}",
+                              allowed=f"shape ({rows},)")  # fmt: skip
+    checked_times(times, lambda row: f"{where}, row {row + 1}")
+    return times
 
 
 def _positions(where: str, robot: Robot, q: Array | None, width: int) -> Array:
@@ -525,27 +536,33 @@ def find_columns(
         if len(word) > LONGEST_HEAD:
             raise TrajectoryError("the name of the column is too long", where=here, got=f"{len(word)} characters",
                                   allowed=f"at most {LONGEST_HEAD}")  # fmt: skip
-        name, unit = name_and_unit(word)
-        column = known(name)
-        if column is None:
-            if time is None and _TIME.fullmatch(word):
-                time = place
-            else:
-                unused.append(word)
-            continue
-        key, measure = column
-        if key in found:
-            raise TrajectoryError("the column is given twice", where=here, got=repr(word))
-        fits = UNITS[measure]
-        if unit is not None and unit not in fits:
-            raise TrajectoryError("the unit does not fit the column", where=here, got=word,
-                                  allowed=", ".join(fits) or "none")  # fmt: skip
-        if deg and measure == "angle":
-            plain = radians(1.0)
+        column = known(name_and_unit(word)[0])
+        if column is not None:
+            key, measure = column
+            if key in found:
+                raise TrajectoryError("the column is given twice", where=here, got=repr(word))
+            found[key] = place, _factor(word, measure, here, deg=deg)
+        elif time is None and _TIME.fullmatch(word):
+            time = place
         else:
-            plain = 1.0
-        found[key] = place, plain if unit is None else fits[unit]
+            unused.append(word)
     return found, time, tuple(unused)
+
+
+def _factor(word: str, measure: str, where: str, *, deg: bool) -> float:
+    """The factor of a column to rad or m, by the unit in its head; without one rad, or with `deg` degrees, and m.
+
+    Raises:
+        TrajectoryError: the unit does not fit.
+    """
+    _, unit = name_and_unit(word)
+    fits = UNITS[measure]
+    if unit is None:
+        return radians(1.0) if deg and measure == "angle" else 1.0
+    if unit not in fits:
+        raise TrajectoryError("the unit does not fit the column", where=where, got=word,
+                              allowed=", ".join(fits) or "none")  # fmt: skip
+    return fits[unit]
 
 
 def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -> Trajectory:
@@ -567,20 +584,7 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     table = read_table(text, name)
     if all(map(is_number, table.head)):
         table.head = _names_of_numbers(table, robot)
-    numbers = {joint.name: i for i, joint in enumerate(robot.variables)}
-
-    def known(word: str) -> tuple[int, str] | None:
-        short = _JOINT.fullmatch(word)
-        index = numbers.get(word, int(short[1]) - 1 if short else None)
-        if index is not None and not 0 <= index < robot.n:
-            place = [name_and_unit(one)[0] for one in table.head].index(word)
-            raise TrajectoryError("there is no such joint", where=f"{table.where}, column {place + 1}", got=repr(word),
-                                  allowed=joint_names(robot))  # fmt: skip
-        if index is None:
-            return None
-        return (index, "angle" if robot.variables[index].unit == "rad" else "length")
-
-    columns, time, unused = find_columns(table.head, table.where, known, deg=deg)
+    columns, time, unused = find_columns(table.head, table.where, _joint_columns(table, robot), deg=deg)
     missing = [joint.name for i, joint in enumerate(robot.variables) if i not in columns]
     if missing:
         raise TrajectoryError("joints have no column", where=table.where, got=", ".join(table.head),
@@ -595,6 +599,24 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
         Path(name).name, regular_times(len(q)) if times is None else times, q, times is not None, unused,
         notes=table.notes, bare=not stated,
     )  # fmt: skip
+
+
+def _joint_columns(table: Table, robot: Robot) -> Known:
+    """A function that knows the columns of joints: by name or q1 … qn the joint, from 0, and what it measures."""
+    numbers = {joint.name: i for i, joint in enumerate(robot.variables)}
+
+    def known(word: str) -> tuple[int, str] | None:
+        short = _JOINT.fullmatch(word)
+        index = numbers.get(word, int(short[1]) - 1 if short else None)
+        if index is None:
+            return None
+        if not 0 <= index < robot.n:
+            place = [name_and_unit(one)[0] for one in table.head].index(word)
+            raise TrajectoryError("there is no such joint", where=f"{table.where}, column {place + 1}", got=repr(word),
+                                  allowed=joint_names(robot))  # fmt: skip
+        return index, "angle" if robot.variables[index].unit == "rad" else "length"
+
+    return known
 
 
 def _names_of_numbers(table: Table, robot: Robot) -> list[str]:

@@ -91,18 +91,16 @@ def _why_skipped(word: str, rest: str, names: Names) -> Reason | None:
 
 def _declare(names: Names, line: str, where: str) -> None:
     """Take in an assignment; one to an element of a name changes it."""
-    words, mark, right = line.partition("=")
-    left = words.split()
-    if not mark or right.startswith("=") or not left or left[0] in _FLOW:
+    assignment = _assignment(line)
+    if assignment is None:
         return
-    name = left[-1]
+    name, right = assignment
     base = name.partition("[")[0]
-    if not _NAME.fullmatch(base) or len(left) > 2 or (len(left) == 2 and left[0] not in ("global", "local")):
+    if not _NAME.fullmatch(base):
         return
     if base != name:
         names.changed.add(base)
         return
-    right = right.strip()
     literal: object | None = number(right)
     if right.startswith(("[", "p[")):
         found = _target(right, names, where)
@@ -111,6 +109,18 @@ def _declare(names: Names, line: str, where: str) -> None:
         else:
             literal = None
     names.put(name, right, literal)
+
+
+def _assignment(line: str) -> tuple[str, str] | None:
+    """What stands left of the equals sign, without global or local, and right of it; None for other lines."""
+    words, mark, right = line.partition("=")
+    left = words.split()
+    if not mark or right.startswith("=") or not left or left[0] in _FLOW:
+        return None
+    *scope, name = left
+    if scope not in ([], ["global"], ["local"]):
+        return None
+    return name, right.strip()
 
 
 def _target(text: str, names: Names, where: str) -> Target | Reason:

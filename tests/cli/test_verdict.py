@@ -179,4 +179,3 @@ def test_a_derivation_that_is_not_complete_is_none(
         assert (found is made) is used
         assert (found is None) is not used
         assert (record.status, record.reason) == ((AGREES, "") if used else (NOT_DERIVED, reason))
-        assert bool(record.families) is used

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from functools import cache
 from itertools import combinations
 from time import process_time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,9 +22,9 @@ from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
-from rankdrop.exact.conjunctions import Conjunction, Derivation, columns_on
-from rankdrop.exact.derivation import Reason
-from rankdrop.exact.methods import METHODS, _choices, derive
+from rankdrop.exact.conjunctions import Conjunction, Derivation, columns_on, values_of
+from rankdrop.exact.derivation import Reason, _too_long
+from rankdrop.exact.methods import METHODS, _choices, derive, zero_of
 from rankdrop.families.points import cloud
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample, singular_values
@@ -478,6 +479,29 @@ def test_auto_names_the_methods_that_it_does_not_run(monkeypatch: pytest.MonkeyP
         found.reason,
     )
     assert derive(exact_chain(arm, "position"), "singular_vector").complete
+
+
+@pytest.mark.parametrize(
+    ("name", "methods"),
+    [("panda", ("suppression", "reciprocity", "singular-vector")), ("puma560", ())],
+)
+def test_methods_that_are_not_run_are_those_for_this_arm(name: str, methods: tuple[str, ...]) -> None:
+    """Suppression is for seven or eight joints and all six rows; a square Jacobian has its determinant."""
+    chain = chain_of(name)
+    long = SimpleNamespace(piece=SimpleNamespace(equations=[range(10_000)]))
+    tree = SimpleNamespace(generic_rank=6, complete=True, drops=[long])
+    assert _too_long(chain, tree, Reason()).not_run == methods
+    assert _too_long(chain, SimpleNamespace(generic_rank=6, complete=True, drops=[]), Reason()).not_run == ()
+
+
+def test_a_polynomial_of_one_sign_has_no_zero() -> None:
+    chain = chain_of("puma560")
+    p = chain.ring.determinant([[column[row] for column in chain.columns[3:]] for row in range(3, 6)])
+    where = zero_of(chain, p)
+    assert where is not None
+    assert abs(values_of(chain, p, np.array([where]) + chain.shifts)[0]).max() < 1e-12
+    assert zero_of(chain, p * p + 1) is None
+    assert zero_of(chain, -p * p - 1) is None
 
 
 def test_a_reason_says_what_is_open() -> None:

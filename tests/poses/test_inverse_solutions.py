@@ -72,13 +72,17 @@ def test_the_count_of_usual_arms() -> None:
     assert found.sentence.startswith("ur5e: 8 solutions; a 6R arm has at most 16.")
 
 
-@pytest.mark.by_hand
+@pytest.mark.slow
 def test_a_redundant_arm_has_curves() -> None:
     robot = open_robot("iiwa14")
     found = inverse(robot, [0.5, 0.1, 0.4, np.pi, 0.0, 0.3])
     assert not found.branches
     assert found.continua
     assert len(found.continua) <= 16
+    assert any(0.0 < one.inside < 1.0 for one in found.continua), "limits cut self-motions"
+    for one in found.continua:
+        within = bool(((one.q >= robot.lower) & (one.q <= robot.upper)).all())
+        assert within == (one.inside > 0.0) == (one.beyond == ()), "it is shown inside the limits where it can be"
     for one in found.continua:
         assert one.dimension == 1
         assert not one.singular

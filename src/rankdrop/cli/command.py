@@ -102,7 +102,7 @@ def command(function: Callable[..., Done | int]) -> Callable[..., int]:
             return done
         return deliver(done, {name: file for name, _, file, _ in targets})
 
-    run.__signature__ = typed  # type: ignore[attr-defined]
+    run.__signature__ = typed  # type: ignore[attr-defined]  # a function may have one: the parser reads it
     return run
 
 

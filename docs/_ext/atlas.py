@@ -1,6 +1,7 @@
 """The atlas: for each arm of the catalogue a page with its picture and families, and its report beside it.
 
-Made from the analyses that are shipped; nothing is analysed here. `RANKDROP_ATLAS` in the environment says of which
+Made from the analyses that are shipped; nothing is analysed here. `-D atlas_arms=ur10,ur10e` makes the pages of these
+arms alone, in a fifth of the time. `RANKDROP_ATLAS` in the environment says of which
 arms a report is made as well: `all` (some minutes, what a site to be read has), names separated by commas, or nothing,
 the default. A report that the same version has made is kept.
 """
@@ -199,7 +200,8 @@ _SEARCH = (
 
 def write(app: Sphinx) -> None:
     """Write the pages into the source folder, where they have changed."""
-    entries = list(search_catalog(""))
+    asked = app.config.atlas_arms
+    entries = [entry for entry in search_catalog("") if not asked or entry.name in asked]
     found = {entry.name: shipped(entry.name) for entry in entries}
     kinds: dict[tuple[str, ...], list[CatalogEntry]] = defaultdict(list)
     for entry in entries:
@@ -253,6 +255,7 @@ def share_the_sidebar(
 
 def setup(app: Sphinx) -> ExtensionMetadata:
     """Write the pages before the source folder is read, and the reports when the site is there."""
+    app.add_config_value("atlas_arms", [], "env", [list])
     app.connect("builder-inited", write)
     app.connect("build-finished", write_reports)
     app.connect("html-page-context", share_the_sidebar, priority=100)  # before the theme asks for the tree

@@ -30,7 +30,7 @@ sys.path.insert(0, str(HERE))
 import measure  # noqa: E402  # a script beside this one
 
 GROUPS = {
-    "core": ("core", "batches", "monitor"),
+    "core": ("core", "calls", "batches", "monitor"),
     "search": ("search", "almarkhi", "nearest", "distance"),
     "conditions": ("conditions", "suppression"),
     "paths": ("path", "cover", "certify", "soundness"),

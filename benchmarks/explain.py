@@ -8,6 +8,7 @@ from functools import partial
 import measure  # first: sets the number of threads
 import numpy as np
 
+from rankdrop.configuration import Rank
 from rankdrop.cover.ball import LARGEST, certified_radius
 from rankdrop.local.block import sample
 from rankdrop.local.nearest import nearest_singularity
@@ -31,7 +32,7 @@ def main() -> None:
         regular = sample(arm, task, count, seed=1)
         singular = np.array([found.families[i % len(found.families)].witness for i in range(count)])
 
-        both = [_median(partial(explain, arm, task=task), q) for q in (regular, singular)]
+        both = [_median(partial(_first, arm, task), q) for q in (regular, singular)]
         whole = [_median(partial(_whole, arm, task), q) for q in (regular, singular)]
         rows.append({
             "arm": name, "regular ms": both[0], "singular ms": both[1], "whole regular ms": whole[0],
@@ -41,6 +42,12 @@ def main() -> None:
         f"explain: verdict and distances, median under {TARGET:g} ms of processor time from Python; whole: as data",
         rows, ratio="of the target", target=1.0, at_most=True,
     )  # fmt: skip
+
+
+def _first(arm: Robot, task: Task, q: Array) -> tuple[str, Rank, float | None]:
+    """The first answer; each part is computed when it is read."""
+    found = explain(arm, q, task)
+    return found.verdict, found.rank, found.distance
 
 
 def _whole(arm: Robot, task: Task, q: Array) -> object:

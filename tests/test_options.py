@@ -150,3 +150,12 @@ def test_advice_is_typed_in_every_thread_of_a_command() -> None:
         thread.join()
     assert said == ["--task position"]
     assert advised("task", "position") == "task='position'"
+
+
+def test_a_default_out_of_its_bounds_is_noticed_at_the_first_use() -> None:
+    @dataclass(frozen=True)
+    class Wrong(Options):
+        starts: Annotated[int, option("Random starts", ge=1)] = 0
+
+    with pytest.raises(OptionError, match="at least 1"):
+        Wrong()

@@ -84,6 +84,9 @@ class Configuration:
     q: Array
     assumed: int | None = None
 
+    def __reduce__(self) -> tuple[type[Configuration], tuple[Problem, Array, int | None]]:
+        return Configuration, (self.problem, self.q, self.assumed)  # what the core keeps is made anew elsewhere
+
     @property
     def robot(self) -> Robot:
         """The arm."""
@@ -189,12 +192,12 @@ class Configuration:
         """A singular value at or below it is not a rank regained."""
         return max(self.tolerances.singular, _NOISE * float(self.sigma[self.rank]) if self.corank else 0.0)
 
-    @property
+    @cached_property
     def chain(self) -> _core.Chain:
         """The arm as the core takes it."""
         return chain_of(self.robot)
 
-    @property
+    @cached_property
     def view(self) -> _core.View:
         """The task as the core takes it."""
         return task_view(self.robot, self.task)

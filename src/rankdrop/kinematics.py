@@ -302,11 +302,17 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame | str = WORLD_ALIGNED, *, 
         (6, 7)
     """
     frame = frame_of(frame)
-    single = jacobian_one(robot, q, out, None if frame is WORLD_ALIGNED else frame_view(robot, frame))
+    view = None
+    if frame is not WORLD_ALIGNED:
+        view = frame_view(robot, frame)
+    single = jacobian_one(robot, q, out, view)
     if single is not None:
         return single
     rows, batch = configurations(robot, q)
-    found = _core.jacobian(chain_of(robot), frame_view(robot, frame), rows, rows_of(out, rows, batch, (6, robot.n)))
+    if view is None:
+        view = handles_of(robot).world
+    into = rows_of(out, rows, batch, (6, robot.n))
+    found = _core.jacobian(chain_of(robot), view, rows, into)
     if out is None:
         return found.reshape(*batch, 6, robot.n)
     return out
@@ -335,12 +341,17 @@ def jacobian_derivative(
         TaskError: no such frame, or it names a link that does not exist.
     """
     frame = frame_of(frame)
-    single = derivative_one(robot, q, out, None if frame is WORLD_ALIGNED else frame_view(robot, frame))
+    view = None
+    if frame is not WORLD_ALIGNED:
+        view = frame_view(robot, frame)
+    single = derivative_one(robot, q, out, view)
     if single is not None:
         return single
     rows, batch = configurations(robot, q)
+    if view is None:
+        view = handles_of(robot).world
     into = rows_of(out, rows, batch, (6, robot.n, robot.n))
-    derivative = _core.derivative(chain_of(robot), frame_view(robot, frame), rows, into)
+    derivative = _core.derivative(chain_of(robot), view, rows, into)
     if out is None:
         return derivative.reshape(*batch, 6, robot.n, robot.n)
     return out
@@ -360,8 +371,12 @@ def task_jacobian(robot: Robot, q: ArrayLike, task: Task) -> Array:
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
     """
+    view = task_view(robot, task)
+    single = jacobian_one(robot, q, None, view)
+    if single is not None:
+        return single
     rows, batch = configurations(robot, q)
-    return _core.jacobian(chain_of(robot), task_view(robot, task), rows).reshape(*batch, task.m, robot.n)
+    return _core.jacobian(chain_of(robot), view, rows).reshape(*batch, task.m, robot.n)
 
 
 def task_jacobian_derivative(robot: Robot, q: ArrayLike, task: Task) -> Array:
@@ -373,6 +388,10 @@ def task_jacobian_derivative(robot: Robot, q: ArrayLike, task: Task) -> Array:
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
     """
+    view = task_view(robot, task)
+    single = derivative_one(robot, q, None, view)
+    if single is not None:
+        return single
     rows, batch = configurations(robot, q)
-    derivative = _core.derivative(chain_of(robot), task_view(robot, task), rows)
+    derivative = _core.derivative(chain_of(robot), view, rows)
     return derivative.reshape(*batch, task.m, robot.n, robot.n)

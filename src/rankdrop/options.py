@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import fields, replace
+from dataclasses import MISSING, fields, replace
 from functools import cache
 from inspect import Parameter, signature
 from math import isfinite
@@ -98,8 +98,12 @@ class Options:
     """Base of the records of options: a record that exists is within its bounds."""
 
     def __post_init__(self) -> None:
-        for name, hint in hints(type(self)).items():  # type: ignore[arg-type]  # a class is hashable
-            value = _plain(getattr(self, name))
+        defaults = _defaults(type(self))  # type: ignore[arg-type]  # a class is hashable
+        for name, hint in hints(type(self)).items():  # type: ignore[arg-type]
+            value = getattr(self, name)
+            if value is defaults[name]:
+                continue
+            value = _plain(value)
             object.__setattr__(self, name, value)
             check_value(name, hint, value)
 
@@ -147,6 +151,17 @@ def hints(record: type) -> dict[str, Any]:
     """The types of the fields, with their metadata."""
     found = get_type_hints(record, include_extras=True)
     return {field.name: found[field.name] for field in fields(record)}
+
+
+@cache
+def _defaults(record: type) -> dict[str, Any]:
+    """The defaults of the fields, which are checked once; a field without one has a value that no option can be."""
+    hints_of, found = hints(record), {}
+    for field in fields(record):
+        found[field.name] = field.default
+        if field.default is not MISSING:
+            check_value(field.name, hints_of[field.name], field.default)
+    return found
 
 
 def meta_of(hint: Any) -> Meta | None:

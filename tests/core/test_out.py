@@ -12,7 +12,15 @@ from reference import arms
 
 from rankdrop import _core, kinematics
 from rankdrop.errors import OptionError
-from rankdrop.kinematics import chain_of, jacobian, jacobian_derivative, pose, task_view
+from rankdrop.kinematics import (
+    chain_of,
+    jacobian,
+    jacobian_derivative,
+    pose,
+    task_jacobian,
+    task_jacobian_derivative,
+    task_view,
+)
 from rankdrop.local.block import decompose, singular_values
 from rankdrop.robot.model import Array
 from rankdrop.task import resolve_task
@@ -121,6 +129,8 @@ def test_one_configuration_has_the_bits_of_a_batch() -> None:
             assert all(np.array_equal(getattr(one, part), getattr(whole, part)[i]) for part in ("u", "sigma", "v"))
             assert np.array_equal(singular_values(ROBOT, q, task), sigma[i])
             assert np.array_equal(pose(ROBOT, q), pose(ROBOT, rows)[i])
+    for function in (task_jacobian, task_jacobian_derivative):
+        assert all(np.array_equal(function(ROBOT, q, TASK), function(ROBOT, rows, TASK)[i]) for i, q in enumerate(rows))
     view = task_view(ROBOT, TASK)
     for refused in (rows, rows[0, :6], rows[0] * np.nan, [*rows[0]], None):
         assert _core.decompose_one(ROBOT, refused, view) is None

@@ -10,17 +10,19 @@ import pytest
 from known.members import members
 from known.truths import PA10_TABLES
 
-from rankdrop.distance.distance import FamilyDistance, family_distances
+from rankdrop.distance.distance import FamilyDistance, family_distances, feet_on, walls_of
 from rankdrop.errors import ConfigurationError
 from rankdrop.families.equation import System
 from rankdrop.families.record import Family
 from rankdrop.local.block import joint_scale
 from rankdrop.local.nearest import nearest_singularity
+from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation import disagreements
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
+from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain
 
@@ -126,6 +128,18 @@ def test_limits_are_kept(rng: np.random.Generator) -> None:
                 assert ((low - 1e-9 <= record.q) & (record.q <= high + 1e-9)).all()
                 assert record.distance >= free[record.family.id] - 1e-9
     assert reached > 8
+
+
+@pytest.mark.parametrize(("name", "limits"), [("pa10", False), ("puma560", True), ("z1", False)])
+def test_one_configuration_has_the_feet_of_a_batch(name: str, limits: bool, rng: np.random.Generator) -> None:
+    found = shipped(name)
+    problem = Problem(found.robot, found.task, limits=limits)
+    for q in rng.uniform(-3, 3, (2, found.robot.n)):
+        for record in family_distances(found.families, found.robot, q, found.task, limits=limits):
+            parts = feet_on(record.family, problem, q[None], walls_of(problem), zero=DEFAULT.singular, seed=0)
+            foot, distance, residual, sigma = (part[0] for part in parts)
+            assert (record.distance, record.residual, record.sigma) == (distance, residual, sigma)
+            assert record.q == (tuple(foot) if np.isfinite(distance) else ())
 
 
 def test_same_seed_same_result(rng: np.random.Generator) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.local.block import joint_scale, sample
-from rankdrop.local.directions import lost_in_sparsest_frame
+from rankdrop.local.directions import lost_without
 from rankdrop.local.failures import failure_model, failures_at, worst_case
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -64,7 +64,7 @@ def test_what_is_lost_cannot_be_made_by_the_others():
     assert elbow.share == pytest.approx(0.0, abs=1e-12)
     assert len(elbow.lost) == len(elbow.lost_words) == 1
     assert "cannot translate" in elbow.lost_words[0]
-    framed = lost_in_sparsest_frame(robot, q, task, 1, without=3)
+    framed = lost_without(robot, q, task, {3: 1})[3]
     seen = jacobian(robot, q, framed.frame)
     assert np.abs(np.delete(framed.directions @ seen, 3, axis=1)).max() < 1e-12
     assert abs((framed.directions @ seen)[0, 3]) > 0.1

@@ -49,6 +49,7 @@ _LONGEST = 0.7  # step [rad]
 _FLATTEST = 1e-2  # curvatures of the Lagrangian are taken for at least this
 _ROUNDING = 1e-9  # a limit of 3.14159265359 is meant to allow π
 _RETURNS = 3  # steps straight onto the family at the end
+_NEIGHBOURS = np.arange(-2, 3)[:, None]  # whole turns from the nearest that a joint may stand at
 
 
 _Draw = tuple[Array, list[NDArray[np.int64]]]
@@ -135,11 +136,12 @@ def nearest_turns(values: Array, at: float, periodic: bool, bounds: Array) -> Ar
 
 def _turned(values: Array, at: Array, periodic: bool, bounds: Array) -> Array:
     """(N, options) values moved by whole turns to near each of (N,); nan outside the bounds."""
-    options = np.broadcast_to(values, (len(at), len(values)))
     if periodic:
-        turns = np.round((at[:, None] - values) / (2 * np.pi))[:, None] + np.arange(-2, 3)[:, None]
+        turns = np.rint((at[:, None] - values) / (2 * np.pi))[:, None] + _NEIGHBOURS
         options = (values + 2 * np.pi * turns).reshape(len(at), -1)
-    if not np.isfinite(bounds).any():
+    else:
+        options = np.broadcast_to(values, (len(at), len(values)))
+    if bounds[0] == -np.inf and bounds[1] == np.inf:
         return np.asarray(options)
     return np.where((options < bounds[0] - _ROUNDING) | (options > bounds[1] + _ROUNDING), np.nan, options)
 
@@ -198,16 +200,43 @@ def family_distances(
     centre = one_configuration(robot, q)
     problem = Problem(in_metres(robot), task_in_metres(task, robot), tolerances=tolerances, limits=limits)
     at, walls = into_metres(robot, centre)[None], walls_of(problem)
-    records = []
-    for family in families:
-        own = family_in_metres(family, robot)
-        ends = feet_on(own, problem, at, walls, zero=tolerances.singular, seed=seed)
-        foot, distance, residual, sigma = (one[0] for one in ends)
-        found = bool(np.isfinite(distance))
-        place, way = (tuple(out_of_metres(robot, one).tolist()) if found else () for one in (foot, foot - at[0]))
-        exact = _in_closed_form(family)
-        records.append(FamilyDistance(family, float(distance), place, way, float(residual), float(sigma), exact))
+    own = [family_in_metres(family, robot) for family in families]
+    points = [_candidates(family, problem, at, walls, seed)[0] for family in own]
+    if any(len(some) for some in points):
+        sigma = problem.sigma(np.concatenate(points))
+    else:
+        sigma = np.zeros((0, problem.generic_rank))
+    records, before = [], 0
+    for family, mine, some in zip(families, own, points, strict=True):
+        values = sigma[before : before + len(some), problem.generic_rank - family.corank]
+        before += len(some)
+        foot, distance, residual, most = _nearest_of(mine, problem, at[0], some, values, tolerances.singular)
+        if foot is None:
+            place, way = (), ()
+        else:
+            place = tuple(out_of_metres(robot, foot).tolist())
+            way = tuple(out_of_metres(robot, foot - at[0]).tolist())
+        records.append(FamilyDistance(family, distance, place, way, residual, most, _in_closed_form(family)))
     return tuple(sorted(records, key=lambda record: record.distance))
+
+
+def _nearest_of(
+    family: Family, problem: Problem, q: Array, points: Array, sigma: Array, zero: float
+) -> tuple[Array | None, float, float, float]:
+    """The nearest of some points (P, n) that is singular and of the family: its distance from q (n,), largest |f|, σ.
+
+    Args:
+        family, problem, zero: as for `feet_on`.
+        sigma: (P,) singular values that should vanish at the points.
+    """
+    if not len(points):
+        return None, np.inf, np.inf, np.inf
+    residual = np.abs(family.system.values(points)).max(axis=1)
+    way = np.where((residual <= REACHED) & (sigma <= zero), problem.length(points - q), np.inf)
+    best = int(way.argmin())
+    if way[best] == np.inf:
+        return None, np.inf, np.inf, np.inf
+    return points[best], float(way[best]), float(residual[best]), float(sigma[best])
 
 
 def walls_of(problem: Problem) -> Array:
@@ -275,13 +304,14 @@ def _candidates(
 def _pinned_feet(pinned: Sequence[Pin], robot: Robot, q: Array, box: Array) -> Array:
     """(N, n) each pinned joint at its nearest value within the limits, nan where there is none; others in the limits.
     """
-    feet, rows = np.clip(q, box[0], box[1]), np.arange(len(q))
+    feet, rows = np.minimum(np.maximum(q, box[0]), box[1]), np.arange(len(q))
     for one in pinned:
         j = one.number - 1
         options = _turned(np.array(one.values), q[:, j], bool(robot.periodic[j]), box[:, j])
         far = np.abs(options - q[:, j, None])
-        feet[:, j] = options[rows, np.where(np.isnan(far), np.inf, far).argmin(axis=1)]
-    return feet
+        far[np.isnan(far)] = np.inf
+        feet[:, j] = options[rows, far.argmin(axis=1)]
+    return np.asarray(feet)
 
 
 _BATCH = 512  # configurations whose points are tested together

@@ -505,12 +505,18 @@ def ways_to(
     if not system.equations or not len(q):
         return np.zeros(len(q))
     f, a = system.linear(q)
-    size, slope = np.abs(f), np.linalg.norm(a * problem.scale, axis=-1)
+    scaled = a * problem.scale
+    size, slope = np.abs(f), np.sqrt(np.add.reduce(scaled * scaled, axis=-1))
     first = np.minimum(size / np.maximum(slope, 1e-300), np.sqrt(size)).max(axis=1)
     result = np.where(first <= _ON, first, inf)
     rows = np.flatnonzero((first > _ON) & (first <= 4 * within))
+    if not len(rows):
+        return np.asarray(result)
     lengths, feet = system.nearest(q[rows], within)
     crossing = np.flatnonzero((lengths > problem.tolerances.explained) & np.isfinite(lengths))
+    if not len(crossing):
+        result[rows] = lengths
+        return np.asarray(result)
     part = np.linspace(0.0, 1.0, _LOOKS)[:, None, None]
     sigma = problem.sigma((1 - part) * q[rows[crossing]] + part * feet[crossing])[..., problem.rank]
     lengths[crossing[(sigma > (problem.tolerances.singular if zero is None else zero)).any(axis=0)]] = inf

@@ -12,6 +12,7 @@ gradient of σ_i (AM eq. 7), its kernel the tangent space of the singular set, D
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,9 +30,8 @@ STRUCTURE_SEED = 20231
 """Of the configurations that tell what holds almost everywhere."""
 
 
-@dataclass(frozen=True, slots=True)
-class Decomposition:
-    """J = U Σ Vᵀ.
+class Decomposition(NamedTuple):
+    """J = U Σ Vᵀ; a tuple, which is made in half the time of a dataclass.
 
     Attributes:
         u: (..., m, m) left singular vectors as columns: twists of the task, lost ones last.

@@ -15,6 +15,7 @@ import numpy as np
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.axes import Scene, inner_product
 from rankdrop.robot.model import Array
+from rankdrop.robot.transform import cross
 from rankdrop.sections import words_of
 from rankdrop.task import Task, six_rows
 from rankdrop.tolerances import ALIGNED
@@ -143,7 +144,7 @@ def _of_directions(scene: Scene, axes: Sequence[int]) -> Dependence | None:
     if len(axes) == 2 and _parallel(scene, axes):
         return Dependence(Common.PARALLEL, tuple(axes))
     if len(axes) == 3:
-        volume = inner_product(scene.z[axes[0]], np.cross(*scene.z[axes[1:]]))
+        volume = inner_product(scene.z[axes[0]], cross(*scene.z[axes[1:]]))
         if (np.abs(volume) < ALIGNED).all():
             return Dependence(Common.PARALLEL_TO_ONE_PLANE, tuple(axes))
     return None
@@ -186,7 +187,7 @@ def _transversal(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> De
     if len(circuit) != 6:
         return None
     columns = scene.screws[..., circuit].transpose(0, 2, 1)
-    about_tip = (columns[..., :3] + np.cross(columns[..., 3:], scene.tip[:, None, :])) / scene.length  # rounds least
+    about_tip = (columns[..., :3] + cross(columns[..., 3:], scene.tip[:, None, :])) / scene.length  # rounds least
     blocked = np.linalg.svd(np.concatenate([about_tip, columns[..., 3:]], axis=-1))[2][:, -1]
     if not _pure_force(blocked):
         return None

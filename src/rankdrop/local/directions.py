@@ -6,7 +6,7 @@ basis of a subspace is orthonormal, with as many zeros as plane rotations find.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import hypot, inf, isinf
@@ -20,6 +20,7 @@ from rankdrop.kinematics import link_poses, one_configuration, task_jacobian
 from rankdrop.local.block import decompose, generic_rank, svd
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach
+from rankdrop.robot.transform import cross
 from rankdrop.task import BASE, TIP, Frame, Task, link_index, six_rows
 from rankdrop.tolerances import ENTRY
 from rankdrop.units import counted, given_exponent, in_metres, into_metres, shifted, task_in_metres
@@ -74,7 +75,7 @@ def screw_of(twist: ArrayLike) -> Screw:
     v, w, slide, turn = _parts(twist)
     if turn <= _NO_TURN * slide:
         return Screw((0.0, 0.0, 0.0), _three(v / slide), inf, slide)
-    return Screw(_three(np.cross(w, v) / turn**2), _three(w / turn), float(w @ v) / turn**2, turn)
+    return Screw(_three(cross(w, v) / turn**2), _three(w / turn), float(w @ v) / turn**2, turn)
 
 
 def rewrite_wrench(wrench: Array, turn: Array, offset: Array) -> Array:
@@ -88,7 +89,7 @@ def rewrite_wrench(wrench: Array, turn: Array, offset: Array) -> Array:
         offset: (..., 3) d, the new point seen from the old one, in the old axes [m]; batch axes broadcast.
     """
     force, moment = wrench[..., :3], wrench[..., 3:]
-    return np.concatenate([force @ turn, (moment - np.cross(offset, force)) @ turn], axis=-1)
+    return np.concatenate([force @ turn, (moment - cross(offset, force)) @ turn], axis=-1)
 
 
 def _three(vector: Array) -> tuple[float, float, float]:
@@ -445,27 +446,43 @@ def lost_directions(robot: Robot, q: ArrayLike, task: Task, corank: int) -> Arra
     return np.asarray(_readable(blocked[None], always[None], corank)[0])
 
 
-def lost_in_sparsest_frame(
-    robot: Robot, q: ArrayLike, task: Task, corank: int, *, without: int | None = None
-) -> FramedDirections:
+def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) -> FramedDirections:
     """`lost_directions` in the frame in which they have the fewest non-zero entries.
 
     Tried in this order, a later one only if it is strictly sparser: the task's frame; base, end effector and each
     link's axes (`Joint.frame`) at the task's point; base and end effector's axes at the origin of each link; each
     link's axes at its own origin. Change of frame is that of a wrench.
 
-    Args, Raises: as `lost_directions`; and
-        without: a joint (from 0) that stands still: what the others cannot make; k counts from the whole arm's rank.
+    Args, Raises: as `lost_directions`.
     """
     frames = _candidates(task.frame, len(robot.joints))
-    return _framed(robot, _lost_in_frames(robot, one_configuration(robot, q), task, corank, frames, without), frames)
+    return _framed(robot, _lost_in_frames(robot, one_configuration(robot, q), task, corank, frames), frames)
 
 
-def _lost_in_frames(
-    robot: Robot, q: Array, task: Task, corank: int, frames: Sequence[Frame], without: int | None = None
-) -> Array:
+def lost_without(robot: Robot, q: ArrayLike, task: Task, coranks: Mapping[int, int]) -> dict[int, FramedDirections]:
+    """`lost_in_sparsest_frame` of several joints, each standing still alone; frames are placed once for all.
+
+    Args:
+        robot, q, task: as for `lost_directions`.
+        coranks: joint that stands still (from 0) -> k, which counts from the whole arm's rank.
+    """
+    if not coranks:
+        return {}
+    place, frames = one_configuration(robot, q), _candidates(task.frame, len(robot.joints))
+    parts = [_blocked(robot, place, task, corank, joint) for joint, corank in coranks.items()]
+    every = [np.concatenate(both) for both in parts]
+    seen = seen_in_frames(np.concatenate(every), link_poses(robot, place), task.frame, frames, counted(robot))
+    found, begin = {}, 0
+    for (joint, corank), (blocked, always) in zip(coranks.items(), parts, strict=True):
+        middle, end = begin + len(blocked), begin + len(blocked) + len(always)
+        found[joint] = _framed(robot, _readable(seen[:, begin:middle], seen[:, middle:end], corank), frames)
+        begin = end
+    return found
+
+
+def _lost_in_frames(robot: Robot, q: Array, task: Task, corank: int, frames: Sequence[Frame]) -> Array:
     """(F, k, 6) what is lost at q, in a readable basis of each frame."""
-    blocked, always = _blocked(robot, q, task, corank, without)
+    blocked, always = _blocked(robot, q, task, corank)
     every = np.concatenate([blocked, always])
     both = seen_in_frames(every, link_poses(robot, q), task.frame, frames, counted(robot))
     return _readable(both[:, : len(blocked)], both[:, len(blocked) :], corank)
@@ -589,13 +606,12 @@ def _blocked(
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
         raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
-    u = decompose(robot, q, task).u
-    if without is not None:
-        others = np.delete(task_jacobian(robot, q, task), without, axis=1)
-        if others.size:
-            u = svd(others)[0]
-        else:
-            u = np.eye(task.m)
+    if without is None:
+        u = decompose(robot, q, task).u
+    elif robot.n == 1:
+        u = np.eye(task.m)
+    else:
+        u = svd(np.delete(task_jacobian(robot, q, task), without, axis=1))[0]
     blocked = _wrenches(u[:, generic - corank :], robot, task)
     if generic == task.m:
         return blocked, np.zeros((0, 6))

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from rankdrop.configuration import Configuration, at
 from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale, sigma_of, svd
-from rankdrop.local.directions import lost_in_sparsest_frame, words
+from rankdrop.local.directions import lost_without, words
 from rankdrop.local.minimax import Evaluate, Model
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -121,17 +121,18 @@ def failures_at(
         remaining = sigma_of(_without_each(whole[None])[0])
     else:
         remaining = np.zeros((robot.n, 0))
+    ranks = [min(full, int((left > zero).sum())) for left in remaining]
+    lost = lost_without(robot, here.q, here.task, {j: full - rank for j, rank in enumerate(ranks) if rank < full})
     single = []
     for j, joint in enumerate(robot.variables):
         left, rows, lost_words = remaining[j], np.zeros((0, 6)), tuple[str, ...]()
-        rank = min(full, int((left > zero).sum()))
-        if rank < full:
-            framed = lost_in_sparsest_frame(robot, here.q, here.task, full - rank, without=j)
-            rows, lost_words = framed.directions, tuple(words(row, framed.name) for row in framed.directions)
+        rank = ranks[j]
         if rank == full:
             least = float(left[full - 1])
         else:
             least = 0.0
+            framed = lost[j]
+            rows, lost_words = framed.directions, tuple(words(row, framed.name) for row in framed.directions)
         single.append(Failure(j + 1, joint.name, left, least, rank, float(shares[j]), rows, lost_words))
     if regular:
         bound = float(np.sqrt((robot.n - full) / robot.n) * sigma[0])

@@ -319,7 +319,7 @@ def _middle(screws: Array) -> tuple[Array, float]:
     if not turning.any():
         return np.zeros(3), 1.0
     rows = screws[turning]
-    points = np.cross(rows[:, :3], rows[:, 3:]) / size[turning, None] ** 2
+    points = cross(rows[:, :3], rows[:, 3:]) / size[turning, None] ** 2
     point = points.mean(axis=0)
     length = float(np.linalg.norm(points - point, axis=1).max())
     return point, length if length > 1e-9 else 1.0

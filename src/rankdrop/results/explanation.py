@@ -51,7 +51,7 @@ from rankdrop.local.ways_out import Escape, JointEscape, escape
 from rankdrop.problem import wrap
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.known import known_analysis, shipped_conditions_record
+from rankdrop.results.known import shipped_conditions_record, shipped_families
 from rankdrop.robot.ideal import Near, ideal, near_ideal
 from rankdrop.robot.model import Array, Robot, geometry
 from rankdrop.sections import Section, words_of
@@ -224,10 +224,10 @@ def known_families(
         OptionError: the analysis is about another arm or other rows.
     """
     if analysis is None:
-        known = known_analysis(robot, task, any_tip=True)
-        if known:
-            return (known.families, "catalogue")
-        return ((), "on the spot")
+        known = shipped_families(robot, task, any_tip=True)
+        if known is None:
+            return ((), "on the spot")
+        return (known, "catalogue")
     if not isinstance(analysis, Analysis):
         raise OptionError("an analysis is needed", got=repr(analysis)[:80], allowed="an Analysis, or None")
     mine, other = (geometry(one, tip=task.m < 6) for one in (robot, analysis.robot))

@@ -113,6 +113,22 @@ def known_analysis(robot: Robot, task: Task, *, any_tip: bool = False) -> Analys
     return _out_of_metres(named, robot)
 
 
+_families: WeakKeyDictionary[Robot, dict[str, tuple[Family, ...]]] = WeakKeyDictionary()
+"""Of arms met so far: their shipped families, by the name of the catalogue; none refers to the arm."""
+
+
+def shipped_families(robot: Robot, task: Task, *, any_tip: bool = False) -> tuple[Family, ...] | None:
+    """The families of `known_analysis`, made once for each arm; None for an arm that is not known."""
+    name = known_name(robot, task, any_tip=any_tip)
+    if name is None:
+        return None
+    kept = _families.setdefault(robot, {})
+    if name not in kept:
+        known = known_analysis(robot, task, any_tip=any_tip)
+        kept[name] = () if known is None else known.families
+    return kept[name]
+
+
 def known_name(robot: Robot, task: Task, *, any_tip: bool = False) -> str | None:
     """The name in the catalogue of an arm with this geometry and task, or None.
 

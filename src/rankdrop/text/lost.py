@@ -13,6 +13,7 @@ import numpy as np
 from rankdrop.families.lost import LostFreedom, MotionKind
 from rankdrop.local.directions import axis_text, frame_name, main_axis, words
 from rankdrop.robot.model import Robot
+from rankdrop.robot.transform import cross
 
 _TWIST = "v: velocity of the tool, at the link's origin where one is named [m/s]; ω: its turning [rad/s]."
 _ON = 1e-9  # farther from an axis [m], or turned by more [rad], is not on it
@@ -120,7 +121,7 @@ def _along(robot: Robot, number: int, axis: int) -> str:
     """ "Y along axis 5", of the joints on both sides of a link, which stand still in it; empty where neither is."""
     way = robot.joints[number - 1].frame[:3, axis]
     for place, joint in enumerate(robot.joints[number - 1 : number + 1], number):
-        if np.abs(np.cross(way, joint.axis)).max() < _ON:
+        if np.abs(cross(way, joint.axis)).max() < _ON:
             return f"{'XYZ'[axis]} along axis {place}"
     return ""
 
@@ -135,7 +136,7 @@ def _through(robot: Robot, number: int) -> str:
     for places in (range(number, 0, -1), range(number + 1, len(robot.joints) + 1)):
         for place in places:
             joint = robot.joints[place - 1]
-            if joint.slides or np.abs(np.cross(joint.foot - origin, joint.axis)).max() > _ON:
+            if joint.slides or np.abs(cross(joint.foot - origin, joint.axis)).max() > _ON:
                 break
             found.append(place)
             if abs(joint.pitch) > _ON:

@@ -323,9 +323,9 @@ FOUND = table(
                  "retime"], "of the remedy"),
     words=(str, "the change, in words"),
     parameters=(many(PARAMETERS), "numbers of the remedy"),
-    gains=(many(GAINS),
-        "numbers before and after", lambda one: [{"what": what, "before": gain[0], "after": gain[1], "unit": UNITS[what][1]}
-                                         for what, gain in one.gains.items()]),
+    gains=(many(GAINS), "numbers before and after",
+        lambda one: [{"what": what, "before": gain[0], "after": gain[1], "unit": UNITS[what][1]}
+                     for what, gain in one.gains.items()]),
     verdict=(VERDICT,
         "of the mended path: free, but of retime, which keeps the path and is judged by its limits",
         attrgetter("check.verdict")),

@@ -37,6 +37,11 @@ FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-
 WRIST = [0.3, 0.5, 0.4, 0.2, 0.0, 0.6]
 LAPTOP, PHONE = (1280, 800), (390, 844)
 PATIENCE = 180_000  # ms
+ASKED = """for (const name of ['drawElements', 'drawArrays', 'drawElementsInstanced', 'drawArraysInstanced']) {
+    const draw = WebGL2RenderingContext.prototype[name];
+    WebGL2RenderingContext.prototype[name] = function (...all) { if (window.drawing) draw.apply(this, all); };
+}"""
+"""The scene is drawn where a test looks at it: by software, sixty pictures a second keep a processor busy."""
 
 
 class Tab:
@@ -44,6 +49,7 @@ class Tab:
 
     def __init__(self, browser: Any, url: str, size: tuple[int, int]) -> None:
         self.page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+        self.page.add_init_script(ASKED)
         self.page.set_default_timeout(PATIENCE)  # a busy machine draws by software for longer than the usual 30 s
         self.asked: list[str] = []
         self.said: list[str] = []
@@ -60,6 +66,10 @@ class Tab:
                 return
             self.page.wait_for_timeout(100)
         pytest.fail("it never came true")
+
+    def draw(self, drawing: bool = True) -> None:
+        """Whether the scene is drawn from now on."""
+        self.page.evaluate(f"window.drawing = {str(drawing).lower()}")
 
     def picture(self) -> bytes:
         """A PNG of what is shown, by the protocol: `page.screenshot` waits too long on a busy machine."""
@@ -189,6 +199,7 @@ def test_nearest_never_lags_behind_the_verdict(
 def test_a_slider_moves_the_arm(laptop: tuple[Viewer, Tab]) -> None:
     viewer, tab = laptop
     tab.page.get_by_role("tab", name="Joints").click()
+    tab.draw()
     tab.page.wait_for_timeout(3000)  # the scene fades in
     before, start = tab.picture(), viewer.session.q
     slider = tab.page.get_by_role("slider").nth(1)
@@ -200,6 +211,7 @@ def test_a_slider_moves_the_arm(laptop: tuple[Viewer, Tab]) -> None:
     tab.until(lambda: bool(np.allclose(viewer.stage.links[-1].position, viewer.controls.now.links[-1, :3, 3])))
     tab.page.wait_for_timeout(1000)
     assert tab.picture() != before
+    tab.draw(False)
 
 
 def test_an_escape_button_leads_out_and_a_family_button_back(laptop: tuple[Viewer, Tab]) -> None:
@@ -218,12 +230,14 @@ def test_an_escape_button_leads_out_and_a_family_button_back(laptop: tuple[Viewe
 
 def test_a_slice_is_drawn(laptop: tuple[Viewer, Tab]) -> None:
     viewer, tab = laptop
+    tab.draw()
     before = tab.picture()
     tab.page.get_by_role("tab", name="Slice").click()
     tab.page.get_by_text("draw the singular set").click()
     tab.page.get_by_text("starts arrived").first.wait_for(timeout=PATIENCE)
     tab.page.wait_for_timeout(1000)
     assert tab.picture() != before
+    tab.draw(False)
     viewer.slice.clear()
 
 

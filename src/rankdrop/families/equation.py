@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from math import pi
 from typing import Any
@@ -364,17 +365,29 @@ def pretty_angle(value: float, digits: int = 4) -> str:
     return _written_angle(value, lambda x: f"{x:.{digits}g}", _PLAIN)
 
 
-def _written_angle(value: float, number: Callable[[float], str], style: _Style) -> str:
+def share_of_pi(value: float) -> Fraction | None:
+    """An angle in parts of π where it is a multiple of π/12, to 1e-9 of that; else None.
+
+    Example:
+        >>> share_of_pi(-pi / 2), share_of_pi(0.3)
+        (Fraction(-1, 2), None)
+    """
     twelfths = value * 12 / pi
     whole = round(twelfths)
     if abs(twelfths - whole) > 1e-9:
+        return None
+    return Fraction(whole, 12)
+
+
+def _written_angle(value: float, number: Callable[[float], str], style: _Style) -> str:
+    share = share_of_pi(value)
+    if share is None:
         return number(value).replace("-", style["minus"])
-    if whole == 0:
+    if share == 0:
         return "0"
-    common = int(np.gcd(abs(whole), 12))
-    top, bottom = abs(whole) // common, 12 // common
+    top, bottom = abs(share.numerator), share.denominator
     text = (style["pi"] if top == 1 else f"{top}{style['pi']}") + (f"/{bottom}" if bottom > 1 else "")
-    return (style["minus"] if whole < 0 else "") + text
+    return (style["minus"] if share < 0 else "") + text
 
 
 Mask = NDArray[np.bool_]

@@ -17,7 +17,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 COMPREHENSIONS = ast.ListComp | ast.SetComp | ast.GeneratorExp | ast.DictComp
 BRANCHES = ast.If | ast.IfExp | ast.For | ast.While | ast.ExceptHandler | ast.comprehension | ast.Assert
 
-CONDITIONAL, NESTED = 23, 8
+CONDITIONAL, NESTED = 22, 8
 """In the whole package, for each thousand statements: conditional expressions, comprehensions inside others."""
 
 BOUNDS: dict[str, tuple[int, int, int, int]] = {

@@ -142,7 +142,7 @@ def _of_configuration(
     found: results.Explanation, made: verbs.Idealised | None, near: covers.ModelTolerance | None,
     options: ExplainOptions, output: Parts,
 ) -> Done:  # fmt: skip
-    """The explanation, in addition what is asked for: the ideal arm here, the certificate and the Lie procedure."""
+    """The explanation; with options also the ideal arm here, the certificate and the Lie procedure."""
     here = proven = procedure = None
     if made is not None:
         here = verbs.here(made, found)

@@ -244,7 +244,7 @@ def path(
 
 
 def _question(model: Robot, task: Task, arm: ArmOptions, source: Input, check: PathOptions) -> paths.PathQuestion:
-    """What is asked of each path; the task only where it was named or scaled."""
+    """The question for each path; with a task only where one was named or scaled."""
     start = []
     if source.start is not None:
         start.append(tuple(parse_configuration(source.start, model, deg=source.deg, option="--start")))
@@ -390,7 +390,7 @@ def _of_program(result: paths.ProgramCheck, lines: tuple[paths.LineRemedy, ...],
 
 
 def _last_words(*, complete: bool) -> Callable[[], object] | None:
-    """What is printed at the end after Ctrl-C."""
+    """The line that ends an interrupted check."""
     if complete:
         return None
     return partial(say, "interrupted: what was proven so far holds")

@@ -378,15 +378,15 @@ class _Descent:
     history: bool
     progress: Progress | None
 
-    def run(self, begin: int, end: int, kicks: int = _KICKS, met: float = _MET) -> tuple[list[_Part], bool]:
+    def run(self, begin: int, end: int, kicks: int = _KICKS, stationary: float = _MET) -> tuple[list[_Part], bool]:
         """Outcomes of the starts from `begin` to before `end`, and whether Ctrl-C let all of them be done.
 
         Args:
             begin, end: which of the starts.
             kicks: starts from next to a nonzero minimum.
-            met: share of F inside the range of D from which on a start has met such a minimum.
+            stationary: share of F inside the range of D from which on a start has reached such a minimum.
         """
-        settings = self._settings(kicks, met)
+        settings = self._settings(kicks, stationary)
         robot, task, progress = self.problem.robot, self.problem.task, self.progress
 
         def descend(part: Array, done: int) -> _Part:
@@ -398,15 +398,15 @@ class _Descent:
         report = None if progress is None else lambda done, total: progress(begin + done, len(self.starts))
         return _in_parts(descend, self.starts[begin:end], report)
 
-    def _settings(self, kicks: int, met: float) -> _core.SearchSettings:
+    def _settings(self, kicks: int, stationary: float) -> _core.SearchSettings:
         problem, how, tolerances = self.problem, self.how, self.problem.tolerances
         singular = tolerances.singular
         if how.method != "lm":
             singular = max(singular, AM_THRESHOLD)
         return _core.SearchSettings(
             method=METHODS.index(how.method), rank=problem.rank, iterations=self.most, singular=singular,
-            target=tolerances.target, stationary=max(tolerances.stationary, met), seed=how.seed, scale=problem.scale,
-            limits=self.box, tie=how.tie, share=self.step or 0.0, kicks=kicks,
+            target=tolerances.target, stationary=max(tolerances.stationary, stationary), seed=how.seed,
+            scale=problem.scale, limits=self.box, tie=how.tie, share=self.step or 0.0, kicks=kicks,
         )  # fmt: skip
 
 

@@ -17,16 +17,16 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 COMPREHENSIONS = ast.ListComp | ast.SetComp | ast.GeneratorExp | ast.DictComp
 BRANCHES = ast.If | ast.IfExp | ast.For | ast.While | ast.ExceptHandler | ast.comprehension | ast.Assert
 
-CONDITIONAL, NESTED = 23, 8
+CONDITIONAL, NESTED = 22, 8
 """In the whole package, for each thousand statements: conditional expressions, comprehensions inside others."""
 
 BOUNDS: dict[str, tuple[int, int, int, int]] = {
-    ".": (36, 2, 5, 0), "algebra": (28, 59, 18, 1), "aspects": (10, 12, 6, 0), "cli": (84, 2, 12, 0),
-    "cover": (30, 3, 6, 0), "designs": (57, 9, 5, 0), "distance": (20, 1, 0, 0), "exact": (101, 158, 43, 0),
-    "families": (96, 42, 24, 0), "formula": (44, 13, 9, 0), "jobs": (3, 0, 2, 0), "local": (61, 12, 10, 0),
-    "path": (145, 11, 19, 0), "poses": (16, 1, 2, 0), "proof": (43, 18, 21, 0), "report": (68, 12, 7, 0),
-    "results": (25, 9, 6, 0), "robot": (88, 8, 15, 0), "schema": (11, 1, 0, 0), "text": (184, 27, 7, 0),
-    "verbs": (27, 6, 8, 0), "viewer": (38, 8, 4, 0),
+    ".": (36, 2, 4, 0), "algebra": (28, 59, 18, 1), "aspects": (10, 10, 1, 0), "cli": (78, 2, 11, 0),
+    "cover": (30, 3, 6, 0), "designs": (56, 9, 2, 0), "distance": (20, 1, 0, 0), "exact": (94, 157, 40, 0),
+    "families": (93, 40, 10, 0), "formula": (44, 13, 9, 0), "jobs": (3, 0, 1, 0), "local": (61, 12, 10, 0),
+    "path": (145, 11, 19, 0), "poses": (16, 1, 1, 0), "proof": (43, 18, 21, 0), "report": (68, 12, 7, 0),
+    "results": (25, 9, 6, 0), "robot": (88, 8, 15, 0), "schema": (11, 1, 0, 0), "text": (182, 27, 7, 0),
+    "verbs": (27, 6, 0, 0), "viewer": (38, 8, 4, 0),
 }  # fmt: skip
 """Conditional expressions, nested comprehensions, functions of complexity above 10, and above 20, of each room."""
 

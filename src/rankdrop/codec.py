@@ -237,19 +237,27 @@ def plain(value: Any) -> Any:
         return value
     if kind is float:
         return value if isfinite(value) else None
-    if kind is tuple or kind is list:  # of numbers and words, mostly: no call for each
-        return [
-            one if type(one) in _AS_IT_IS or (type(one) is float and isfinite(one)) else plain(one) for one in value
-        ]
+    if kind in (tuple, list):
+        return _plain_list(value)
     names = _fields_of(kind)
     if names is not None:
         return {name: plain(getattr(value, name)) for name in names}
     if hasattr(kind, "__json__"):
         return value.__json__()
+    return _plain_of_python(value)
+
+
+def _plain_list(values: Iterable[Any]) -> list[Any]:
+    """A list or tuple as JSON has it; of numbers and words, mostly: no call for each."""
+    return [one if type(one) in _AS_IT_IS or (type(one) is float and isfinite(one)) else plain(one) for one in values]
+
+
+def _plain_of_python(value: Any) -> Any:
+    """Data of NumPy, of Python's abstract types and of enums as JSON has it; other data as it is."""
     if isinstance(value, np.ndarray | np.generic):
         return plain(value.tolist())
     if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
+        return _plain_list(value)
     if isinstance(value, Mapping):
         return {str(key): plain(one) for key, one in value.items()}
     if isinstance(value, Enum):

@@ -203,12 +203,17 @@ def count_in_box(signs: Signs, box: Box, work: Work | None) -> AspectCount:
                 known[key] = count_parts(conditions, work, box)
             parts = parts * known[key]
         each.append(SignCount(vector, parts))
+    cells = _joints_of_cells(peeling)
+    return replace(head, each=tuple(each), peeled=tuple(peeling.peeled), cells=cells)
+
+
+def _joints_of_cells(peeling: Peeling) -> tuple[int, ...]:
+    """The joints of the conditions that are left, in order: their space is cut into cells."""
     left: set[int] = set()
     for group in peeling.groups:
         for i in group:
             left.update(peeling.condition(i, 1).joints)
-    cells = sorted(left)
-    return replace(head, each=tuple(each), peeled=tuple(peeling.peeled), cells=tuple(cells))
+    return tuple(sorted(left))
 
 
 def head_of(signs: Signs) -> AspectCount:

@@ -82,20 +82,27 @@ def aspect_maps(count: AspectCount, signs: Signs | None) -> tuple[AspectMap, ...
         >>> [(one.joints, len(one.regions)) for one in aspect_maps(*count_of_arm(arm, resolve_task(None, arm)))]
         [((2, 3, 4), 4), ((5,), 2)]
     """
-    if count.left is not None or signs is None:
-        raise OptionError("the aspects of this arm were not counted, so that they cannot be drawn", where="aspects")
-    if not signs.factors:
-        raise OptionError("no condition separates regular configurations: there is nothing to draw", where="aspects")
+    signs = _drawable(count, signs)
     ring, polynomials = signs.chain.ring, [polynomial_of(factor) for factor in signs.factors]
     joints = {i: joints_of(ring, one) for i, one in enumerate(polynomials)}
     if any(own & set(ring.prismatic) for own in joints.values()):
         raise OptionError("a condition depends on a slide: aspects are drawn in angles", where="aspects")
     waves = [wave_of_factor(ring, signs.chain.numbers, [one])[0] for one in polynomials]
     groups, shifts = sharing(joints), np.asarray(signs.chain.shifts, dtype=np.float64)
-    return tuple(
-        _map_of(count, group, sorted({j for i in group for j in joints[i]}), waves, shifts, whole=len(groups) == 1)
-        for group in groups
-    )
+    maps = []
+    for group in groups:
+        shared = set[int]().union(*(joints[i] for i in group))
+        maps.append(_map_of(count, group, sorted(shared), waves, shifts, whole=len(groups) == 1))
+    return tuple(maps)
+
+
+def _drawable(count: AspectCount, signs: Signs | None) -> Signs:
+    """The signs of the factors, where there are any and the aspects were counted."""
+    if count.left is not None or signs is None:
+        raise OptionError("the aspects of this arm were not counted, so that they cannot be drawn", where="aspects")
+    if not signs.factors:
+        raise OptionError("no condition separates regular configurations: there is nothing to draw", where="aspects")
+    return signs
 
 
 def _map_of(
@@ -112,23 +119,28 @@ def _map_of(
         here = np.all([positive[k] == (sign > 0) for k, sign in enumerate(signs)], axis=0)
         if not here.any():
             continue
-        if whole:
-            parts = _parts(count, group, signs)
-        else:
-            parts = int(count.signs_decide)
-        apart = [here]
-        if parts > 1 and not slices:
-            labels = clusters(here, [True] * here.ndim)
-            found = [labels == label for label in np.unique(labels[here])]
-            if len(found) == parts:
-                apart = found
+        parts = _parts(count, group, signs, whole=whole)
+        apart: list[NDArray[np.bool_]] = []
+        if not slices:
+            apart = _apart(here, parts)
         for number, mask in enumerate(apart, start=1):
             cells[mask] = len(regions)
-            if len(apart) > 1:
-                regions.append(Region(signs, number, 1))
-            else:
-                regions.append(Region(signs, 0, parts))
+            regions.append(Region(signs, number, 1))
+        if not apart:
+            cells[here] = len(regions)
+            regions.append(Region(signs, 0, parts))
     return AspectMap(group, drawn, held, slices, cells, tuple(regions))
+
+
+def _apart(here: NDArray[np.bool_], parts: int) -> list[NDArray[np.bool_]]:
+    """The clusters of the cells of one sign vector where these are several, as many as regions are counted."""
+    if parts < 2:
+        return []
+    labels = clusters(here, [True] * here.ndim)
+    found = [labels == label for label in np.unique(labels[here])]
+    if len(found) == parts:
+        return found
+    return []
 
 
 def _positive(
@@ -150,6 +162,11 @@ def _positive(
     return np.asarray(wave.jets(angles)[0].reshape(grid[0].shape) > 0)
 
 
-def _parts(count: AspectCount, group: tuple[int, ...], signs: tuple[int, ...]) -> int:
-    """How many regions are proven that have these signs of the factors of a group that holds all factors."""
+def _parts(count: AspectCount, group: tuple[int, ...], signs: tuple[int, ...], *, whole: bool) -> int:
+    """How many regions are proven that have these signs of the factors of a group; `whole`: it holds all factors.
+
+    Of one group of several that is 1 where the signs decide, and 0, not known, where they do not.
+    """
+    if not whole:
+        return int(count.signs_decide)
     return next(one.parts.at_least for one in count.each if tuple(one.signs[i] for i in group) == signs)

@@ -13,7 +13,7 @@ used: that no way is found says nothing.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from heapq import heappop, heappush
@@ -232,27 +232,16 @@ def aspects_of(
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
     if generic_rank(there, there_task) < there_task.m:
         raise TaskError("the arm is singular at every configuration", got=f"{robot.name}, {resolved.name}")
-    if q is None:
-        start = None
-    else:
-        start = into_metres(robot, one_configuration(robot, q))
-    if start is not None and not regular(there, there_task, start):
-        raise ConfigurationError("the configuration is singular: it lies in no aspect", where="q",
-                                 mend="rankdrop explain shows ways out of it")  # fmt: skip
+    start = None
+    if q is not None:
+        start = _regular_start(robot, there, there_task, q)
     decision, signs, notes = decided(robot, resolved)
     count, numeric = count_of_arm(robot, resolved)
     if start is None:
         how = replace(how, most=max(how.poses, how.most))
     else:
         how = replace(how, poses=1, most=1)
-    if start is None:
-        random = sample(there, there_task, how.most, how.seed, limits=how.limits)
-    else:
-        random = start[None]
-    places = [(place, False) for place in random if regular(there, there_task, place)]
-    if decision.kind == CUSPS:  # two solutions of one aspect are likely near a cusp
-        near = _near_cusps(there, there_task, decision, how.seed)
-        places[how.poses : how.poses] = [(place, True) for place in near if regular(there, there_task, place)]
+    places = _places(there, there_task, how, start, decision)
     solved: list[Solved] = []
     change: Change | None = None
     complete = True
@@ -269,6 +258,43 @@ def aspects_of(
         change = replace(change, q=out_of_metres(robot, change.q))
     within = _within(robot, numeric, how)
     return Postures(robot, resolved, how, count, decision, tuple(solved), change, notes, complete, within)
+
+
+def _regular_start(robot: Robot, there: Robot, task: Task, q: ArrayLike) -> Array:
+    """A configuration in metres.
+
+    Args:
+        robot: the arm that q is of.
+        there, task: the same in metres.
+        q: (n,) [rad, m].
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm, or singular.
+    """
+    start = into_metres(robot, one_configuration(robot, q))
+    if not regular(there, task, start):
+        raise ConfigurationError("the configuration is singular: it lies in no aspect", where="q",
+                                 mend="rankdrop explain shows ways out of it")  # fmt: skip
+    return start
+
+
+def _places(
+    robot: Robot, task: Task, how: AspectsOptions, start: Array | None, decision: Decision
+) -> list[tuple[Array, bool]]:
+    """Regular configurations, the poses of which are solved, and whether they were drawn near a cusp.
+
+    They are the start, or random ones; those near a cusp, where two solutions of one aspect are likely, come after the
+    poses that are asked for.
+    """
+    if start is None:
+        random = sample(robot, task, how.most, how.seed, limits=how.limits)
+    else:
+        random = start[None]
+    places = [(place, False) for place in random if regular(robot, task, place)]
+    if decision.kind == CUSPS:
+        near = _near_cusps(robot, task, decision, how.seed)
+        places[how.poses : how.poses] = [(place, True) for place in near if regular(robot, task, place)]
+    return places
 
 
 def _within(robot: Robot, signs: Signs | None, how: AspectsOptions) -> AspectCount | None:
@@ -288,18 +314,28 @@ def _searched(
     """
     change: Change | None = None
     for number, (place, near_cusp) in enumerate(places, start=1):
-        decided = change is not None or decision.impossible
-        if number > how.poses and decided:
+        if number > how.poses and _settled(decision, change):
             break
-        settled = decision.impossible or (by_signs and change is not None)
-        one, ways = _solve(roadmap, place, how, near_cusp, ways_wanted=not settled)
-        for way in ways:
-            if change is None or (way.own, way.clearance) > (change.own, change.clearance):
-                change = way
+        needless = decision.impossible or (by_signs and change is not None)
+        one, ways = _solve(roadmap, place, how, near_cusp, ways_wanted=not needless)
+        change = _best(change, ways)
         if change is not None or not near_cusp:
             yield one, change
         if progress is not None:
-            progress(number, how.poses if change is not None or decided else len(places))
+            progress(number, how.poses if _settled(decision, change) else len(places))
+
+
+def _settled(decision: Decision, change: Change | None) -> bool:
+    """Whether the question for a path is answered: there is one, or it is proven that there is none."""
+    return change is not None or decision.impossible
+
+
+def _best(change: Change | None, ways: Sequence[Change]) -> Change | None:
+    """Of the best path so far and further ones: one from the given configuration, of the largest clearance."""
+    candidates = [*ways]
+    if change is not None:
+        candidates.insert(0, change)
+    return max(candidates, key=lambda way: (way.own, way.clearance), default=None)
 
 
 def _near_cusps(robot: Robot, task: Task, decision: Decision, seed: int) -> Iterator[Array]:

@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from rankdrop import cover as covers
 from rankdrop import local, results, text, verbs
+from rankdrop import robot as arms
 from rankdrop.cli import exits
 from rankdrop.cli.command import (
     NO_IDEAL,
@@ -109,31 +111,45 @@ def explain(
 
     near = model_tolerance(output.model_tolerance)
     model, task, made = open_ideal(robot, arm, tool)
+    place = _place(q, model, tool)
+    analysis, tolerances = None, DEFAULT
+    if output.analysis is not None:
+        analysis = results.Analysis.load(output.analysis)
+    elif arm.task is None:
+        task = local.asked_task(model, task)
+    if output.tolerance is not None:
+        tolerances = replace(DEFAULT, singular=output.tolerance)
+    options = _for_parts(options, output.only)
+    found = run(model, place, task, options, analysis=analysis, tolerances=tolerances)
+    return _of_configuration(found, made, near, options, output)
+
+
+def _place(q: str | None, model: arms.Robot, tool: ToolOptions) -> list[float]:
+    """The configuration as it was typed [rad, m].
+
+    Raises:
+        OptionError: none was typed, or it is not one of this arm.
+    """
     if q is None:
         raise OptionError(
             "joint values are missing", where="--q", allowed=joint_units(model, deg=tool.deg),
             mend=f"--q {','.join('0' * model.n)}, or --pose for a pose of the tip",
         )  # fmt: skip
-    if arm.task is None and output.analysis is None:
-        task = local.asked_task(model, task)
-    options = _for_parts(options, output.only)
-    found = run(
-        model, parse_configuration(q, model, deg=tool.deg), task, options,
-        analysis=None if output.analysis is None else results.Analysis.load(output.analysis),
-        tolerances=DEFAULT if output.tolerance is None else replace(DEFAULT, singular=output.tolerance),
-    )  # fmt: skip
-    if made is None:
-        here = None
-    else:
+    return parse_configuration(q, model, deg=tool.deg)
+
+
+def _of_configuration(
+    found: results.Explanation, made: verbs.Idealised | None, near: covers.ModelTolerance | None,
+    options: ExplainOptions, output: Parts,
+) -> Done:  # fmt: skip
+    """The explanation; with options also the ideal arm here, the certificate and the Lie procedure."""
+    here = proven = procedure = None
+    if made is not None:
         here = verbs.here(made, found)
-    if output.certificate is None and near is None:
-        proven = None
-    else:
+    if output.certificate is not None or near is not None:
         proven = of_place(found, near, options.evaluations)
     if output.lie:
         procedure = local.report(local.OrderedScrewSet.of(found.robot, found.q), options.seed)
-    else:
-        procedure = None
 
     def blocks() -> list[Block]:
         shown: list[Block] = [*_sections(found, made, here, output)]

@@ -33,6 +33,7 @@ from rankdrop.sections import Section
 
 if TYPE_CHECKING:
     from rankdrop.robot import Robot
+    from rankdrop.task import Task
 
 
 @dataclass(frozen=True)
@@ -115,6 +116,11 @@ class ManyFiles(Options):
                            "(tcp://HOST:8786)")
     ] = None  # fmt: skip
     status: Annotated[str | None, option("Print the progress of the paths kept in this folder, and end")] = None
+
+    @property
+    def wanted(self) -> bool:
+        """Whether the work is kept in a folder or done by a cluster: even one file is checked as several are."""
+        return self.out is not None or self.scheduler is not None
 
 
 @dataclass(frozen=True)
@@ -215,19 +221,13 @@ def path(
     if output.rows is not None:
         paths.check_format(output.rows)
     name, named = _files(robot, files)
-    several = len(named) > 1 or many.out is not None or many.scheduler is not None
+    several = len(named) > 1 or many.wanted
     _check_asked(named, several, output, mend)
     model, task = open_arm(name, arm, source)
-    start = []
-    if source.start is not None:
-        start.append(tuple(parse_configuration(source.start, model, deg=source.deg, option="--start")))
-    families = _opened_families(source.analysis)
+    question = _question(model, task, arm, source, check)
+    families = question.analysis
     if not several:
         _check_target(named[0], model, mend)
-    asked = None
-    if arm.task is not None or arm.length_scale is not None:
-        asked = task
-    question = paths.PathQuestion(asked, families, check, source.deg, source.topic, *start)
     with reporter(quiet=output.quiet) as report:
         if several:
             checked = paths.check_files(model, named, question, out=many.out, workers=many.workers,
@@ -241,6 +241,18 @@ def path(
             remedies = _mended(result, families, mend, report)
     written = Written(name, named[0], families, source.deg)
     return _of_one(result, remedies, near, families, output, mend, written)
+
+
+def _question(model: Robot, task: Task, arm: ArmOptions, source: Input, check: PathOptions) -> paths.PathQuestion:
+    """The question for each path; with a task only where one was named or scaled."""
+    start = []
+    if source.start is not None:
+        start.append(tuple(parse_configuration(source.start, model, deg=source.deg, option="--start")))
+    families = _opened_families(source.analysis)
+    asked = None
+    if arm.task is not None or arm.length_scale is not None:
+        asked = task
+    return paths.PathQuestion(asked, families, check, source.deg, source.topic, *start)
 
 
 def _check_target(file: Path, model: Robot, mend: Remedies) -> None:
@@ -373,21 +385,30 @@ def _of_program(result: paths.ProgramCheck, lines: tuple[paths.LineRemedy, ...],
 
     return Done(
         lambda: list(result.sections(full=output.full, remedies=lines)), {"json": record}, holds=result.holds,
-        complete=result.complete,
-        last=None if result.complete else partial(say, "interrupted: what was proven so far holds"),
+        complete=result.complete, last=_last_words(complete=result.complete),
     )  # fmt: skip
+
+
+def _last_words(*, complete: bool) -> Callable[[], object] | None:
+    """The line that ends an interrupted check."""
+    if complete:
+        return None
+    return partial(say, "interrupted: what was proven so far holds")
 
 
 def _of_one(
     result: paths.PathCheck, remedies: paths.Mending | None, near: covers.ModelTolerance | None,
     families: results.Analysis | None, output: PathOutput, mend: Remedies, written: Written,
 ) -> Done:  # fmt: skip
-    if mend.wanted:
-        local, remedies = (None, remedies)
-    else:
-        local, remedies = (remedies, None)
+    local = None
+    if not mend.wanted:
+        local, remedies = remedies, None
     proven = near is not None and result.complete and result.clear and paths.proven_for_near_arms(result, near)
     complete = result.complete and (remedies is None or remedies.complete)
+    holds = result.holds and (near is None or proven)
+    certified = None
+    if proven:
+        certified = near
 
     def sections() -> list[Section]:
         found = [*result.sections(full=output.full, mending=local)]
@@ -398,17 +419,14 @@ def _of_one(
         return found
 
     files: dict[str, Callable[[], Any]] = {
-        "certificate": partial(_certificate, result, near if proven else None, written.source),
+        "certificate": partial(_certificate, result, certified, written.source),
         "json": partial(_record, result, remedies),
         "fixed": partial(_fixed, remedies, mend, written),
         "figure": partial(_figure, result, output.figure),
         "html": partial(_page, result),
         "rows": partial(_rows, result, families, output.rows),
     }
-    return Done(
-        sections, files, holds=result.holds and (near is None or proven), complete=complete,
-        last=None if complete else partial(say, "interrupted: what was proven so far holds"),
-    )  # fmt: skip
+    return Done(sections, files, holds=holds, complete=complete, last=_last_words(complete=complete))
 
 
 def _near_section(near: covers.ModelTolerance, *, proven: bool) -> Section:
@@ -462,7 +480,10 @@ def _fixed(mending: paths.Mending | None, mend: Remedies, written: Written) -> b
         return None
     one = mending.best or (mending.remedies[0] if mending.remedies else None)
     if one is None:
-        say(f"{target} is not written: {'no remedy was found' if mending.needed else 'the path needs none'}")
+        why = "the path needs none"
+        if mending.needed:
+            why = "no remedy was found"
+        say(f"{target} is not written: {why}")
         return None
     form = ""
     if mending.before.poses is not None and mend.fixed_as == "input":

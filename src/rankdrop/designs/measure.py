@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -113,36 +113,59 @@ def families_of(
     rank = generic_rank(own, inner)
     derived = with_lengths_of(robot, task, nominal)
     known = None if derived is None else [one.in_units(robot).as_family(own) for one in derived]
-
-    def once(corank: int, times: int, given: Sequence[Family] | None) -> CorankFamilies:
-        """Families of one corank; nominal ones that have no real configuration with these lengths are left out."""
-        cloud = search(own, corank, task=inner, starts=times * starts, seed=seed, limits=limits, threads=1)
-        if not cloud.complete:
-            raise KeyboardInterrupt  # the core received Ctrl-C
-        tested = families(cloud, known=given, seed=seed, threads=1, fresh=fresh, near_misses=False)
-        unreal = {family.id for family, _ in tested.contradictions}
-        return replace(tested, families=tuple(one for one in tested.families if one.id not in unreal))
-
-    def settled(corank: int) -> CorankFamilies:
-        """Families of one corank: with the nominal conditions, or fitted where these leave something open."""
-        tries: list[tuple[int, Sequence[Family] | None]] = [(1, None)]
-        if known is not None:
-            here = [one for one in known if one.corank == corank]
-            tries = [(1, here), (MORE[0], here)]
-        for times, given in [*tries, *((times, None) for times in MORE)]:
-            tested = once(corank, times, given)
-            if holds(tested.summary, tested.families):
-                break
-        return tested
-
+    sampling = _Sampling(own, inner, starts, fresh, limits, seed)
     coranks: list[CorankFamilies] = []
     while len(coranks) < rank and (not coranks or coranks[-1].summary.converged):
-        coranks.append(settled(len(coranks) + 1))
+        coranks.append(_settled(sampling, len(coranks) + 1, known))
     rows: list[Family] = []
     for one in coranks:
         rows += [family_out_of_units(family, robot) for family in one.families]
     settings = Settings(seed, starts, limits, float(task.scale(robot)), DEFAULT, VERSION)
     return Analysis(robot, task, rank, settings, tuple(one.summary for one in coranks), tuple(rows))
+
+
+@dataclass(frozen=True)
+class _Sampling:
+    """How the families of an arm are sampled.
+
+    Attributes:
+        robot, task: in the arm's own unit of length.
+        starts, fresh, limits, seed: as of `families_of`.
+    """
+
+    robot: Robot
+    task: Task
+    starts: int
+    fresh: int
+    limits: bool
+    seed: int
+
+
+def _settled(sampling: _Sampling, corank: int, known: Sequence[Family] | None) -> CorankFamilies:
+    """Families of one corank: with the nominal conditions, or fitted where these leave something open."""
+    tries: list[tuple[int, Sequence[Family] | None]] = [(1, None)]
+    if known is not None:
+        here = [one for one in known if one.corank == corank]
+        tries = [(1, here), (MORE[0], here)]
+    for times, given in [*tries, *((times, None) for times in MORE)]:
+        found = _sampled(sampling, corank, times, given)
+        if holds(found.summary, found.families):
+            break
+    return found
+
+
+def _sampled(sampling: _Sampling, corank: int, times: int, given: Sequence[Family] | None) -> CorankFamilies:
+    """Families of one corank from `times` times the starts, without nominal ones that these lengths make unreal."""
+    seed = sampling.seed
+    cloud = search(
+        sampling.robot, corank, task=sampling.task, starts=times * sampling.starts, seed=seed, limits=sampling.limits,
+        threads=1,
+    )  # fmt: skip
+    if not cloud.complete:
+        raise KeyboardInterrupt  # the core received Ctrl-C
+    found = families(cloud, known=given, seed=seed, threads=1, fresh=sampling.fresh, near_misses=False)
+    unreal = {family.id for family, _ in found.contradictions}
+    return replace(found, families=tuple(one for one in found.families if one.id not in unreal))
 
 
 def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:

@@ -204,21 +204,28 @@ class Designs(Result):
         yield Section("", lines=(self.sentence,))
 
     def _ranking(self, every: bool) -> Iterator[Section]:
-        best = not every and self.pareto
-        chosen = self._in_order(self.pareto if best else range(len(self.records)))
-        names, goals = self.measures, self.spec.goals
+        if every or not self.pareto:
+            title, chosen = "Variants", self._in_order(range(len(self.records)))
+        else:
+            title, chosen = "Pareto-optimal variants", self._in_order(self.pareto)
+        names = self.measures
         if not chosen or not names:
             return
         most = len(chosen) if every else SHOWN
         rows = tuple((str(i + 1), *self.row(self.records[i])) for i in chosen[:most])
-        wants = ", ".join(f"{want} {name}" for name, want in goals.items())
-        summary = f"{len(chosen):,} of {len(self.records):,}" + (f"; better: {wants}" if wants else "")
+        summary = f"{len(chosen):,} of {len(self.records):,}{self._wants}"
         more = f"and {len(chosen) - most:,} more: {advised('all', python='sections(every=True)')}"
         after = (more,) if len(chosen) > most else ()
         notes = tuple(f"{name}: {MEANINGS[name]}{error_text(self.records, name)}" for name in names)
-        yield Section("Pareto-optimal variants" if best else "Variants", summary,
+        yield Section(title, summary,
                       columns=("variant", *(one.name for one in self.parameters), *names), rows=rows,
                       texts=(), after=after, notes=notes)  # fmt: skip
+
+    @property
+    def _wants(self) -> str:
+        """What counts as better, "; better: least reach"; "" without goals."""
+        wants = ", ".join(f"{want} {name}" for name, want in self.spec.goals.items())
+        return f"; better: {wants}" if wants else ""
 
     def row(self, record: Mapping[str, Any]) -> tuple[str, ...]:
         """Parameters and measures of a variant, for people."""
@@ -325,17 +332,18 @@ def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
         return sigma_note(len(regions), wide_bounds, sum(not one.get("covered") for one in regions))
     if measure == "slow":
         return _slow_error(records)
-    shares = []
     if measure == "near":
-        shares = [one["near"]["any"] for one in records if one.get("near")]
-    most = max((float(one["error"]) for one in shares), default=0.0)
-    if any(one["bound"] for one in shares):
-        larger = " or more"
-    else:
-        larger = ""
-    if most:
-        return f", by samples: ± {APART * 100 * most:.2g} %{larger}"
+        return _near_error([one["near"]["any"] for one in records if one.get("near")])
     return ""
+
+
+def _near_error(shares: Sequence[Mapping[str, Any]]) -> str:
+    """The largest error of shares near families, and that it may be larger; "" where no share has one."""
+    most = max((float(one["error"]) for one in shares), default=0.0)
+    if not most:
+        return ""
+    larger = " or more" if any(one["bound"] for one in shares) else ""
+    return f", by samples: ± {APART * 100 * most:.2g} %{larger}"
 
 
 def _slow_error(records: Sequence[Mapping[str, Any]]) -> str:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from math import pi
 from typing import Any
@@ -311,33 +312,52 @@ def _factors(term: Term, style: _Style, number: Callable[[float], str]) -> list[
 
 
 def _wave(term: Term, style: _Style, number: Callable[[float], str]) -> str:
-    """"cos θ2", "sin(θ2+2θ3 − π/2)", "cos((θ3−θ5)/2)"."""
-    halved = any(h % 2 for h in term.harmonics)
+    """Sine or cosine of a term: "cos θ2", "sin(θ2+2θ3 − π/2)", "cos((θ3−θ5)/2)"."""
+    halved, python = _halved(term), style is _PYTHON
+    angles = _sum_of_angles(term, style)
+    one_joint = sum(map(bool, term.harmonics)) == 1 and not term.shift
+    bare = one_joint and (python or angles.startswith(style["angle"][0]))  # no minus, no multiple
+    argument = angles + _phase(term, style, number)
+    if halved:
+        argument = f"{argument}/2" if bare else f"({argument})/2"
+    name = style["function"].format(term.kind)
+    if bare and not halved and not python:
+        return f"{name}{argument}"
+    return f"{name.strip()}({argument})"
+
+
+def _halved(term: Term) -> bool:
+    """Whether the argument of a term is written as half a sum of angles: a harmonic, in half angles, is odd."""
+    return any(h % 2 for h in term.harmonics)
+
+
+def _sum_of_angles(term: Term, style: _Style) -> str:
+    """Angles of the joints with their multiples, "θ2+2θ3"; the sum that is halved, where it is."""
+    unit = 1 if _halved(term) else 2
     text = ""
     for j, h in enumerate(term.harmonics, start=1):
-        multiple = abs(h) if halved else abs(h) // 2
-        if h:
-            if h < 0:
-                text += style["minus"]
-            elif text:
-                text += "+"
-            text += (f"{multiple}{style['multiple']}" if multiple > 1 else "") + style["angle"].format(j)
-    alone = sum(map(bool, term.harmonics)) == 1 and not term.shift
-    python = style is _PYTHON
-    simple = alone and (python or text.startswith(style["angle"][0]))  # no minus, no multiple
-    if term.shift:
-        shift = term.shift * (2 if halved else 1)
-        sign = style["minus"] if shift > 0 else "+"
-        if python:
-            text += f"{sign}{abs(shift)!r}"
-        else:
-            text += f" {sign} {_written_angle(abs(shift), number, style)}"
-    if halved:
-        text = f"{text}/2" if simple else f"({text})/2"
-    name = style["function"].format(term.kind)
-    if simple and not halved and not python:
-        return f"{name}{text}"
-    return f"{name.strip()}({text})"
+        if not h:
+            continue
+        if h < 0:
+            text += style["minus"]
+        elif text:
+            text += "+"
+        multiple = abs(h) // unit
+        if multiple > 1:
+            text += f"{multiple}{style['multiple']}"
+        text += style["angle"].format(j)
+    return text
+
+
+def _phase(term: Term, style: _Style, number: Callable[[float], str]) -> str:
+    """Phase that is taken from the sum of the angles, " − π/2"; "" where there is none."""
+    if not term.shift:
+        return ""
+    shift = term.shift * (2 if _halved(term) else 1)
+    sign = style["minus"] if shift > 0 else "+"
+    if style is _PYTHON:
+        return f"{sign}{abs(shift)!r}"
+    return f" {sign} {_written_angle(abs(shift), number, style)}"
 
 
 def pretty_angle(value: float, digits: int = 4) -> str:
@@ -345,17 +365,29 @@ def pretty_angle(value: float, digits: int = 4) -> str:
     return _written_angle(value, lambda x: f"{x:.{digits}g}", _PLAIN)
 
 
-def _written_angle(value: float, number: Callable[[float], str], style: _Style) -> str:
+def share_of_pi(value: float) -> Fraction | None:
+    """An angle in parts of π where it is a multiple of π/12, to 1e-9 of that; else None.
+
+    Example:
+        >>> share_of_pi(-pi / 2), share_of_pi(0.3)
+        (Fraction(-1, 2), None)
+    """
     twelfths = value * 12 / pi
     whole = round(twelfths)
     if abs(twelfths - whole) > 1e-9:
+        return None
+    return Fraction(whole, 12)
+
+
+def _written_angle(value: float, number: Callable[[float], str], style: _Style) -> str:
+    share = share_of_pi(value)
+    if share is None:
         return number(value).replace("-", style["minus"])
-    if whole == 0:
+    if share == 0:
         return "0"
-    common = int(np.gcd(abs(whole), 12))
-    top, bottom = abs(whole) // common, 12 // common
+    top, bottom = abs(share.numerator), share.denominator
     text = (style["pi"] if top == 1 else f"{top}{style['pi']}") + (f"/{bottom}" if bottom > 1 else "")
-    return (style["minus"] if whole < 0 else "") + text
+    return (style["minus"] if share < 0 else "") + text
 
 
 Mask = NDArray[np.bool_]

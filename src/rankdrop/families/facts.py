@@ -89,16 +89,40 @@ class Structure:
 def structure_of(robot: Robot, task: Task, generic_rank: int) -> Structure:
     """Find the structure at random configurations (a fixed seed; true at all of them means true always)."""
     scene = Scene(robot, np.random.default_rng(1).uniform(-np.pi, np.pi, (_SAMPLES, robot.n)))
-    n = robot.n
-    rotation_free = not {3, 4, 5} & set(task.rows) and {0, 1} <= set(task.rows) and task.frame.origin == TIP
-    tip_is_centre = rotation_free and not any(task.frame.point)
-    full = len(task.rows) == 6
-    wrist = (n - 3, n - 2, n - 1) if full and n >= 6 and _meet(scene, (n - 3, n - 2, n - 1)) else ()
-    shoulder = (0, 1, 2) if full and n >= 7 and _meet(scene, (0, 1, 2)) else ()
+    tight = robot.n == generic_rank
     bundles = tuple(groups(scene.axes, scene.parallel))
-    pair = (n - 3, n - 2)
-    offset = full and n >= 7 and not wrist and set(pair) <= set(scene.axes) and bool(scene.meeting(*pair).all())
-    return Structure(n == generic_rank, shoulder, wrist, pair if offset else (), tip_is_centre, bundles, scene)
+    if len(task.rows) < 6:
+        return Structure(tight, (), (), (), _tip_is_centre(task), bundles, scene)
+    shoulder, wrist = _spherical_shoulder(scene), _spherical_wrist(scene)
+    wrist_point = () if wrist else _offset_wrist(scene)
+    return Structure(tight, shoulder, wrist, wrist_point, False, bundles, scene)
+
+
+def _tip_is_centre(task: Task) -> bool:
+    """Whether a task moves the tip itself in a plane or in space, whatever the tool's orientation."""
+    moves_tip = task.frame.origin == TIP and not any(task.frame.point)
+    return moves_tip and {0, 1} <= set(task.rows) and not {3, 4, 5} & set(task.rows)
+
+
+def _spherical_shoulder(scene: Scene) -> tuple[int, ...]:
+    """The first three joints of an arm of seven or more, where their axes meet in one point."""
+    joints = (0, 1, 2)
+    return joints if scene.robot.n >= 7 and _meet(scene, joints) else ()
+
+
+def _spherical_wrist(scene: Scene) -> tuple[int, ...]:
+    """The last three joints of an arm of six or more, where their axes meet in one point."""
+    n = scene.robot.n
+    joints = (n - 3, n - 2, n - 1)
+    return joints if n >= 6 and _meet(scene, joints) else ()
+
+
+def _offset_wrist(scene: Scene) -> tuple[int, ...]:
+    """The two joints before the last one of an arm of seven or more, where their axes meet."""
+    n = scene.robot.n
+    joints = (n - 3, n - 2)
+    turning = n >= 7 and set(joints) <= set(scene.axes)
+    return joints if turning and scene.meeting(*joints).all() else ()
 
 
 def groups(axes: Sequence[int], related: Verdicts) -> Iterator[tuple[int, ...]]:
@@ -128,6 +152,13 @@ def candidate_facts(structure: Structure, scene: Scene) -> Iterator[Fact]:
 
 def _elbow(structure: Structure) -> Iterator[Fact]:
     """The reach cannot be changed: the arm is stretched or folded."""
+    yield from _stretched(structure)
+    for bundle in structure.bundles:
+        yield from _coplanar_elbow(structure, bundle)
+
+
+def _stretched(structure: Structure) -> Iterator[Fact]:
+    """The wrist centre is farthest from the centre of a spherical shoulder, or nearest to it."""
     if structure.shoulder and structure.wrist:
         # a force along the line from shoulder to wrist centre meets the axes there and is reciprocal to those between
         yield _own(lambda s: _reach_stationary(structure, s), Detail(Geometry.STRETCHED), (), _ELBOW)
@@ -135,17 +166,21 @@ def _elbow(structure: Structure) -> Iterator[Fact]:
         # the same of the point that the wrist turns about, where its last axis passes it by
         nearly = Detail(Geometry.NEARLY_STRETCHED)
         yield _own(lambda s: _reach_stationary(structure, s, structure.wrist_point), nearly, (), _ELBOW, 0)
-    for bundle in structure.bundles:
-        if structure.tight and (structure.tip_is_centre or structure.wrist):
-            # two parallel axes both move the centre along the normal of that plane
-            pairs = [pair for pair in pairwise(bundle) if pair[1] == pair[0] + 1]
-            yield from (_with_centre(structure, pair) for pair in pairs if not set(pair) & set(structure.wrist))
-        elif structure.tip_is_centre and len(bundle) == structure.scene.robot.n:
-            yield _with_centre(structure, bundle)
-        elif len(bundle) >= 3:
-            # parallel lines of one plane span a screw system of rank 2, those of space 3
-            detail = Detail(Geometry.COPLANAR, (bundle,))
-            yield _own(_coplanar(bundle), detail, bundle, _ELBOW, 1 if len(bundle) == 3 else 0)
+
+
+def _coplanar_elbow(structure: Structure, bundle: tuple[int, ...]) -> Iterator[Fact]:
+    """Parallel axes in one plane, with the wrist centre or the tip where one of them is the arm's centre."""
+    if structure.tight and (structure.tip_is_centre or structure.wrist):
+        # two parallel axes both move the centre along the normal of that plane
+        for pair in pairwise(bundle):
+            if pair[1] == pair[0] + 1 and not set(pair) & set(structure.wrist):
+                yield _with_centre(structure, pair)
+    elif structure.tip_is_centre and len(bundle) == structure.scene.robot.n:
+        yield _with_centre(structure, bundle)
+    elif len(bundle) >= 3:
+        # parallel lines of one plane span a screw system of rank 2, those of space 3
+        detail = Detail(Geometry.COPLANAR, (bundle,))
+        yield _own(_coplanar(bundle), detail, bundle, _ELBOW, 1 if len(bundle) == 3 else 0)
 
 
 def _with_centre(structure: Structure, axes: tuple[int, ...]) -> Fact:
@@ -195,16 +230,11 @@ def _spherical(structure: Structure) -> Iterator[Fact]:
 def _centre(structure: Structure) -> Iterator[Fact]:
     """Where the wrist centre (or the tip, or the point where the last two axes of a UR-type arm meet) can be."""
     n = structure.scene.robot.n
-    axes = structure.scene.axes
     if not structure.tight:
         return
     plane = _shoulder_plane(structure)
     if structure.wrist or structure.tip_is_centre:
-        for i in axes:
-            if i not in structure.wrist:  # a rotation about an axis through the centre does not move it
-                roles = _SHOULDER if i == 0 else ()
-                on_axis = Detail(Geometry.CENTRE_ON_AXIS, ((i,),), centre=structure.centre_kind)
-                yield _own(_centre_on(structure, i), on_axis, (i,), roles)
+        yield from _centre_on_axes(structure)
         if plane:
             # the line through the centre along axis 2 meets axis 1, and axes 2 and 3 (parallel, or in the same plane)
             holds = _in_shoulder_plane(structure.centre)
@@ -215,6 +245,14 @@ def _centre(structure: Structure) -> Iterator[Fact]:
         holds = _in_shoulder_plane(lambda s: s.common_point((4, 5))[0])
         meet = Detail(Geometry.AXES_MEET_IN_PLANE, ((4, 5), (0, 1)), plane=plane)
         yield _own(holds, meet, (0, 1, 4, 5), _SHOULDER)
+
+
+def _centre_on_axes(structure: Structure) -> Iterator[Fact]:
+    """The centre lies on an axis that is not of the wrist; a rotation about that axis does not move the centre."""
+    for i in structure.scene.axes:
+        if i not in structure.wrist:
+            on_axis = Detail(Geometry.CENTRE_ON_AXIS, ((i,),), centre=structure.centre_kind)
+            yield _own(_centre_on(structure, i), on_axis, (i,), _SHOULDER if i == 0 else ())
 
 
 def _parallel(structure: Structure, scene: Scene) -> Iterator[Fact]:

@@ -113,16 +113,11 @@ def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspectio
     entries = (problem.task.m - rank) * (n - rank) * n  # of D
     if count * entries > _ENTRIES and count > 1:
         each = max(_ENTRIES // entries, 1)
-        parts = [inspect(problem, q[i : i + each], signatures=signatures) for i in range(0, count, each)]
-        names = ("q", "sigma", "exact", "regular", "condition", "tangent")
-        arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-        return Inspection(**arrays, signatures=tuple(chain.from_iterable(part.signatures for part in parts)))
+        return _joined([inspect(problem, q[i : i + each], signatures=signatures) for i in range(0, count, each)])
     local = problem.block(q)
     sigma = np.asarray(local.sigma)
-    if rank:
-        exact = sigma[:, rank - 1] > HIGHER
-    else:
-        exact = np.ones(count, dtype=np.bool_)
+    kept = sigma[:, rank - 1] if rank else np.full(count, np.inf)  # the smallest singular value that stays
+    exact = kept > HIGHER
     d = np.asarray(local.d).reshape(count, -1, n)
     s, v = _right(d)
     if s.shape[1] < n:
@@ -131,11 +126,7 @@ def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspectio
         s = s[:, :n]
     ranks = (s > tolerances.block_rank).sum(axis=1)
     smallest = np.where(ranks > 0, s[np.arange(count), np.maximum(ranks - 1, 0)], 0.0)
-    if rank:
-        clear = sigma[:, rank - 1] > APART
-    else:
-        clear = np.ones(count, dtype=np.bool_)
-    regular = exact & clear & (smallest > WELL)
+    regular = exact & (kept > APART) & (smallest > WELL)
     inside = np.arange(n)[None, :] < ranks[:, None]  # (N, n)
     conormal, tangent = ((v * part[:, None, :]) @ v.swapaxes(1, 2) for part in (inside, ~inside))
     if signatures:
@@ -144,6 +135,13 @@ def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspectio
         taken = np.zeros_like(regular)
     signed = _signatures(robot, conormal, tangent, ranks, taken, tolerances)
     return Inspection(q, sigma, exact, regular, smallest, signed, tangent)
+
+
+def _joined(parts: Sequence[Inspection]) -> Inspection:
+    """Inspections of the parts of a cloud as one of the whole."""
+    names = ("q", "sigma", "exact", "regular", "condition", "tangent")
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return Inspection(**arrays, signatures=tuple(chain.from_iterable(part.signatures for part in parts)))
 
 
 _WIDEST = 16  # narrow side of a matrix that the core takes apart

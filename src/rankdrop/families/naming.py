@@ -8,7 +8,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import product
+from functools import reduce
+from itertools import compress, product
+from operator import or_
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -185,20 +187,30 @@ def _explain(structure: Structure, scene: Scene, matter: set[int], corank: int) 
 
     Without redundancy the facts have to cost as much rank as is lost; else none is claimed.
     """
-    true = [f for f in candidate_facts(structure, scene) if f.holds(scene).all() and not structure.always(f.holds)]
-    breaking = [{j for j in matter if not f.holds(scene.moved(j, _AWAY)).all()} for f in true]
+    true = [fact for fact in candidate_facts(structure, scene) if _own_to_family(fact, structure, scene)]
+    breaking = [_breaking(fact, scene, matter) for fact in true]
+    chosen: list[int] = []
     if structure.tight:
         chosen = _losing(true, breaking, corank)
-    else:
-        chosen = []
-    if structure.tight and sum(true[i].losses for i in chosen) < corank:
-        return [], set()
+        lost = sum(true[i].losses for i in chosen)
+        if lost < corank:
+            return [], set()
     covered = set[int]().union(*(breaking[i] for i in chosen))
     for i in range(len(true)):
         if i not in chosen and breaking[i] - covered:
             chosen.append(i)
             covered |= breaking[i]
     return [true[i] for i in chosen], covered
+
+
+def _own_to_family(fact: Fact, structure: Structure, scene: Scene) -> bool:
+    """Whether a fact holds at every sample of the family, but not at every configuration of the arm."""
+    return bool(fact.holds(scene).all()) and not structure.always(fact.holds)
+
+
+def _breaking(fact: Fact, scene: Scene, joints: set[int]) -> set[int]:
+    """The joints that break a fact at some sample when they move."""
+    return {joint for joint in joints if not fact.holds(scene.moved(joint, _AWAY)).all()}
 
 
 def _losing(facts: Sequence[Fact], breaking: Sequence[set[int]], corank: int) -> list[int]:
@@ -226,11 +238,8 @@ def _details(facts: Sequence[Fact]) -> tuple[Detail, ...]:
     """The facts as a name lists them; the first in full, later relations in brief."""
     own = [(fact, fact.detail) for fact in facts if fact.detail is not None]
     parallel = _parallel_to_bundles(facts, [fact for fact, _ in own])
-    if len(own) < len(facts):  # the word "elbow" says it
-        own = [
-            (fact, detail) for fact, detail in own
-            if fact.roles != (ArmPart.ELBOW,) or fact.geometry is Geometry.NEARLY_STRETCHED
-        ]  # fmt: skip
+    if len(own) < len(facts):
+        own = [(fact, detail) for fact, detail in own if not _said_by_elbow(fact)]
     details = [detail for fact, detail in own if fact.roles]
     details += [*_aligned(facts), *parallel, *(detail for fact, detail in own if not fact.roles)]
     relations = _relations(facts, {fact.joints for fact, _ in own})
@@ -239,6 +248,11 @@ def _details(facts: Sequence[Fact]) -> tuple[Detail, ...]:
         details.append(Detail(first.geometry, (first.joints,)))
     details += [Detail(fact.geometry, (fact.joints,), brief=True) for fact in relations]
     return tuple(details)
+
+
+def _said_by_elbow(fact: Fact) -> bool:
+    """Whether the word "elbow" states a fact in full."""
+    return fact.roles == (ArmPart.ELBOW,) and fact.geometry is not Geometry.NEARLY_STRETCHED
 
 
 def _aligned(facts: Sequence[Fact]) -> list[Detail]:
@@ -271,15 +285,16 @@ def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, gen
     """A name from the smallest dependent sets of joint screws."""
     usual = task_jacobian(scene.robot, structure.scene.q, task)
     blame = to_blame(task_jacobian(scene.robot, scene.q, task), usual, corank)
-    found = tuple(dependence_of(scene, circuit, task) for circuit in blame)
-    if len(blame) == corank and all(one.common not in _PATTERNLESS for one in found):
-        return FamilyName(details=found)
+    circuits = tuple(dependence_of(scene, circuit, task) for circuit in blame)
+    complete = len(blame) == corank
+    if complete and all(one.common not in _PATTERNLESS for one in circuits):
+        return FamilyName(details=circuits)
     if corank == 1 and generic == task.m and line_meets_all(scene, task):
         if structure.tip_is_centre:
             return FamilyName(details=(Detail(Geometry.LINE_THROUGH_TIP),))
         return FamilyName(details=(Detail(Geometry.LINE_MEETS_ALL),))
-    if len(blame) == corank and (structure.tight or min(len(circuit) for circuit in blame) < generic):
-        return FamilyName(details=found)
+    if complete and (structure.tight or min(map(len, blame)) < generic):
+        return FamilyName(details=circuits)
     return FamilyName(details=(LowRank(scene.robot.n, generic - corank, task.m == 6),))
 
 
@@ -365,30 +380,53 @@ _RELATION, _FACT, _VALUE, _BOUND = 6, 40, 48, 80
 
 def _shorter(name: FamilyName) -> Iterator[FamilyName]:
     """What a name may become, what it loses least by first."""
-    costs = [_RELATION if isinstance(one, Detail) and one.brief else _FACT for one in name.details]
-    costs += [_BOUND] * bool(name.bound)
-    marks = (name.condition != "") + (name.ordinal > 0 and not name.values)  # a number goes with the value before it
-    many = len(name.values) + marks
+    costs = _costs_of_details(name)
+    many = _closing_words(name)
     choices = []
     for kept, told in product(_subsets(costs, bool(name.parts)), range(many + 1)):
-        lost = sum(cost for place, cost in enumerate(costs) if place not in kept) + _VALUE * (many - told)
-        for chosen in product((False, True), repeat=len(_COSTS)):
-            spent = sum(price for price, wanted in zip(_COSTS.values(), chosen, strict=True) if wanted)
-            choices.append((lost + spent, kept, told, chosen))
-    for _, kept, told, chosen in sorted(choices, key=lambda one: one[0]):
-        shorter = Shorter.NOTHING
-        for flag, wanted in zip(_COSTS, chosen, strict=True):
-            if wanted:
-                shorter |= flag
-        yield replace(
-            name,
-            details=tuple(one for place, one in enumerate(name.details) if place in kept),
-            bound=name.bound if len(name.details) in kept else (),
-            values=name.values[:told],
-            condition=name.condition if told > len(name.values) else "",
-            ordinal=name.ordinal if told == many else 0,
-            shorter=shorter,
-        )
+        left_out = sum(cost for place, cost in enumerate(costs) if place not in kept)
+        values_left_out = _VALUE * (many - told)
+        for shorter, spent in _SPELLINGS:
+            choices.append((left_out + values_left_out + spent, kept, told, shorter))
+    for _, kept, told, shorter in sorted(choices, key=lambda one: one[0]):
+        yield _shortened_to(name, kept, told, shorter)
+
+
+def _costs_of_details(name: FamilyName) -> list[int]:
+    """Cost of leaving out each detail of a name; last that there is a condition, where there is one."""
+    costs = [_RELATION if isinstance(one, Detail) and one.brief else _FACT for one in name.details]
+    if name.bound:
+        costs.append(_BOUND)
+    return costs
+
+
+def _closing_words(name: FamilyName) -> int:
+    """How many values, conditions and numbers end a name; a number goes with the value before it."""
+    numbered = name.ordinal > 0 and not name.values
+    return len(name.values) + (name.condition != "") + numbered
+
+
+def _spellings() -> Iterator[tuple[Shorter, int]]:
+    """Every choice of the shorter ways of writing, with its cost."""
+    for chosen in product((False, True), repeat=len(_COSTS)):
+        flags = list(compress(_COSTS, chosen))
+        yield reduce(or_, flags, Shorter.NOTHING), sum(_COSTS[flag] for flag in flags)
+
+
+_SPELLINGS = tuple(_spellings())
+
+
+def _shortened_to(name: FamilyName, kept: Sequence[int], closing: int, shorter: Shorter) -> FamilyName:
+    """A name with the details of numbers `kept`, the first `closing` of its closing words, and a way of writing."""
+    return replace(
+        name,
+        details=tuple(one for place, one in enumerate(name.details) if place in kept),
+        bound=name.bound if len(name.details) in kept else (),
+        values=name.values[:closing],
+        condition=name.condition if closing > len(name.values) else "",
+        ordinal=name.ordinal if closing == _closing_words(name) else 0,
+        shorter=shorter,
+    )
 
 
 _MANY = 6  # details of which every choice is tried

@@ -9,6 +9,7 @@ mobile base has axes of the base among its own. Both are read off the special pl
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from rankdrop.families.name import ArmPart
 from rankdrop.families.pictured import members_of
 from rankdrop.families.record import Family
 from rankdrop.local.axes import Scene
-from rankdrop.local.special import ARM_AXES, specials_at
+from rankdrop.local.special import ARM_AXES, Special, specials_at
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.units import in_metres, task_in_metres
@@ -67,15 +68,29 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
     seen = [specials_at(here, rows, q, family.corank) for q in members]
     if not seen:
         return FamilyParts((), base=base)
-    exact = set.intersection(*({one.part.value for one in found if one.exact} for found in seen))
-    if exact:
-        return FamilyParts(tuple(part for part in ArmPart if part.value in exact), base=base)
-    if family.corank > 1:
-        return FamilyParts((), base=base)
-    nearest = Counter(one.part.value for found in seen for one in found if not one.exact)
-    often = {part for part, count in nearest.items() if count >= _RARE * len(seen)}
-    parts = tuple(part for part in ArmPart if part.value in often)
-    return FamilyParts(parts, len(parts) > 1, base)
+    exact = _special_everywhere(seen)
+    if exact or family.corank > 1:
+        return FamilyParts(exact, base=base)
+    nearest = _often_nearest(seen)
+    return FamilyParts(nearest, len(nearest) > 1, base)
+
+
+def _special_everywhere(seen: Sequence[Sequence[Special]]) -> tuple[ArmPart, ...]:
+    """The parts that are exactly special at every member, given the special places seen at each."""
+    names = [{one.part.value for one in specials if one.exact} for specials in seen]
+    return _in_order(set.intersection(*names))
+
+
+def _often_nearest(seen: Sequence[Sequence[Special]]) -> tuple[ArmPart, ...]:
+    """The parts nearest to their conditions at a share of at least `_RARE` of the members."""
+    counts = Counter(one.part.value for specials in seen for one in specials if not one.exact)
+    return _in_order(part for part, count in counts.items() if count >= _RARE * len(seen))
+
+
+def _in_order(names: Iterable[str]) -> tuple[ArmPart, ...]:
+    """Parts of the arm by name, from the base to the tool."""
+    wanted = set(names)
+    return tuple(part for part in ArmPart if part.value in wanted)
 
 
 def _binds_base(robot: Robot, family: Family) -> bool:

@@ -27,6 +27,7 @@ and drawn anew.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -83,15 +84,11 @@ def drawn(
     """
     robot, task = problem.robot, problem.task
     arm = _Chain(robot, task, problem.limits)
-    exact = []
-    if problem.corank == 1 and _in_closed_form(robot, task, problem.generic_rank):
-        exact = [*arm.wrenches(), *arm.single_joints(problem.generic_rank)]
-    ways = [*exact, *arm.together(problem.rank, alone=not exact or problem.corank > 1), *arm.pinned(problem.rank)]
-    patience = [_TRIED] * len(exact) + [_TRIED_TOGETHER] * (len(ways) - len(exact))
-    parts: list[tuple[Array, Array, int]] = [(np.zeros((0, robot.n)), np.zeros((0, min(task.m, robot.n))), 0)]
+    strata = _strata(arm, problem)
+    parts: list[_Drawn] = [(np.zeros((0, robot.n)), np.zeros((0, min(task.m, robot.n))), 0)]
     complete, have = True, 0
     try:
-        for part in _in_turn(arm, [way for _, way in ways], patience, problem.rank + 1, count, seed):
+        for part in _in_turn(arm, strata, problem.rank + 1, count, seed):
             parts.append(part)
             have += len(part[0])
             if progress is not None:
@@ -103,24 +100,63 @@ def drawn(
             "no reciprocal wrench was found: there may be no singular configuration of this corank, or hardly any",
             where="method", got="reciprocal", mend=_MEND, typed=_TYPED,
         )  # fmt: skip
+    q, sigma, stratum = _interleaved(parts, count)
+    names = tuple(one.name for one in strata) if have else ()
+    return q, sigma, stratum, names, complete
+
+
+_Drawn = tuple[Array, Array, int]
+"""(N, n) configurations, (N, min(m, n)) their singular values, and the number of their stratum."""
+
+
+@dataclass(frozen=True)
+class _Stratum:
+    """A way to draw singular configurations.
+
+    Attributes:
+        name: what it begins with: "wrenches of joints 4-6".
+        draw: draws candidates.
+        patience: draws without a singular configuration before it is given up.
+    """
+
+    name: str
+    draw: Draw
+    patience: int
+
+
+def _strata(arm: _Chain, problem: Problem) -> list[_Stratum]:
+    """Strata of an arm: in closed form where its corank is 1 and its joints allow it, then by Newton's method."""
+    closed: list[tuple[str, Draw]] = []
+    if problem.corank == 1 and _in_closed_form(problem.robot, problem.task, problem.generic_rank):
+        closed = [*arm.wrenches(), *arm.single_joints(problem.generic_rank)]
+    alone = not closed or problem.corank > 1
+    iterated = [*arm.together(problem.rank, alone=alone), *arm.pinned(problem.rank)]
+    return [
+        *(_Stratum(name, draw, _TRIED) for name, draw in closed),
+        *(_Stratum(name, draw, _TRIED_TOGETHER) for name, draw in iterated),
+    ]
+
+
+def _interleaved(parts: Sequence[_Drawn], count: int) -> tuple[Array, Array, NDArray[np.int32]]:
+    """The first `count` of all configurations, one stratum after the other, so that a part has all of them."""
     q, sigma = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
     stratum = np.concatenate([np.full(len(one), k, dtype=np.int32) for one, _, k in parts])
     turn = np.zeros(len(q), dtype=np.int64)
-    for k in range(len(ways)):
+    for k in np.unique(stratum):
         turn[stratum == k] = np.arange(int((stratum == k).sum()))
-    order = np.lexsort((stratum, turn))[:count]  # one stratum after the other, so that a part has all of them
-    return q[order], sigma[order], stratum[order], tuple(name for name, _ in ways) if have else (), complete
+    order = np.lexsort((stratum, turn))[:count]
+    return q[order], sigma[order], stratum[order]
 
 
 def _in_turn(
-    arm: _Chain, draws: Sequence[Draw], patience: Sequence[int], rank: int, count: int, seed: int
-) -> Iterator[tuple[Array, Array, int]]:
+    arm: _Chain, strata: Sequence[_Stratum], rank: int, count: int, seed: int
+) -> Iterator[_Drawn]:
     """Configurations of one stratum after the other, with their singular values, until there are enough in all.
 
-    Strata that have none after so many draws as `patience` says are given up.
+    Strata that have none after so many draws as their patience says are given up.
     """
-    rng, alive, share = np.random.default_rng(seed), set(range(len(draws))), -(-count // len(draws))
-    have, tried = np.zeros((2, len(draws)), dtype=np.int64)
+    rng, alive, share = np.random.default_rng(seed), set(range(len(strata))), -(-count // len(strata))
+    have, tried = np.zeros((2, len(strata)), dtype=np.int64)
     for _ in range(_ROUNDS):
         waiting = [k for k in sorted(alive) if have[k] < share]
         if not waiting:  # those that have any make up for those that have none
@@ -131,10 +167,10 @@ def _in_turn(
         for k in waiting:
             rate = (have[k] + 1) / (tried[k] + 2)
             wanted = int(np.clip(1.5 * (share - have[k]) / rate, 64, _BATCH))
-            q, sigma = arm.kept(draws[k](wanted, rng), rank, int(share - have[k]))
+            q, sigma = arm.kept(strata[k].draw(wanted, rng), rank, int(share - have[k]))
             have[k] += len(q)
             tried[k] += wanted
-            if not have[k] and tried[k] >= patience[k]:
+            if not have[k] and tried[k] >= strata[k].patience:
                 alive.discard(k)
             yield q, sigma, k
 
@@ -263,21 +299,24 @@ class _Chain:
         """Strata that begin with the wrenches reciprocal to a block of joints."""
         found: list[tuple[str, Draw]] = []
         rng = np.random.default_rng(0)
-        for first in range(self.n):
-            for last in range(first, self.n):
-                # a wrench of six rows can be seen from any link; of fewer, from the last one
-                if (self.whole and last == first) or (not self.whole and last != self.n - 1):
-                    continue
-                link = first + 1 if self.whole else self.n
-                known = self._known(first, last, link, self.drawn(8, rng))
-                null = known.shape[2] - int(np.linalg.matrix_rank(known, tol=1e-9).max())
-                if null and last - first < self.n - 1:
-                    if last > first:
-                        name = f"joints {first + 1}-{last + 1}"
-                    else:
-                        name = f"joint {first + 1}"
-                    found.append((f"wrenches of {name}", self._from_block(first, last, link, null)))
+        for first, last in self._blocks():
+            link = first + 1 if self.whole else self.n
+            known = self._known(first, last, link, self.drawn(8, rng))
+            null = known.shape[2] - int(np.linalg.matrix_rank(known, tol=1e-9).max())
+            if null and last - first < self.n - 1:
+                if last > first:
+                    name = f"joints {first + 1}-{last + 1}"
+                else:
+                    name = f"joint {first + 1}"
+                found.append((f"wrenches of {name}", self._from_block(first, last, link, null)))
         return found
+
+    def _blocks(self) -> Iterator[tuple[int, int]]:
+        """First and last joint of the blocks: of six rows two joints or more anywhere, else any up to the last."""
+        if self.whole:
+            yield from combinations(range(self.n), 2)
+        else:
+            yield from ((first, self.n - 1) for first in range(self.n))
 
     def _known(self, first: int, last: int, link: int, q: Array) -> Array:
         """(B, joints, m) what the wrenches of the task do on the screws of a block, seen from a link."""

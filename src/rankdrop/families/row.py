@@ -67,19 +67,28 @@ def vanishing_on(covector: Sequence[int], values: Sequence[float], *, periodic: 
     Raises:
         OptionError: no value.
     """
-    zero, count = (0,) * len(covector), len(values)
+    count = len(values)
     if not values:
         raise OptionError("a condition needs at least one value")
     if not periodic:
         return _product_of_differences(covector, values)
     half = [int(m) for m in covector]
-    if count == 1 or (count == 2 and abs(np.cos(values[0] - values[1]) + 1) < 1e-15):
-        phase = float(values[0] / 2 if count == 1 else values[0] if -pi / 2 < values[0] < pi / 2 else values[1])
-        harmonics = tuple(count * m for m in half)
-        if abs(np.cos(phase)) < 1e-15:
-            return Equation((Term(1.0, "cos", harmonics, zero),))
-        return Equation((Term(1.0, "sin", harmonics, zero, phase if abs(np.sin(phase)) >= 1e-15 else 0.0),))
+    if count == 1:
+        return _one_wave(half, float(values[0]) / 2)
+    if count == 2 and abs(np.cos(values[0] - values[1]) + 1) < 1e-15:  # half a turn apart
+        inner = values[0] if -pi / 2 < values[0] < pi / 2 else values[1]
+        return _one_wave([2 * m for m in half], float(inner))
     return _product_of_sines(half, values)
+
+
+def _one_wave(harmonics: Sequence[int], phase: float) -> Equation:
+    """sin(u − phase), simplified where the phase is 0, π or ±π/2; harmonics in half angles."""
+    zero, multiples = (0,) * len(harmonics), tuple(harmonics)
+    if abs(np.cos(phase)) < 1e-15:
+        return Equation((Term(1.0, "cos", multiples, zero),))
+    if abs(np.sin(phase)) < 1e-15:
+        return Equation((Term(1.0, "sin", multiples, zero),))
+    return Equation((Term(1.0, "sin", multiples, zero, phase),))
 
 
 def _product_of_sines(half: Sequence[int], values: Sequence[float]) -> Equation:
@@ -272,15 +281,29 @@ def boxes(found: set[Values]) -> list[tuple[Values, ...]]:
     result = []
     while left:
         seed = min(left, key=lambda values: (sum(abs(v) for v in values), values))
-        sets = [[v] for v in seed]
-        for i in sorted(range(len(seed)), key=lambda i: -len({v[i] for v in left})):
-            for v in sorted({values[i] for values in left} - set(sets[i]), key=lambda v: (abs(v), -v)):
-                trial = [[*one, v] if j == i else one for j, one in enumerate(sets)]
-                if all(values in found for values in product(*trial[:i], [v], *trial[i + 1 :])):
-                    sets = trial
+        sets = _grown(seed, left, found)
         left -= set(product(*sets))
-        result.append(tuple(tuple(sorted(one, key=lambda v: (abs(v), -v))) for one in sets))
+        result.append(tuple(tuple(sorted(one, key=_zero_first)) for one in sets))
     return result
+
+
+def _grown(seed: Values, left: set[Values], found: set[Values]) -> list[list[float]]:
+    """Per covector the values of a product that contains one combination, and is as large as `found` allows.
+
+    Covectors with many values in `left` come first.
+    """
+    sets = [[v] for v in seed]
+    for i in sorted(range(len(seed)), key=lambda i: -len({v[i] for v in left})):
+        for v in sorted({values[i] for values in left} - set(sets[i]), key=_zero_first):
+            slab = product(*sets[:i], [v], *sets[i + 1 :])  # what the product grows by
+            if all(values in found for values in slab):
+                sets[i].append(v)
+    return sets
+
+
+def _zero_first(value: float) -> tuple[float, float]:
+    """Order of values: small ones first, of v and −v the positive one."""
+    return abs(value), -value
 
 
 @dataclass(frozen=True, eq=False)

@@ -332,61 +332,100 @@ def _refined(
     Sparing: where none of the first starts converges, those after them end at the first local minimum they meet; as
     soon as one of them does converge all of them are run as ever. Where none does, the lowest are followed on.
     """
-    method, sparing, robot, tolerances = how.method, first is None, problem.robot, problem.tolerances
-    if method not in METHODS:
-        raise OptionError("there is no such method", got=repr(method), allowed=", ".join((*METHODS, RECIPROCAL)))
+    if how.method not in METHODS:
+        raise OptionError("there is no such method", got=repr(how.method), allowed=", ".join((*METHODS, RECIPROCAL)))
     full = problem.generic_rank
     if not 1 <= problem.corank <= full:
         raise OptionError("there is no such corank for this arm and task", got=problem.corank, allowed=f"1 … {full}")
     most, step = _steps(how)
     if problem.walls is None:
-        box = None
+        box, starts = None, q0
     else:
         box = np.stack(problem.walls)
-    if box is None:
-        rows = q0
+        starts = np.ascontiguousarray(np.clip(q0, box[0], box[1]))
+    descent = _Descent(problem, how, starts, box, most, step, first or 0, history, progress)
+    sparing = first is None and how.method == "lm"
+    if sparing and len(starts) > _TRIED:
+        parts = _sparingly(descent)
     else:
-        rows = np.ascontiguousarray(np.clip(q0, box[0], box[1]))
-    if method == "lm":
-        singular = tolerances.singular
-    else:
-        singular = max(tolerances.singular, AM_THRESHOLD)
+        parts, _ = descent.run(0, len(starts))
+    found = _assemble(problem, how.method, how.seed, starts, parts)
+    return replace(_creases_told(found), step=step, tie=how.tie, most=most)
 
-    def run(begin: int, end: int, kicks: int = _KICKS, met: float = _MET) -> tuple[list[_Part], bool]:
-        settings = _core.SearchSettings(
-            method=METHODS.index(method), rank=problem.rank, iterations=most, singular=singular,
-            target=tolerances.target, stationary=max(tolerances.stationary, met), seed=how.seed, scale=problem.scale,
-            limits=box, tie=how.tie, share=step or 0.0, kicks=kicks,
-        )  # fmt: skip
 
-        def one(part: Array, done: int) -> _Part:
+@dataclass(frozen=True)
+class _Descent:
+    """The starts of one search, and how the core descends from them.
+
+    Attributes:
+        problem, how: what is searched for, and the options.
+        starts: (N, n) within the limits.
+        box: (2, n) limits of the joints; None: none.
+        most: iterations of each start.
+        step: share of the step to linearised zero; None: line search.
+        first: number of the first start.
+        history: keep σ and the turning of the gradients on the way.
+        progress: called with (starts done, starts in all).
+    """
+
+    problem: Problem
+    how: SearchOptions
+    starts: Array
+    box: Array | None
+    most: int
+    step: float | None
+    first: int
+    history: bool
+    progress: Progress | None
+
+    def run(self, begin: int, end: int, kicks: int = _KICKS, stationary: float = _MET) -> tuple[list[_Part], bool]:
+        """Outcomes of the starts from `begin` to before `end`, and whether Ctrl-C let all of them be done.
+
+        Args:
+            begin, end: which of the starts.
+            kicks: starts from next to a nonzero minimum.
+            stationary: share of F inside the range of D from which on a start has reached such a minimum.
+        """
+        settings = self._settings(kicks, stationary)
+        robot, task, progress = self.problem.robot, self.problem.task, self.progress
+
+        def descend(part: Array, done: int) -> _Part:
             return _core.search(
-                chain_of(robot), task_view(robot, problem.task), part, settings, first=(first or 0) + begin + done,
-                history=history, threads=how.threads,
+                chain_of(robot), task_view(robot, task), part, settings, first=self.first + begin + done,
+                history=self.history, threads=self.how.threads,
             )  # fmt: skip
 
-        report = None if progress is None else lambda done, total: progress(begin + done, len(rows))
-        return _in_parts(one, rows[begin:end], report)
+        report = None if progress is None else lambda done, total: progress(begin + done, len(self.starts))
+        return _in_parts(descend, self.starts[begin:end], report)
 
-    count = len(rows)
-    if sparing and method == "lm":
-        first_part = min(count, _TRIED)
-    else:
-        first_part = count
-    parts, whole = run(0, first_part)
-    if whole and first_part < count:
-        barren = not _any_converged(parts)
-        if barren:
-            rest, whole = run(first_part, count, 0, _PASSED)
-        else:
-            rest, whole = run(first_part, count)
-        if whole and barren and _any_converged(rest):
-            rest, _ = run(first_part, count)
-        parts += rest
-        if whole and not _any_converged(parts):
-            _followed(problem, parts)
-    found = _assemble(problem, method, how.seed, rows, parts)
-    return replace(_creases_told(found), step=step, tie=how.tie, most=most)
+    def _settings(self, kicks: int, stationary: float) -> _core.SearchSettings:
+        problem, how, tolerances = self.problem, self.how, self.problem.tolerances
+        singular = tolerances.singular
+        if how.method != "lm":
+            singular = max(singular, AM_THRESHOLD)
+        return _core.SearchSettings(
+            method=METHODS.index(how.method), rank=problem.rank, iterations=self.most, singular=singular,
+            target=tolerances.target, stationary=max(tolerances.stationary, stationary), seed=how.seed,
+            scale=problem.scale, limits=self.box, tie=how.tie, share=self.step or 0.0, kicks=kicks,
+        )  # fmt: skip
+
+
+def _sparingly(descent: _Descent) -> list[_Part]:
+    """Outcomes of more than `_TRIED` starts, with little work for the later ones where none of the first converges."""
+    count = len(descent.starts)
+    parts, whole = descent.run(0, _TRIED)
+    if not whole:
+        return parts
+    if _any_converged(parts):
+        rest, _ = descent.run(_TRIED, count)
+        return parts + rest
+    rest, whole = descent.run(_TRIED, count, 0, _PASSED)
+    if whole and _any_converged(rest):
+        rest, _ = descent.run(_TRIED, count)
+    parts += rest
+    if whole and not _any_converged(parts):
+        _followed(descent.problem, parts)
+    return parts
 
 
 def _any_converged(parts: list[_Part]) -> bool:

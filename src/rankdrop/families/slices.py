@@ -274,10 +274,12 @@ class _Plane:
         if not telling:
             return None
         system = System(tuple(equation for equation, _ in telling))
-        if len(telling) == 1:
-            lines = [self._polished(line, system, family) for line in curves(telling[0][1], self.x, self.y)]
-            return Trace(family.id, tuple(line for part in lines for line in part), np.empty((0, 2)))
-        return Trace(family.id, (), self._solved(system, family))
+        if len(telling) > 1:
+            return Trace(family.id, (), self._solved(system, family))
+        lines: list[Array] = []
+        for line in curves(telling[0][1], self.x, self.y):
+            lines += self._polished(line, system, family)
+        return Trace(family.id, tuple(lines), np.empty((0, 2)))
 
     def _polished(self, line: Array, system: System, family: Family) -> list[Array]:
         """The line brought onto the zero set, and cut where a vertex is not singular."""
@@ -413,15 +415,8 @@ def solid(
         return nothing
     rank = int(np.median(np.linalg.matrix_rank(held.jacobian(seeds)[..., moving], tol=1e-5)))
     if rank == 2:
-        def linear(x: Array) -> tuple[Array, Array]:
-            f, slope = held.linear(lifted(q, moving, x))
-            return f, slope[..., moving]
-
-        lines = curves_through(linear, seeds[:, moving], STEP, zero=SOLVED, most=_MOST)
-        if any(len(line) > _MOST for line, _ in lines):  # nearly solved on more than a curve (Sawyer)
-            return nothing
-        kept = [one for one in lines if len(one[0]) > 2 and problem.singular(lifted(q, moving, one[0])).all()]
-        return replace(nothing, curves=tuple(line for line, _ in kept), closed=sum(closed for _, closed in kept))
+        lines = _curves(problem, held, q, moving, seeds)
+        return replace(nothing, curves=tuple(line for line, _ in lines), closed=sum(closed for _, closed in lines))
     if rank == 1 and len(held.equations) == 1:
         vertices, triangles = _sheet(problem, held, q, moving, nodes)
         return replace(nothing, vertices=vertices, triangles=triangles)
@@ -437,6 +432,24 @@ def _held(family: Family, q: Array, moving: list[int]) -> System | None:
         elif np.abs(equation(q[0])) > 1e-9:
             return None
     return System(tuple(kept))
+
+
+def _curves(
+    problem: Problem, held: System, q: Array, moving: list[int], seeds: Array
+) -> list[tuple[Array, bool]]:
+    """The curves through seeds (N, n) that are singular throughout, and whether they close.
+
+    None where the equations are nearly solved on more than a curve (Sawyer).
+    """
+
+    def linear(x: Array) -> tuple[Array, Array]:
+        f, slope = held.linear(lifted(q, moving, x))
+        return f, slope[..., moving]
+
+    lines = curves_through(linear, seeds[:, moving], STEP, zero=SOLVED, most=_MOST)
+    if any(len(line) > _MOST for line, _ in lines):
+        return []
+    return [one for one in lines if len(one[0]) > 2 and problem.singular(lifted(q, moving, one[0])).all()]
 
 
 def _sheet(

@@ -16,7 +16,7 @@ from another seed, none of which was used before, lie on the rows or are listed 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -52,7 +52,7 @@ from rankdrop.families.row import (
 )
 from rankdrop.families.searching import Outcome, Progress, Search, none_found, search, unseen
 from rankdrop.problem import Problem
-from rankdrop.robot.model import Array
+from rankdrop.robot.model import Array, Robot
 from rankdrop.units import in_units, into_units, task_in_units
 
 FRESH = 1000  # independent points wanted for completeness
@@ -99,18 +99,13 @@ def families(
             seed=seed, fresh=_in_units(fresh) if isinstance(fresh, Search) else fresh, threads=threads,
             progress=progress, near_misses=near_misses,
         )  # fmt: skip
-        outer = tuple(family_out_of_units(family, cloud.robot) for family in inner.families)
-        return replace(inner, families=outer)
+        return _out_of_units(inner, cloud.robot)
     report = progress or (lambda done, total: None)
     problem = cloud.problem
     points = verify_points(problem, cloud.converged)
     inspection = inspect(problem, points, signatures=known is None)
     cover = membership(problem, points)
-    if known is None:
-        fitting: Progress = lambda done, total: report(60 * done // max(total, 1), STEPS)  # noqa: E731
-        rows = find_rows(problem, inspection, cover, seed, fitting)
-    else:
-        rows = [row_of(problem, one) for one in known]
+    rows = _rows(problem, inspection, cover, known, seed, report)
     tested = _tested(problem, rows, inspection, cover, seed)
     kept = list(tested)
     report(60, STEPS)
@@ -118,35 +113,63 @@ def families(
     checked = inspect(problem, others, signatures=False)
     report(80, STEPS)
     new = membership(problem, others)
-    on_rows = on_any(new, kept, len(others))
-    left = (inspection.exact & ~on_any(cover, kept, len(points)), checked.exact & ~on_rows)
-    both = np.concatenate([points[left[0]], others[left[1]]])
-    wrong, lowest = not_singular(
-        problem, both, lambda q: on_any(membership(problem, q), kept, len(q)) | _solved(kept, q)
-    )
-    for mask, mistakes in zip(left, np.split(wrong, [int(left[0].sum())]), strict=True):
-        mask[mask] = ~mistakes
-    rest = unexplained_families(problem, inspection, left[0], checked, left[1])
-    share = Check(int(((checked.exact & on_rows) | left[1]).sum()), int((checked.exact & on_rows).sum()))
+    explained = checked.exact & on_any(new, kept, len(others))
+    off_cloud = inspection.exact & ~on_any(cover, kept, len(points))
+    off_fresh = checked.exact & ~explained
+    wrong, lowest = _regular_points(problem, kept, np.concatenate([points[off_cloud], others[off_fresh]]))
+    wrong_of_cloud, wrong_of_fresh = np.split(wrong, [int(off_cloud.sum())])
+    off_cloud[off_cloud] = ~wrong_of_cloud
+    off_fresh[off_fresh] = ~wrong_of_fresh
+    rest = unexplained_families(problem, inspection, off_cloud, checked, off_fresh)
+    share = Check(int((explained | off_fresh).sum()), int(explained.sum()))
     listed = []
     for count, row in enumerate(kept if known is not None else sorted(kept, key=_order)):
         explains = Check(share.tested, int((checked.exact & new(row)).sum()))
         shown = witness(problem, row, np.random.default_rng([seed, cloud.corank, 8, count]))
         listed.append(_family(problem, row, tested[row], explains, shown))
         report(80 + 20 * count // len(kept), STEPS)
-    unnamed = [family for family, _ in rest]
-    if known is None:
-        ordered = _told_apart(numbered([*listed, *unnamed], cloud.corank))
-    else:
-        ordered = (*listed, *numbered(unnamed, cloud.corank, after=len(known)))
+    ordered = _ordered(listed, [family for family, _ in rest], known, cloud.corank)
     pieces = _pieces(cover, kept, inspection) + [count for _, count in rest]
     report(STEPS, STEPS)
     summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
-    against = tuple(
-        (row.family, room if len(q) else None) for row, (_, q, room) in tested.items()
-        if row.family is not None and (not len(q) or row.family.dimension > room)
-    )  # fmt: skip
-    return CorankFamilies(summary, ordered, against, int(wrong.sum()), lowest)
+    return CorankFamilies(summary, ordered, _contradicted(tested), int(wrong.sum()), lowest)
+
+
+def _rows(
+    problem: Problem, inspection: Inspection, cover: Membership, known: Sequence[Family] | None, seed: int,
+    report: Progress,
+) -> list[Row]:  # fmt: skip
+    """Rows of the derived families; without these, rows fitted to the cloud, which is the progress up to 60."""
+    if known is not None:
+        return [row_of(problem, one) for one in known]
+    return find_rows(problem, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS))
+
+
+def _regular_points(problem: Problem, rows: Sequence[Row], q: Array) -> tuple[Mask, float]:
+    """(N,) points on no row that only look singular, and the lowest σ next to them: see `not_singular`."""
+    return not_singular(problem, q, lambda at: on_any(membership(problem, at), rows, len(at)) | _solved(rows, at))
+
+
+def _ordered(
+    listed: Sequence[Family], unnamed: Sequence[Family], known: Sequence[Family] | None, corank: int
+) -> tuple[Family, ...]:
+    """The table: families with conditions, then groups of points without; fitted ones get ids and names here."""
+    if known is None:
+        return _told_apart(numbered([*listed, *unnamed], corank))
+    return (*listed, *numbered(unnamed, corank, after=len(known)))
+
+
+def _contradicted(tested: Mapping[Row, Tested]) -> tuple[tuple[Family, int | None], ...]:
+    """Derived families larger than ker D at their points allows, with that dimension; None where none has a point."""
+    found: list[tuple[Family, int | None]] = []
+    for row, (_, points, dimension) in tested.items():
+        if row.family is None:
+            continue
+        if not len(points):
+            found.append((row.family, None))
+        elif row.family.dimension > dimension:
+            found.append((row.family, dimension))
+    return tuple(found)
 
 
 def _solved(rows: Sequence[Row], q: Array) -> Mask:
@@ -206,6 +229,11 @@ def _in_units(cloud: Search) -> Search:
     return replace(
         cloud, robot=in_units(robot), task=task_in_units(cloud.task, robot), q=into_units(robot, cloud.q)
     )
+
+
+def _out_of_units(found: CorankFamilies, robot: Robot) -> CorankFamilies:
+    """Families of an arm in its own unit of length, in the unit of `robot`."""
+    return replace(found, families=tuple(family_out_of_units(family, robot) for family in found.families))
 
 
 def _marks(rows: Sequence[Row]) -> dict[int, list[float]]:

@@ -29,7 +29,7 @@ from typing import Any, TypeAlias
 
 from rankdrop.algebra.polynomial import ROOTS, WRITTEN, Polynomial, approximation, flint, rational_square, reduced_roots
 from rankdrop.algebra.ring import Form, Ring
-from rankdrop.families.equation import pretty_angle
+from rankdrop.families.equation import pretty_angle, share_of_pi
 
 
 @dataclass(frozen=True, slots=True)
@@ -419,7 +419,7 @@ class Text:
     def angle_value(self, value: float) -> str:
         """An angle for people: parts of π as such, others in radians with degrees beside."""
         text = pretty_angle(value)
-        if "π" in text or text == "0":
+        if share_of_pi(value) is not None:
             return text
         return f"{text} rad ({value * 180 / pi:.4g}°)".replace("-", "−")
 
@@ -549,11 +549,38 @@ def describe_sum(factor: Factor) -> str:
     return f"{len(waves)} sines and cosines, of {', '.join(sorted(joints, key=lambda name: int(name[1:])))}"
 
 
+def joints_of(form: Product) -> set[int]:
+    """Numbers of the joints in a form."""
+    joints: set[int] = set()
+    for one in _leaves_of(form):
+        if isinstance(one, Wave):
+            joints.update(j for j, _ in one.turns)
+        elif one.slide:
+            joints.add(one.slide)
+    return joints
+
+
+def functions_of(forms: Iterable[Product]) -> list[str]:
+    """The functions and constants that forms need in Python: out of "cos", "pi" and "sin", in this order."""
+    names: set[str] = set()
+    for form in forms:
+        waves = [one for one in _leaves_of(form) if isinstance(one, Wave)]
+        names.update(one.kind for one in waves)
+        if any(one.less != "0" for one in waves):
+            names.add("pi")
+    return sorted(names)
+
+
+def _leaves_of(form: Product) -> Iterator[Wave | Symbol]:
+    """The lengths, slides and waves of a form, those in sums as well."""
+    for factor, _ in form.factors:
+        yield from _leaves(factor)
+
+
 def _leaves(factor: Factor) -> Iterator[Wave | Symbol]:
     if isinstance(factor, Sum):
         for part in factor.parts:
-            for inner, _ in part.factors:
-                yield from _leaves(inner)
+            yield from _leaves_of(part)
     else:
         yield factor
 
@@ -578,14 +605,18 @@ class Latex(Text):
 
     def angle_value(self, value: float) -> str:
         """Parts of π as fractions, others in radians."""
-        text = pretty_angle(value).replace("−", "-").replace("π", r"\pi")
-        if r"\pi" not in text and text != "0":
-            return rf"{text}\,\mathrm{{rad}}"
-        top, line, bottom = text.partition("/")
-        sign = "-" * top.startswith("-")
-        if line:
-            return rf"{sign}\frac{{{top.removeprefix('-')}}}{{{bottom}}}"
-        return text
+        share = share_of_pi(value)
+        if share is None:
+            return rf"{pretty_angle(value)}\,\mathrm{{rad}}".replace("−", self.minus)
+        if share == 0:
+            return "0"
+        sign, multiple = self.minus * (share < 0), abs(share.numerator)
+        top = r"\pi"
+        if multiple > 1:
+            top = rf"{multiple}\pi"
+        if share.denominator == 1:
+            return sign + top
+        return rf"{sign}\frac{{{top}}}{{{share.denominator}}}"
 
     def symbol(self, symbol: Symbol) -> str:
         """With a subscript."""

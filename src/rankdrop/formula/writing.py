@@ -397,13 +397,17 @@ class AnglePin(NamedTuple):
         """The values of θ [rad]."""
         return tuple(RADIANS[value] for value in _checked(self.values))
 
-    def text(self) -> str:
-        """For people: "θ4 = 0 or π"."""
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The values for people, π/2 and −π/2 as one: ("0", "±π/2")."""
         kept = _checked(self.values)
-        words = [WORDS[value] for value in kept]
         if set(kept) >= QUARTERS:
-            words = [*(WORDS[value] for value in kept if value not in QUARTERS), "±π/2"]
-        return f"θ{self.joint} = {' or '.join(words)}"
+            return (*(WORDS[value] for value in kept if value not in QUARTERS), "±π/2")
+        return tuple(WORDS[value] for value in kept)
+
+    def text(self, sign: str = "=") -> str:
+        """For people: "θ4 = 0 or π"; with "≠" of one value: "θ4 ≠ 0"."""
+        return f"θ{self.joint} {sign} {' or '.join(self.words)}"
 
     def latex(self) -> str:
         r"""LaTeX, without delimiters: \theta_4 \in \{0, \pi\}."""
@@ -497,19 +501,23 @@ class Condition:
         degrees = dict(zip(self.ring.names, self.polynomial.degrees(), strict=True))
         return tuple(j for j in numbers if degrees.get(f"t{j}", degrees.get(f"q{j}", 0)) > 0)
 
-    def text(self) -> str:
-        """For people: "a2 c2 + a3 c23 = 0", "θ5 = θ3 + π"; s_i is sin θ_i, c_23 is cos(θ2 + θ3). Angles modulo 2π."""
-        return self._written(Text())
+    def text(self, sign: str = "=") -> str:
+        """For people: "a2 c2 + a3 c23 = 0", "θ5 = θ3 + π"; s_i is sin θ_i, c_23 is cos(θ2 + θ3). Angles modulo 2π.
+
+        Args:
+            sign: "=", or "≠" for the negation.
+        """
+        return self._written(Text(), sign)
 
     def latex(self) -> str:
         r"""The same in LaTeX, without delimiters: a_2 c_2 + a_3 c_{23} = 0."""
         return self._written(Latex())
 
-    def _written(self, notation: Text) -> str:
+    def _written(self, notation: Text, sign: str = "=") -> str:
         relation = self.relation
         if relation is not None:
-            return _related(*relation, notation)
-        return self._slide(notation) or _sides(self.form, notation)
+            return _related(*relation, notation, sign)
+        return self._slide(notation, sign) or _sides(self.form, notation, sign)
 
     def code(self, notation: Python) -> str:
         """The left-hand side as an expression in q; zero where the condition holds."""
@@ -552,15 +560,15 @@ class Condition:
             return None
         return kept, 2 * atan2(-cosine, sine) if sine else pi
 
-    def _slide(self, notation: Text) -> str:
+    def _slide(self, notation: Text, sign: str) -> str:
         """q_j = number, where the condition says just that; else ""."""
         ring, f, places = self.ring, self.polynomial, used(self.polynomial)
         if len(places) != 1 or not ring.angles <= places[0] < ring.moving or f.total_degree() > 1:
             return ""
         numbers = {int(powers[places[0]]): Fraction(int(c.p), int(c.q)) for powers, c in f.terms()}
         value = -numbers.get(0, Fraction(0)) / numbers[1]
-        sign, unit = notation.minus * (value < 0), notation.metre * bool(value)
-        return f"{notation.slide.format(self.joints[0])} = {sign}{notation.number(abs(value))}{unit}"
+        minus, unit = notation.minus * (value < 0), notation.metre * bool(value)
+        return f"{notation.slide.format(self.joints[0])} {sign} {minus}{notation.number(abs(value))}{unit}"
 
 
 def _equation(
@@ -603,31 +611,31 @@ def _largest(waves: Sequence[Product]) -> Fraction:
     return Fraction(2) ** bits
 
 
-def _related(turns: tuple[tuple[int, int], ...], value: float, notation: Text) -> str:
+def _related(turns: tuple[tuple[int, int], ...], value: float, notation: Text, sign: str) -> str:
     """θ5 = θ3 + π, θ3 + θ5 = 0."""
     value = (value + pi) % tau - pi
     value = pi if abs(value + pi) < _SAME else value
     if [multiple for _, multiple in turns] != [1, -1]:
         parts = [(m < 0, ("" if abs(m) == 1 else str(abs(m))) + notation.angle.format(j)) for j, m in turns]
-        return f"{notation.signed(parts)} = {notation.angle_value(value)}"
+        return f"{notation.signed(parts)} {sign} {notation.angle_value(value)}"
     right, left = (notation.angle.format(j) for j, _ in turns)
     if abs(value - pi) < _SAME:
         other = value
     else:
         other = -value
     if abs(other) < _SAME:
-        return f"{left} = {right}"
-    return f"{left} = {right} {notation.minus if other < 0 else '+'} {notation.angle_value(abs(other))}"
+        return f"{left} {sign} {right}"
+    return f"{left} {sign} {right} {notation.minus if other < 0 else '+'} {notation.angle_value(abs(other))}"
 
 
-def _sides(form: Product, notation: Text) -> str:
+def _sides(form: Product, notation: Text, sign: str) -> str:
     """… = 0, or A = B where half angles make two terms of opposite sign."""
     parts = notation.parts(form)
     if len(parts) == 2 and parts[0].number > 0 > parts[1].number:
         waves = [factor for factor in factors_of(parts) if isinstance(factor, Wave)]
         if any(wave.halved for wave in waves):
-            return f"{notation.product(parts[0])} = {notation.product(parts[1])}"
-    return f"{notation.zero(form)} = 0"
+            return f"{notation.product(parts[0])} {sign} {notation.product(parts[1])}"
+    return f"{notation.zero(form)} {sign} 0"
 
 
 def text_of(ring: Ring, p: Polynomial) -> str:
@@ -679,21 +687,34 @@ def condition_text(ring: Ring, p: Polynomial, sign: str = "=") -> str:
     return f"{text_of(ring, -wanted) if text.startswith('−') else text} {sign} 0"
 
 
-def atoms_text(ring: Ring, atoms: Sequence[Atom], written: Callable[[Polynomial], str] | None = None) -> str:
+def atoms_text(
+    ring: Ring, atoms: Sequence[Atom], written: Callable[[Polynomial], str] | None = None, sign: str = "="
+) -> str:
     """When one of some atoms holds: "θ3 = 0 or π or a2 c2 + a3 c23 = 0"; joints at simple angles first.
 
     Args:
         ring: of the polynomials.
         atoms: at least one.
         written: how a polynomial that vanishes is written; None for the shortest form.
+        sign: of joints at simple angles.
     """
-    pins: dict[int, list[str]] = {}
+    texts = [pin.text(sign) for pin in _pins(atoms)]
+    written = written or (lambda f: Condition(ring, f).text(sign))
+    return " or ".join([*texts, *(written(atom.f) for atom in atoms if not atom.pinned)])
+
+
+def count_alternatives(atoms: Sequence[Atom]) -> int:
+    """How many alternatives `atoms_text` joins with "or": a joint at ±π/2 is one, a joint at 0 or π two."""
+    return sum(len(pin.words) for pin in _pins(atoms)) + sum(not atom.pinned for atom in atoms)
+
+
+def _pins(atoms: Sequence[Atom]) -> list[AnglePin]:
+    """The joints at simple angles among atoms, in order, each with all of its values."""
+    values: dict[int, list[str]] = {}
     for atom in atoms:
         if atom.pinned:
-            pins.setdefault(atom.joint, []).append(atom.value)
-    texts = [AnglePin(joint, tuple(values)).text() for joint, values in sorted(pins.items())]
-    written = written or (lambda f: Condition(ring, f).text())
-    return " or ".join([*texts, *(written(atom.f) for atom in atoms if not atom.pinned)])
+            values.setdefault(atom.joint, []).append(atom.value)
+    return [AnglePin(joint, tuple(chosen)) for joint, chosen in sorted(values.items())]
 
 
 FOLDED = 240

@@ -200,6 +200,32 @@ class Folder:
         """The bytes of a finished chunk."""
         return read_file(self.part(chunk), _LARGEST)
 
+    taken = read
+    """The bytes of a finished chunk, which the folder keeps."""
+
+
+@dataclass(frozen=True)
+class _Memory:
+    """Finished chunks without a folder, by their numbers."""
+
+    chunks: dict[int, bytes]
+
+    def finished(self) -> set[int]:
+        """The chunks that need not be made again."""
+        return set(self.chunks)
+
+    def keep(self, chunk: int, content: bytes) -> None:
+        """Keep a finished chunk."""
+        self.chunks[chunk] = content
+
+    def read(self, chunk: int) -> bytes:
+        """The bytes of a finished chunk."""
+        return self.chunks[chunk]
+
+    def taken(self, chunk: int) -> bytes:
+        """The bytes of a finished chunk, which is forgotten."""
+        return self.chunks.pop(chunk)
+
 
 _DIGITS = 9  # of the number of a chunk
 _LARGEST = 1 << 30  # bytes of job.json, a journal or a part: a plan holds the poses of its paths
@@ -372,40 +398,41 @@ def finish(
     """
     engine = engine or Engine()
     check_engine(engine)
-    tell = report or (lambda done, total: None)
+    store: Folder | _Memory = _Memory({}) if folder is None else Folder.open(folder, job)
     with contextlib.ExitStack() as held:
-        if folder is None:
-            kept = None
-        else:
-            kept = Folder.open(folder, job)
-        if kept is not None:
-            done = kept.finished()
-        else:
-            done = set()
-        if kept is not None and len(done) < job.chunks:
-            held.enter_context(alone(kept.path, JOB))
-            kept = Folder.open(kept.path, job)  # another process may have begun another job, or finished chunks, since
-            done = kept.finished()
-        memory: dict[int, bytes] = {}
-        count = len(done)
-        if kept is not None and each is not None:
-            for chunk in sorted(done):
-                each(chunk, kept.read(chunk))
-        tell(count, job.chunks)
-        left = [chunk for chunk in range(job.chunks) if chunk not in done]
-        if left:
-            with contextlib.closing(_made(job, left, engine)) as making:
-                for chunk, content in making:
-                    if kept is not None:
-                        kept.keep(chunk, content)
-                    else:
-                        memory[chunk] = content
-                    if each is not None:
-                        each(chunk, content)
-                    count += 1
-                    tell(count, job.chunks)
+        done = store.finished()
+        if isinstance(store, Folder) and len(done) < job.chunks:
+            held.enter_context(alone(store.path, JOB))
+            # another process may have begun another job, or finished chunks, since
+            store = Folder.open(store.path, job)
+            done = store.finished()
+        _make_the_rest(job, engine, store, done, report or _silent, each or _silent)
     for chunk in range(job.chunks):  # one at a time: a job larger than the memory is kept in a folder
-        yield chunk, kept.read(chunk) if kept is not None else memory.pop(chunk)
+        yield chunk, store.taken(chunk)
+
+
+def _silent(_: int, __: object) -> None:
+    """Report nothing."""
+
+
+def _make_the_rest(
+    job: Job, engine: Engine, store: Folder | _Memory, done: set[int], report: Report,
+    each: Callable[[int, bytes], None],
+) -> None:  # fmt: skip
+    """Make and keep every chunk that is not done; `each` receives those that are done first."""
+    for chunk in sorted(done):
+        each(chunk, store.read(chunk))
+    count = len(done)
+    report(count, job.chunks)
+    left = [chunk for chunk in range(job.chunks) if chunk not in done]
+    if not left:
+        return
+    with contextlib.closing(_made(job, left, engine)) as making:
+        for chunk, content in making:
+            store.keep(chunk, content)
+            each(chunk, content)
+            count += 1
+            report(count, job.chunks)
 
 
 def _made(job: Job, chunks: list[int], engine: Engine) -> Generator[Made, None, None]:

@@ -16,8 +16,9 @@ its position alone; its position with the orientation kept; its orientation with
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -317,6 +318,20 @@ def self_motion_curves(
     return tuple(search.curves), more
 
 
+class _Piece(NamedTuple):
+    """A solution on a self-motion.
+
+    Attributes:
+        q: (n,) [rad, m].
+        dimension: of the self-motion.
+        singular: σ_r is zero at q.
+    """
+
+    q: Array
+    dimension: int
+    singular: bool
+
+
 @dataclass(eq=False)
 class _Search:
     """Solutions of one pose as they are found."""
@@ -383,43 +398,45 @@ class _Search:
 
     def parted(self) -> tuple[Array, tuple[Continuum, ...], bool]:
         """Isolated solutions (k, n), self-motions, and whether some were not followed."""
+        isolated, pieces = self._by_freedom()
+        surface = max(pieces, key=lambda one: one.dimension, default=None)
+        if surface is not None and surface.dimension > 1:  # surfaces are not separated, nor what is connected with them
+            q, dimension, singular = surface
+            return isolated, (self._continuum(q, dimension, q[None], False, False, singular),), True
+        found, more = self._followed(pieces)
+        found.sort(key=lambda one: (bool(one.beyond), not one.closed))
+        return isolated, tuple(found), more
+
+    def _by_freedom(self) -> tuple[Array, list[_Piece]]:
+        """Isolated solutions (k, n), and those on a self-motion; of a surface not all that were found."""
+        isolated: list[Array] = [np.empty((0, self.robot.n))]
+        pieces: list[_Piece] = []
         if self.redundant:
-            isolated = []
+            pieces = [_Piece(q, self.robot.n - self.aim.rank, False) for q in self.regular]
         else:
-            isolated = [self.regular]
-        if self.redundant:
-            pieces = [(q, self.robot.n - self.aim.rank, False) for q in self.regular]
-        else:
-            pieces = []
+            isolated.append(self.regular)
         for row, q in enumerate(self.singular):
-            if row >= _ENOUGH and any(dimension > 1 for _, dimension, _ in pieces):
-                break  # a surface is not taken apart
+            if row >= _ENOUGH and any(one.dimension > 1 for one in pieces):
+                break
             dimension = self._freedom(q)
             if dimension:
-                pieces.append((q, dimension, True))
+                pieces.append(_Piece(q, dimension, True))
             else:
                 isolated.append(q[None])
+        return np.concatenate(isolated), pieces
+
+    def _followed(self, pieces: Sequence[_Piece]) -> tuple[list[Continuum], bool]:
+        """The curves through solutions, and whether some were not followed: there are more than `_CURVES`."""
         found: list[Continuum] = []
-        widest = max((dimension for _, dimension, _ in pieces), default=0)
-        more = widest > 1  # surfaces are not told apart, nor what else is connected with them
-        if widest > 1:
-            q, _, singular = next(one for one in pieces if one[1] == widest)
-            pieces, found = [], [self._continuum(q, widest, q[None], False, False, singular)]
         for q, _, singular in pieces:
             if any(self._on(q, curve.points) for curve in self.curves):
                 continue
             if len(self.curves) == _CURVES:
-                more = True
-                break
+                return found, True
             points, closed, complete = self._curve(q)
             self.curves.append(Curve(points, closed, complete))
             found.append(self._continuum(q, 1, points, closed, complete, singular))
-        found.sort(key=lambda one: (bool(one.beyond), not one.closed))
-        if isolated:
-            joined = np.concatenate(isolated)
-        else:
-            joined = np.empty((0, self.robot.n))
-        return joined, tuple(found), more
+        return found, False
 
     def _on(self, q: Array, points: Array) -> bool:
         gap = np.linalg.norm(apart(self.robot, q, points) / self.scale, axis=1)

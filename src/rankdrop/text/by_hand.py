@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from itertools import combinations, product
 
 from rankdrop.algebra.polynomial import Equality, Polynomial
@@ -16,7 +17,15 @@ from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.suppression import Case, Dependence, Proof, Suppression
 from rankdrop.exact.tree import Tree
 from rankdrop.formula.notation import Step, Text, fourier
-from rankdrop.formula.writing import Condition, Value, atoms_text, condition_text, single_angles, text_of
+from rankdrop.formula.writing import (
+    Condition,
+    Value,
+    atoms_text,
+    condition_text,
+    count_alternatives,
+    single_angles,
+    text_of,
+)
 from rankdrop.sections import Formula
 from rankdrop.task import ROWS
 
@@ -381,50 +390,69 @@ class Words:
 
     def __init__(self, ring: Ring, *, whole: bool = False) -> None:
         self._ring, self._whole = ring, whole
-        self._known: dict[str, str] = {}
+        self._known: dict[tuple[str, str], str] = {}
 
     def conjunction(self, conjunction: Conjunction) -> str:
         """Everything that has to hold: "θ4 = 0 and (s2 = 0 or …), where θ6 ≠ 0"."""
         equal = [self.equality(equality) for equality in conjunction.equal]
-        several = len(equal) > 1
-        text = " and ".join(f"({part})" if several and " or " in part else part for part in equal) or "everywhere"
+        if len(equal) > 1:
+            equal = [
+                f"({part})" if _alternatives(equality) > 1 else part
+                for part, equality in zip(equal, conjunction.equal, strict=True)
+            ]
+        text = " and ".join(equal) or "everywhere"
         unequal = [self._unequal(group) for group in conjunction.unequal]
         if unequal:
             return f"{text}, where {' and '.join(unequal)}"
         return text
 
-    def equality(self, equality: Equality) -> str:
-        """One polynomial that vanishes: its factors, joined by "or"; joints at simple angles together."""
+    def equality(self, equality: Equality, sign: str = "=") -> str:
+        """One polynomial that vanishes: its factors, joined by "or"; joints at simple angles together.
+
+        Args:
+            equality: the polynomial.
+            sign: "≠" where it does not vanish, for an equality without alternatives.
+        """
         p = equality.whole
         if p is None:
-            return atoms_text(self._ring, equality.atoms, self._polynomial)
+            return atoms_text(self._ring, equality.atoms, partial(self._polynomial, sign), sign)
         if len(p) <= READABLE:
-            return condition_text(self._ring, p)
-        return f"{Text().zero(single_angles(self._ring, p)) if self._whole else f'a polynomial of {len(p)} terms'} = 0"
+            return condition_text(self._ring, p, sign)
+        if self._whole:
+            return f"{Text().zero(single_angles(self._ring, p))} {sign} 0"
+        return f"a polynomial of {len(p)} terms {sign} 0"
 
-    def _polynomial(self, f: Polynomial) -> str:
-        key = str(f)
+    def _polynomial(self, sign: str, f: Polynomial) -> str:
+        key = sign, str(f)
         if key not in self._known:
-            self._known[key] = self._written(f)
+            self._known[key] = self._written(f, sign)
         return self._known[key]
 
-    def _written(self, f: Polynomial) -> str:
+    def _written(self, f: Polynomial, sign: str) -> str:
         """A half-angle polynomial; a long one in sines and cosines where it has whole angles, else multiplied out."""
         if len(f) <= READABLE:
-            return Condition(self._ring, f).text()
+            return Condition(self._ring, f).text(sign)
         if not self._whole:
-            return f"a polynomial of {len(f)} half-angle terms = 0"
+            return f"a polynomial of {len(f)} half-angle terms {sign} 0"
         p = self._ring.to_trig(f)
         if p is None:
             form = fourier(self._ring.form(f))
         else:
             form = single_angles(self._ring, p)
-        return f"{Text().zero(form)} = 0"
+        return f"{Text().zero(form)} {sign} 0"
 
     def _unequal(self, group: Sequence[Equality]) -> str:
-        texts = [self.equality(equality) for equality in group]
-        if len(texts) > 1:
-            return "not all of these hold: " + "; ".join(texts)
-        if texts[0].count(" = ") == 1 and " or " not in texts[0]:
-            return texts[0].replace(" = ", " ≠ ")
-        return f"not ({texts[0]})"
+        """That not all equalities of a group hold: "θ6 ≠ 0" of one without alternatives."""
+        if len(group) > 1:
+            return "not all of these hold: " + "; ".join(map(self.equality, group))
+        (equality,) = group
+        if _alternatives(equality) == 1:
+            return self.equality(equality, "≠")
+        return f"not ({self.equality(equality)})"
+
+
+def _alternatives(equality: Equality) -> int:
+    """How many alternatives an equality has in words."""
+    if equality.whole is None:
+        return count_alternatives(equality.atoms)
+    return 1

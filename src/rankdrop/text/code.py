@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.errors import OptionError
-from rankdrop.formula.notation import C, Latex, Python, latex_name
+from rankdrop.formula.notation import C, Latex, Python, functions_of, joints_of, latex_name
 from rankdrop.text.latex import as_text
 
 if TYPE_CHECKING:
@@ -152,7 +152,8 @@ class Code:
     def python(self) -> str:
         """A Python module: one function per family, q (..., n) -> residuals (..., m), lengths as keyword arguments."""
         functions = [*map(self._python_family, self.families), *map(self._python_minor, self.determinants)]
-        needed = [name for name in ("cos", "pi", "sin") if any(re.search(rf"\b{name}\b", f) for f in functions)]
+        forms = [one.form for family in self.families for one in family.stated]
+        needed = functions_of([*forms, *(one.value.form for one in self.determinants)])
         minors = "".join(f'    "{one.mark}": {one.mark},\n' for one in self.determinants)
         return _PYTHON.format(
             title=_TITLE.format(_plain(self.robot)), explained="\n".join(self._explained()),
@@ -175,7 +176,7 @@ class Code:
         text = minor.value.code(self._python_notation)
         return self._python_function(
             minor.mark, f"{_plain(minor.name)} of the Jacobian.", [minor.value.polynomial], "(...) its value.",
-            {j for j in range(1, self.n + 1) if re.search(rf"\bq{j}\b", text)},
+            joints_of(minor.value.form),
             f"return {text} + np.zeros(q.shape[:-1])",
         )  # fmt: skip
 
@@ -257,7 +258,7 @@ class Code:
 
     def _c_minor(self, minor: Minor, mark: str, notation: C) -> str:
         value = minor.value.code(notation)
-        unused = "" if "q[" in value else _UNUSED
+        unused = "" if joints_of(minor.value.form) else _UNUSED
         return _C_MINOR.format(name=_comment(minor.name), mark=mark, n=self.n, unused=unused, value=value)
 
     @property

@@ -20,7 +20,7 @@ from typing import Any
 
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, EqualLengths, ExactFamily, SpecialFamily, Unreal, UnrealSet
-from rankdrop.families.equation import pretty_angle
+from rankdrop.families.equation import pretty_angle, share_of_pi
 from rankdrop.families.summary import (
     CONTRADICTED,
     INCOMPLETE,
@@ -240,9 +240,14 @@ def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str
     """ "0 or π", "−26.76° or 153.24°", "0.25 m"."""
     if robot.variables[number - 1].unit != "rad":
         return " or ".join(f"{value:.6g} m".replace("-", "−") for value in values)
-    exact = [pretty_angle(value) for value in values]
-    plain = [one if "π" in one or one == "0" else f"{degrees(x):.2f}°" for one, x in zip(exact, values, strict=True)]
-    return " or ".join(plain).replace("-", "−")
+    return " or ".join(map(_in_degrees, values))
+
+
+def _in_degrees(value: float) -> str:
+    """ "π/2", "−26.76°"."""
+    if share_of_pi(value) is not None:
+        return pretty_angle(value)
+    return f"{degrees(value):.2f}°".replace("-", "−")
 
 
 def condition_lines(family: ExactFamily) -> list[str]:

@@ -23,7 +23,7 @@ import numpy as np
 
 from rankdrop.distance.distance import nearest_turns
 from rankdrop.distance.share import Near, NearShare, SlowShare
-from rankdrop.families.equation import Equation, pretty_angle
+from rankdrop.families.equation import Equation, pretty_angle, share_of_pi
 from rankdrop.families.record import Check, CorankSummary, Derivation, Family, Pin
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text
@@ -70,9 +70,8 @@ def _value_parts(value: float, kind: str) -> tuple[str, str]:
     """A value, and the same in degrees where that helps: ("π/2", ""), ("0.7731", "44.30°")."""
     if kind == "prismatic":
         return f"{value:.6g} m", ""
-    exact = pretty_angle(value)
-    if exact == "0" or "π" in exact:
-        return exact, ""
+    if share_of_pi(value) is not None:
+        return pretty_angle(value), ""
     return f"{value:.4f}".replace("-", "−"), f"{degrees(value):.2f}°".replace("-", "−")
 
 

@@ -14,7 +14,7 @@ from math import ceil
 
 from rankdrop.families.record import CorankSummary, Derivation, Family
 from rankdrop.robot.model import Robot, witness_text
-from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, one_line, share_text, within
+from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, share_text, within
 from rankdrop.text.lost import lost_note
 
 _PLAIN = {
@@ -76,7 +76,7 @@ def _table(
         f"The rows explain {share.agree} of {share.tested} test points "
         f"({as_text(share_text(share.agree, share.tested))})."
     )
-    decimals = sum(any("(" in one_line(one, row) for row in rows) for one in every if one.holds == JOINT)
+    decimals = sum(any(_in_degrees(one, row) for row in rows) for one in every)
     words = max(0.3, _WORDS - _COLUMN * robot.n - _DEGREES * decimals)
     shape = "".join(_shape(one, words) for one in every)
     heads = [f"${_symbol(one.title)}$" if one.holds == JOINT else as_text(one.title) for one in every]
@@ -102,6 +102,11 @@ def _table(
         *(small if notes else []), r"\end{table}",
     ]  # fmt: skip
     return "\n".join(lines), False
+
+
+def _in_degrees(column: Column, row: Family) -> bool:
+    """Whether a column of a joint has values that are shown in degrees, too."""
+    return column.values is not None and any(angle for _, angle in column.values(row))
 
 
 def _height(every: Sequence[Column], rows: Sequence[Family], words: float, notes: Sequence[str]) -> int:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rankdrop.aspects.verdict import judged_summary
-from rankdrop.distance.share import SlowShare, check_within, near_shares, slower_than
+from rankdrop.distance.share import Near, SlowShare, check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import with_exact
 from rankdrop.families.inspection import DIGITS, FOLLOWED
@@ -83,16 +83,7 @@ def _derived(
 ) -> tuple[Conditions | None, str]:
     """The complete derivation, shipped or made now; else None and why there is none."""
     try:
-        if fresh or seed:
-            derived = None
-        else:
-            derived = known_conditions(robot, task, any_tip=True)
-        if derived is None:
-            from rankdrop.verbs.conditions import conditions  # with all of the exact side that derives
-
-            derived = conditions(
-                robot, task, method="tree", seconds=seconds, seed=seed, points=0, special=False, progress=progress
-            )
+        derived = _shipped_or_made(robot, task, seconds, seed=seed, fresh=fresh, progress=progress)
     except RankdropError as error:
         if exact == "on":
             raise
@@ -105,8 +96,35 @@ def _derived(
         return None, INTERRUPTED
     if derived.complete:
         return derived, ""
-    out_of_time = f"the derivation takes more than {seconds:g} s"
-    return None, out_of_time if derived.seconds >= seconds else "; ".join(derived.left)
+    if derived.seconds >= seconds:
+        return None, f"the derivation takes more than {seconds:g} s"
+    return None, "; ".join(derived.left)
+
+
+def _shipped_or_made(
+    robot: Robot, task: Task, seconds: float, *, seed: int, fresh: bool, progress: Progress | None
+) -> Conditions:
+    """The conditions that are shipped; else, or where they are wanted anew, by the rank tree alone, untested."""
+    if not (fresh or seed):
+        shipped = known_conditions(robot, task, any_tip=True)
+        if shipped is not None:
+            return shipped
+    from rankdrop.verbs.conditions import conditions  # with all of the exact side that derives
+
+    return conditions(
+        robot, task, method="tree", seconds=seconds, seed=seed, points=0, special=False, progress=progress
+    )  # fmt: skip
+
+
+def _compared(
+    problem: Problem, derivation: Derivation | None, derived: Conditions | None, rank: int,
+    tables: Sequence[CorankFamilies], rows: tuple[Family, ...],
+) -> tuple[Derivation | None, tuple[Family, ...]]:  # fmt: skip
+    """The derivation tested against the tables, and the families with their exact conditions, where there are any."""
+    if derivation is None or derived is None:
+        return derivation, rows
+    tested = _tested(derivation, derived, rank, tables, limits=problem.limits)
+    return tested, with_exact(rows, derived.families, problem.robot)
 
 
 def _tested(
@@ -194,29 +212,17 @@ def analyze(
         robot, resolved, exact=how.exact, seed=how.seed, fresh=how.fresh,
         progress=lambda label, done, total: report(f"exact: {label}", done, total),
     )  # fmt: skip
-    if derived is None:
-        known = None
-    else:
-        known = [one.in_units(robot).as_family(own[0]) for one in derived.families]
     tables: list[CorankFamilies] = []
-    if derivation is not None and derivation.interrupted:
-        unfinished = 1
-    else:
-        unfinished = None
-    try:
-        for table in _tables(*own, rank if unfinished is None else 0, known, how, tolerances, report):
-            tables.append(table)
-    except KeyboardInterrupt:
-        unfinished = len(tables) + 1
+    complete = derivation is None or not derivation.interrupted
+    if complete:
+        tables, complete = _finished(_tables(*own, rank, _known(derived, robot), how, tolerances, report))
     rows = _listed(robot, resolved, tables)
-    if derivation is not None and derived is not None and unfinished is None:
-        derivation = _tested(derivation, derived, rank, tables, limits=how.limits)
-        rows = with_exact(rows, derived.families, robot)
     near = None
-    if unfinished is None and how.within is not None:
-        near = near_shares(rows, Problem(robot, resolved, limits=how.limits), how.within, seed=how.seed,
-                           progress=partial(report, "shares"))  # fmt: skip
-    speeds, slow, unmade = _speeds(region, rows, how.seed, report, complete=unfinished is None)
+    if complete:
+        problem = Problem(robot, resolved, limits=how.limits)
+        derivation, rows = _compared(problem, derivation, derived, rank, tables, rows)
+        near = _near(problem, rows, how, report)
+    speeds, slow, unmade = _speeds(region, rows, how.seed, report, complete=complete)
     return Analysis(
         robot=robot,
         task=replace(resolved, length_scale=resolved.scale(robot)),
@@ -224,15 +230,41 @@ def analyze(
         settings=Settings(how.seed, how.starts, how.limits, float(resolved.scale(robot)), tolerances, VERSION),
         coranks=tuple(one.summary for one in tables),
         families=rows,
-        complete=unfinished is None,
-        unfinished=unfinished,
+        complete=complete,
+        unfinished=None if complete else len(tables) + 1,
         notes=(*_rank_notes(robot, resolved, rank), *_mistakes(tables), *unmade),
-        exact=None if unfinished is not None else derivation,
+        exact=derivation if complete else None,
         near=near,
         speeds=speeds,
         slow=slow,
         aspects=_aspects(robot, resolved, asked=how.aspects),
     )
+
+
+def _near(problem: Problem, families: Sequence[Family], how: AnalyzeOptions, report: Progress) -> Near | None:
+    """Shares of the joint space near the families, where they are asked for."""
+    if how.within is None:
+        return None
+    return near_shares(families, problem, how.within, seed=how.seed, progress=partial(report, "shares"))
+
+
+def _known(derived: Conditions | None, robot: Robot) -> list[Family] | None:
+    """The derived families in the arm's own unit of length; None where nothing was derived."""
+    if derived is None:
+        return None
+    own = in_units(robot)
+    return [one.in_units(robot).as_family(own) for one in derived.families]
+
+
+def _finished(tables: Iterator[CorankFamilies]) -> tuple[list[CorankFamilies], bool]:
+    """The tables of the coranks that were done, and whether Ctrl-C let all of them be done."""
+    done: list[CorankFamilies] = []
+    try:
+        for table in tables:
+            done.append(table)
+    except KeyboardInterrupt:
+        return done, False
+    return done, True
 
 
 def _listed(robot: Robot, task: Task, tables: Sequence[CorankFamilies]) -> tuple[Family, ...]:

@@ -138,18 +138,31 @@ def _parts_of(out: Path) -> Path:
 def _read_or_make(
     robot: Robot, task: Task, plan: Plan, out: Path | None, budget: int, engine: Engine, tell: Report
 ) -> Covering:
-    if out is not None and out.is_file() and out.stat().st_size:
-        kept = load_covering(out, plan)
-        if kept is not None:
-            return kept
+    """The covering of a plan: that of the file, where one is finished there; else made, and written there."""
+    kept = None if out is None else _kept(out, plan)
+    if kept is not None:
+        return kept
     folder = None if out is None else _parts_of(out)
-    if plan.shape.leaves <= (_QUICK if plan.method == SPLIT else _QUICK_BY_ENCLOSURES) and engine.scheduler is None:
+    if _is_quick(plan) and engine.scheduler is None:
         engine = HERE
     found = covering(robot, task, plan, folder, budget, engine, tell)
     if found.complete and out is not None and folder is not None:
         write_covering(out, found)
         shutil.rmtree(folder, ignore_errors=True)
     return found
+
+
+def _kept(out: Path, plan: Plan) -> Covering | None:
+    """The finished covering of a file; None where the file is missing or empty, or of another plan."""
+    if not out.is_file() or not out.stat().st_size:
+        return None
+    return load_covering(out, plan)
+
+
+def _is_quick(plan: Plan) -> bool:
+    """Whether a covering takes less time than processes take to begin."""
+    most = _QUICK if plan.method == SPLIT else _QUICK_BY_ENCLOSURES
+    return plan.shape.leaves <= most
 
 
 def covering(

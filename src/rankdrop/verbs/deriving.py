@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import monotonic
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -80,15 +80,9 @@ def derived(
     begun = monotonic()
     work = Work(asked.seconds / SLOWER, asked.seed, progress)
     given = exact_chain(robot, task, lengths=asked.lengths)
-    if asked.basic is None:
-        basic = None
-    else:
-        basic = read_joints(asked.basic)
+    basic = None if asked.basic is None else read_joints(asked.basic)
     check_method(given, asked.method, basic=basic, frame=asked.frame)
-    if asked.coranks is None:
-        lowest = 0
-    else:
-        lowest = max(min(given.task.m, given.n) - asked.coranks, 0)
+    lowest = _lowest_rank(given, asked.coranks)
     left: list[str] = []
     nothing = Tree(generic_rank(given.own, given.own_task), complete=False)
     underived: _Derived = given, nothing, work, ()
@@ -127,7 +121,7 @@ def derived(
     assumed = _guarded(
         "the assumptions", lambda: _assumptions(chain, tree, lowest, work, left, derive=asked.special), assumed, left
     )
-    left += [assumption_text(one.text) for one in assumed if not one.holds]
+    left += _not_holding(assumed)
     check, over, misses = _cloud(chain, tree.generic_rank, lowest, found, asked.points, work, left)
     differing = list(first.disagreements)
     if not tree.complete:  # another method may have what the tree has not come to
@@ -142,10 +136,7 @@ def derived(
         generic_rank=tree.generic_rank,
         letters={name: float(value) for name, value in chain.letters.items()},
         shifts=tuple(float(x) for x in chain.shifts),
-        remarks=(
-            *chain.remarks, *following_texts(robot), *remarks, *misses,
-            *(one.text for one in structure_of(chain).near),
-        ),
+        remarks=(*chain.remarks, *following_texts(robot), *remarks, *misses, *_near_structures(chain)),
         method=first.method,
         reason=reason_text(first.reason),
         steps=steps,
@@ -163,6 +154,23 @@ def derived(
         limited=work.limited,
         settings=asked,
     )
+
+
+def _lowest_rank(chain: Chain, coranks: int | None) -> int:
+    """The rank down to which conditions are derived: all of them, or so many coranks."""
+    if coranks is None:
+        return 0
+    return max(min(chain.task.m, chain.n) - coranks, 0)
+
+
+def _not_holding(assumptions: Sequence[Assumption]) -> list[str]:
+    """Sentences on assumptions that the arm does not satisfy."""
+    return [assumption_text(one.text) for one in assumptions if not one.holds]
+
+
+def _near_structures(chain: Chain) -> list[str]:
+    """Sentences on special structures that the arm is near to."""
+    return [one.text for one in structure_of(chain).near]
 
 
 def posed_exactly(robot: Robot, task: Task, families: Sequence[ExactFamily]) -> tuple[ExactFamily, ...]:
@@ -220,17 +228,31 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> _Derived:
     broken = _broken(chain, work)
     if splits(chain, tree):
         broken += ("a condition has several factors for these lengths",)
-    if work.interrupted or not chain.letters or not (broken or _leaves_over(tree, optional=optional)):
+    if work.interrupted or not chain.letters:
         return chain, tree, work, ()
     if broken:
-        equal = _with_equal_lengths(chain, lowest, work)
-        if equal is not None:
-            return equal
+        return _with_equal_lengths(chain, lowest, work) or _without_letters(chain, lowest, broken, work)
+    if _leaves_over(tree, optional=optional):
+        return _decided_by_numbers(chain, tree, lowest, optional=optional, work=work)
+    return chain, tree, work, ()
+
+
+def _without_letters(chain: Chain, lowest: int, broken: Sequence[str], work: Work) -> _Derived:
+    """The rank tree with numbers, since conditions with letters do not hold for these lengths."""
+    plain, other, again = _with_numbers(chain, lowest, work)
+    return plain, other, again, tuple(f"{text}: derived with numbers" for text in broken)
+
+
+def _with_numbers(chain: Chain, lowest: int, work: Work) -> tuple[Chain, Tree, Work]:
+    """The chain with numbers for all lengths, its rank tree, and the work that is left."""
     plain, again = replace(chain, letters={}, written={}), work.again()
     with again.share(_TREE):
-        other = rank_tree(plain, again, lowest=lowest)
-    if broken:
-        return plain, other, again, tuple(f"{text}: derived with numbers" for text in broken)
+        return plain, rank_tree(plain, again, lowest=lowest), again
+
+
+def _decided_by_numbers(chain: Chain, tree: Tree, lowest: int, *, optional: bool, work: Work) -> _Derived:
+    """The rank tree with numbers where it decides more than the one with letters, else the latter."""
+    plain, other, again = _with_numbers(chain, lowest, work)
     if decided_by_numbers(chain, tree, other):
         return chain, replace(tree, unresolved=[]), work, ()  # what letters leave over is not there
     remark = _why_numbers(tree, other, again, optional=optional)
@@ -372,7 +394,6 @@ def _cloud(
     tested = agree = 0
     over: list[str] = []
     misses: list[str] = []
-    here = [family.in_units(chain.robot) for family in families]
     for corank in range(1, generic_rank - lowest + 1):
         if not points or work.interrupted:
             break
@@ -380,30 +401,52 @@ def _cloud(
             left.append(f"numeric configurations of corank {corank} and above: the processor's time ran out")
             break
         work.show("checks", corank - 1, generic_rank - lowest)
-        if corank == 1:
-            wanted = points
-        else:
-            wanted = max(points // 10, 1)
         try:
-            met = cloud(chain.own, chain.own_task, corank, wanted, work.seed)
+            met = cloud(chain.own, chain.own_task, corank, _wanted(points, corank), work.seed)
             if not len(met.q):
                 break
-            met = met.up_to(generic_rank - lowest)
-            equations = [family.equations for family in here if family.corank >= corank]
-            check, remaining = explained(met, equations)
-            wrong, sigma = near_misses(met, remaining, equations)
+            found = _on_families(chain, met.up_to(generic_rank - lowest), corank, families)
         except KeyboardInterrupt:
             work.interrupt()
             break
-        singular = check.tested - len(wrong)
-        tested, agree = tested + singular, agree + check.agree
-        remaining = np.setdiff1d(remaining, wrong)
-        if len(wrong):
-            misses.append(near_misses_text(corank, len(wrong), min(len(wrong), FOLLOWED), sigma, DIGITS))
-        if len(remaining):
-            one = out_of_units(chain.robot, met.q[remaining[0]])
-            over.append(on_no_family_text(corank, len(remaining), singular, one))
+        tested, agree = tested + found.check.tested, agree + found.check.agree
+        if found.wrong:
+            misses.append(near_misses_text(corank, found.wrong, min(found.wrong, FOLLOWED), found.sigma, DIGITS))
+        if len(found.off):
+            over.append(on_no_family_text(corank, len(found.off), found.check.tested, found.off[0]))
     return Check(tested, agree), over, misses
+
+
+class _OnFamilies(NamedTuple):
+    """How many points of a cloud lie on families.
+
+    Attributes:
+        check: of those that are singular.
+        off: (N, n) the singular ones on no family [rad, m].
+        wrong: how many are not singular.
+        sigma: the smallest σ next to these.
+    """
+
+    check: Check
+    off: Array
+    wrong: int
+    sigma: float
+
+
+def _on_families(chain: Chain, met: Cloud, corank: int, families: Sequence[ExactFamily]) -> _OnFamilies:
+    """Points of a cloud on the families of a corank or a larger one; those on none are followed with 50 digits."""
+    equations = [family.in_units(chain.robot).equations for family in families if family.corank >= corank]
+    check, remaining = explained(met, equations)
+    wrong, sigma = near_misses(met, remaining, equations)
+    off = out_of_units(chain.robot, met.q[np.setdiff1d(remaining, wrong)])
+    return _OnFamilies(Check(check.tested - len(wrong), check.agree), off, len(wrong), sigma)
+
+
+def _wanted(points: int, corank: int) -> int:
+    """How many numeric configurations a corank is tried with: all of them, or a tenth."""
+    if corank == 1:
+        return points
+    return max(points // 10, 1)
 
 
 def _sets_without_points(

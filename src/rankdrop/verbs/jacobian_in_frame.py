@@ -75,23 +75,16 @@ def link_jacobian(
     if not symbolic and q is None:
         raise OptionError("nothing is asked for", mend="closed forms: symbolic=True, or a configuration: q=…")
     chain = exact_chain(robot, task, lengths=lengths)
-    check_frame(chain, 1 if frame is None else frame, at)
-    if inverse and chain.n != chain.task.m:
-        raise OptionError(
-            "only a square Jacobian has an inverse", where=f"robot {robot.name!r}",
-            got=f"{chain.task.m} rows, {chain.n} joints", mend="a task with as many rows as joints",
-            typed="--task with as many rows as joints",
-        )  # fmt: skip
+    _check_asked(chain, frame, at, inverse=inverse)
     ordered = tuple(sizes(chain)) if symbolic else ()
-    k = frame or (next(link for _, link, point in ordered if point == at) if symbolic else 1)
-    rows: Sequence[Sequence[Polynomial]] = frame_jacobian(chain, k, at) if symbolic else ()
-    if symbolic and inverse:
-        closed = _inverse(chain, rows, seconds)
-    else:
-        closed = None
-    if q is None:
-        numbers = None
-    else:
+    k = frame or _shortest_frame(ordered, at)
+    rows: Sequence[Sequence[Polynomial]] = ()
+    closed = None
+    if symbolic:
+        rows = frame_jacobian(chain, k, at)
+        closed = _inverse(chain, rows, seconds) if inverse else None
+    numbers = None
+    if q is not None:
         numbers = _at(chain, one_configuration(robot, q), k, at, inverse)
     return LinkJacobian(
         robot=robot,
@@ -100,13 +93,29 @@ def link_jacobian(
         at=at,
         letters=chain.numbers,
         shifts=tuple(float(x) for x in chain.shifts),
-        rows=tuple(tuple(row) for row in rows),
+        rows=tuple(map(tuple, rows)),
         shortest=ordered,
         closed=closed,
         numbers=numbers,
         checks=tuple(_checks(chain, k, at, rows, closed, numbers)),
         chain=chain,
     )
+
+
+def _check_asked(chain: Chain, frame: int | None, at: int | None, *, inverse: bool) -> None:
+    """Refuse a link that the chain does not have, and an inverse of a matrix that is not square."""
+    check_frame(chain, 1 if frame is None else frame, at)
+    if inverse and chain.n != chain.task.m:
+        raise OptionError(
+            "only a square Jacobian has an inverse", where=f"robot {chain.robot.name!r}",
+            got=f"{chain.task.m} rows, {chain.n} joints", mend="a task with as many rows as joints",
+            typed="--task with as many rows as joints",
+        )  # fmt: skip
+
+
+def _shortest_frame(ordered: Sequence[tuple[int, int, int | None]], at: int | None) -> int:
+    """The link with the axes that make the closed form at a reference point shortest; 1 without closed forms."""
+    return next((link for _, link, point in ordered if point == at), 1)
 
 
 def numeric(chain: Chain, q: Array, k: int, at: int | None) -> Array:
@@ -174,33 +183,50 @@ def _checks(
     closed: ClosedInverse | None,
     numbers: Numbers | None,
 ) -> Iterator[Agreement]:
+    """Agreement of the closed forms with the numeric Jacobian, and of the inverses with the matrices."""
     if rows:
         places = list(out_of_units(chain.robot, sample(chain.own, chain.own_task, TRIED, 0)))
-        forms = [[single_angles(chain.ring, x) for x in row] for row in rows]
-        worst, gap = 0.0, 0.0
-        for q in places:
-            theta, wanted = q + chain.shifts, numeric(chain, q, k, at)
-            found = np.array([[number_at(form, theta, chain.numbers) for form in row] for row in forms])
-            worst = max(worst, float(np.abs(found - wanted).max() / np.abs(wanted).max()))
-            if closed is not None:
-                gap = max(gap, _gap(closed.entries, theta, chain.numbers, wanted))
+        matrices = [numeric(chain, q, k, at) for q in places]
+        worst = _largest_difference(chain, rows, places, matrices)
         yield Agreement(
             f"the closed form is the numeric Jacobian, turned, at {TRIED} random configurations", worst <= AGREE, worst
         )
         if closed is not None:
-            yield Agreement(
-                f"J · adj J = det J · 1 at {closed.agree} of {closed.tested} random points modulo 2^61 − 11913",
-                closed.agree == closed.tested, None,
-            )  # fmt: skip
-            yield Agreement(
-                f"the closed inverse times the numeric Jacobian is the identity at {TRIED} random configurations",
-                gap <= AGREE, gap,
-            )  # fmt: skip
+            yield from _checks_of_inverse(chain, closed, places, matrices)
     if numbers is not None and numbers.inverse is not None:
         worst = float(np.abs(numbers.inverse @ numbers.matrix - np.eye(len(numbers.q))).max())
         yield Agreement(
             "the inverse times the Jacobian is the identity at the configuration given", worst <= AGREE, worst
         )
+
+
+def _largest_difference(
+    chain: Chain, rows: Sequence[Sequence[Polynomial]], places: Sequence[Array], matrices: Sequence[Array]
+) -> float:
+    """Largest difference of closed and numeric Jacobians at places (n,), of the largest entry there."""
+    forms = [[single_angles(chain.ring, x) for x in row] for row in rows]
+    worst = 0.0
+    for q, matrix in zip(places, matrices, strict=True):
+        found = np.array([[number_at(form, q + chain.shifts, chain.numbers) for form in row] for row in forms])
+        worst = max(worst, float(np.abs(found - matrix).max() / np.abs(matrix).max()))
+    return worst
+
+
+def _checks_of_inverse(
+    chain: Chain, closed: ClosedInverse, places: Sequence[Array], matrices: Sequence[Array]
+) -> Iterator[Agreement]:
+    """Agreement of the closed inverse with the closed Jacobian modulo a prime, and with the numeric one at places."""
+    yield Agreement(
+        f"J · adj J = det J · 1 at {closed.agree} of {closed.tested} random points modulo 2^61 − 11913",
+        closed.agree == closed.tested, None,
+    )  # fmt: skip
+    gap = 0.0
+    for q, matrix in zip(places, matrices, strict=True):
+        gap = max(gap, _gap(closed.entries, q + chain.shifts, chain.numbers, matrix))
+    yield Agreement(
+        f"the closed inverse times the numeric Jacobian is the identity at {TRIED} random configurations",
+        gap <= AGREE, gap,
+    )  # fmt: skip
 
 
 def _gap(entries: Sequence[Sequence[Quotient]], theta: Array, letters: Mapping[str, float], matrix: Array) -> float:

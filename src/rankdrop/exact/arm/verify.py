@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from rankdrop.algebra.field import Point, random_point, rank, residue
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.geometry import Section
 from rankdrop.families.record import Check
 from rankdrop.robot.model import JointKind
 
@@ -63,46 +65,91 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
     up over the joints that a variable moves; then one for each row that the task leaves out.
     """
     prime = point.prime
-    turned = [[int(i == j) for j in range(3)] for i in range(3)]
-    place = [0, 0, 0]
+    frame = _Frame([[int(i == j) for j in range(3)] for i in range(3)], [0, 0, 0])
     found = [[0] * 6 for _ in range(chain.n)]
-    for number, section in enumerate(chain.sections, 1):
-        z = [row[2] for row in turned]
-        cosine, sine = residue(section.phase.cos, prime), residue(section.phase.sin, prime)
-        d = _length(chain, number - 1, "d", point)
-        variable, m = section.variable, residue(section.multiplier, prime)
-        if section.kind is JointKind.PRISMATIC:
-            d += m * point[f"q{variable}"]
-            screw = [*z, 0, 0, 0]
-        else:
-            screw = [*_moment(place, z, prime), *z]
-            c, s = point[f"c{variable}"], point[f"s{variable}"]
-            for _ in range(abs(int(section.multiplier))):
-                cosine, sine = _turned(cosine, sine, c, s if section.multiplier > 0 else -s, prime)
-        found[variable - 1] = [(x + m * y) % prime for x, y in zip(found[variable - 1], screw, strict=True)]
-        turned = _times(turned, [[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]], prime)
-        a = _length(chain, number - 1, "a", point)
-        place = [(place[i] + d * z[i] + a * turned[i][0]) % prime for i in range(3)]
-        cosine, sine = residue(section.twist.cos, prime), residue(section.twist.sin, prime)
-        turned = _times(turned, [[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]], prime)
+    for number, section in enumerate(chain.sections):
+        screw = _screw(frame, section, prime)
+        variable, m = section.variable - 1, residue(section.multiplier, prime)
+        found[variable] = [(x + m * y) % prime for x, y in zip(found[variable], screw, strict=True)]
+        frame = _next_frame(chain, frame, number, section, point)
     left_out = sorted({*range(6)} - {*chain.task.rows})
     if left_out:
-        last = chain.links
-        tip = [_length(chain, last, "a", point), residue(chain.tip[1], prime), _length(chain, last, "d", point)]
-        place = [(place[i] + sum(turned[i][k] * tip[k] for k in range(3))) % prime for i in range(3)]
-    for row in left_out:
-        along = [residue(x, prime) for x in chain.task_axes[row % 3]]
-        if chain.in_body:
-            axis = [sum(turned[i][k] * along[k] for k in range(3)) % prime for i in range(3)]
-        else:
-            axis = along
-        found.append([*_moment(place, axis, prime), *axis] if row > 2 else [*axis, 0, 0, 0])
+        tip = _tip(chain, frame, point)
+        found += [_screw_of_row(chain, frame, tip, row, prime) for row in left_out]
     return found
 
 
-def _turned(cosine: int, sine: int, c: int, s: int, prime: int) -> tuple[int, int]:
-    """(cos, sin) of the sum of two angles."""
-    return (c * cosine - s * sine) % prime, (s * cosine + c * sine) % prime
+@dataclass(frozen=True)
+class _Frame:
+    """A frame of the chain, in the frame before joint 1.
+
+    Attributes:
+        turn: (3, 3) its axes as columns, residues.
+        origin: (3,) residues.
+    """
+
+    turn: list[list[int]]
+    origin: list[int]
+
+
+def _screw(frame: _Frame, section: Section, prime: int) -> list[int]:
+    """(v; ω) of a joint that moves by one unit about or along the z axis of its frame."""
+    z = [row[2] for row in frame.turn]
+    if section.kind is JointKind.PRISMATIC:
+        return [*z, 0, 0, 0]
+    return [*_moment(frame.origin, z, prime), *z]
+
+
+def _next_frame(chain: Chain, frame: _Frame, number: int, section: Section, point: Point) -> _Frame:
+    """The frame behind a section (from 0): turned and moved along z, then moved and turned along the new x axis."""
+    prime = point.prime
+    z = [row[2] for row in frame.turn]
+    d = _length(chain, number, "d", point)
+    if section.kind is JointKind.PRISMATIC:
+        d += residue(section.multiplier, prime) * point[f"q{section.variable}"]
+    cosine, sine = _angle(section, point)
+    turn = _times(frame.turn, [[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]], prime)
+    a = _length(chain, number, "a", point)
+    origin = [(frame.origin[i] + d * z[i] + a * turn[i][0]) % prime for i in range(3)]
+    cosine, sine = residue(section.twist.cos, prime), residue(section.twist.sin, prime)
+    return _Frame(_times(turn, [[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]], prime), origin)
+
+
+def _angle(section: Section, point: Point) -> tuple[int, int]:
+    """(cos, sin) of the angle about z: the phase, and of a turning joint a whole multiple of its variable."""
+    prime = point.prime
+    cosine, sine = residue(section.phase.cos, prime), residue(section.phase.sin, prime)
+    if section.kind is JointKind.PRISMATIC:
+        return cosine, sine
+    c, s = point[f"c{section.variable}"], point[f"s{section.variable}"]
+    if section.multiplier < 0:
+        s = -s
+    for _ in range(abs(int(section.multiplier))):
+        cosine, sine = (c * cosine - s * sine) % prime, (s * cosine + c * sine) % prime
+    return cosine, sine
+
+
+def _tip(chain: Chain, frame: _Frame, point: Point) -> list[int]:
+    """(3,) the tip, given the frame behind the last section."""
+    prime, last = point.prime, chain.links
+    offset = [_length(chain, last, "a", point), residue(chain.tip[1], prime), _length(chain, last, "d", point)]
+    moved = _applied(frame.turn, offset, prime)
+    return [(x + y) % prime for x, y in zip(frame.origin, moved, strict=True)]
+
+
+def _screw_of_row(chain: Chain, frame: _Frame, tip: list[int], row: int, prime: int) -> list[int]:
+    """(v; ω) of the motion that a row of the task would measure: along an axis, or about it through the tip."""
+    axis = [residue(x, prime) for x in chain.task_axes[row % 3]]
+    if chain.in_body:
+        axis = _applied(frame.turn, axis, prime)
+    if row > 2:
+        return [*_moment(tip, axis, prime), *axis]
+    return [*axis, 0, 0, 0]
+
+
+def _applied(turn: list[list[int]], vector: list[int], prime: int) -> list[int]:
+    """A vector turned."""
+    return [sum(x * y for x, y in zip(row, vector, strict=True)) % prime for row in turn]
 
 
 def _moment(point: list[int], axis: list[int], prime: int) -> list[int]:

@@ -267,3 +267,9 @@ def test_a_set_that_binds_every_joint_of_the_matrix_is_not_cut_again(monkeypatch
     assert found.complete
     assert given
     assert planted.key not in given
+
+
+def test_a_tree_that_is_not_wanted_ends_after_one_set() -> None:
+    tree = rank_tree(exact_chain(open_robot("puma560")), Work(60.0), unwanted=lambda: True)
+    assert not tree.complete
+    assert tree.visited == 1

@@ -27,6 +27,7 @@ from rankdrop.algebra.solving import (
     factors,
     linear,
     nowhere,
+    only_curves,
     pairs,
     put,
     remainder,
@@ -241,6 +242,9 @@ def _several(
         found = _from_three(ring, pins, system, work)
         if found is not None:
             return found
+        found = _curves_alone(ring, pins, system, work)
+        if found is not None:
+            return found
     base, tops = _tower(ring, system)
     if tops and len(base) == 2 and len(system) <= most:
         one = ZeroSet(ring, pins, rest=(*base, *tops), equations=tuple(system))
@@ -301,6 +305,22 @@ def _from_three(ring: Ring, pins: dict[int, str], system: list[Polynomial], work
 
 
 _TRIPLES = 3  # of conditions that are tried
+
+
+def _curves_alone(ring: Ring, pins: dict[int, str], system: list[Polynomial], work: Work) -> list[ZeroSet] | None:
+    """The sets of codimension 2 of a system that has no others of codimension 3; None where that is not proven.
+
+    Minors of a matrix are such a system: three of them may vanish on a set of codimension 2.
+    """
+    places = _variables(ring, system)
+    for f, g in combinations(sorted(system, key=len), 2):
+        if _variables(ring, [f, g]) >= places:
+            work.check()
+            found = _held(ring, pins, system, [f, g])
+            if found.samples and only_curves(system, ring.moving, work.lengths):
+                return [found]
+            break
+    return None
 
 
 def _tops(ring: Ring, base: list[Polynomial], system: list[Polynomial], count: int) -> list[Polynomial]:

@@ -17,13 +17,14 @@ from functools import reduce
 from itertools import chain, combinations, permutations
 from math import prod
 
-from rankdrop.algebra.field import dense, reduced, residue, roots, solvable_in_space
+from rankdrop.algebra.field import dense, plane_size, reduced, residue, roots, solvable_in_space
 from rankdrop.algebra.polynomial import (
     PRIMES,
     Atom,
     Polynomial,
     coefficients,
     flint,
+    image_modulo,
     norm,
     primes_with,
     primitive,
@@ -338,6 +339,63 @@ def nowhere(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fra
     return False
 
 
+_SHEARED = 1_500  # terms that a resultant of two sheared conditions may have
+
+
+def only_curves(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fraction]) -> bool:
+    """Whether three or four conditions are proven to have no piece of codimension 3 beside those of codimension 2.
+
+    On slices in every three of the variables the pieces of codimension 2 are curves, the others points. Along a random
+    direction no such point lies over the curves' projection c: at its projection c ≠ 0, and the resultants of any two
+    conditions vanish, so these without their common factors do. All is done modulo a prime. False, too, where the
+    resultants would be too long.
+    """
+    places = sorted({place for f in system for place in used(f) if place < moving})
+    if len(places) < 3 or not 2 < len(system) < 5:
+        return False
+    prime = primes_with(roots_in(system[0]))[0]
+    rng = random.Random(_SEED)
+    values = dict(residues_of_roots(roots_in(system[0]), prime) or {})
+    for name in system[0].context().names():
+        if name in lengths:
+            values.setdefault(name, residue(lengths[name], prime))
+        values.setdefault(name, rng.randrange(prime))
+    images = [image_modulo(f, residues_of_roots(roots_in(f), prime) or {}, prime) for f in system]
+    return all(_only_curves_on(images, chosen, values, rng) for chosen in combinations(places, 3))
+
+
+def _only_curves_on(
+    images: Sequence[Polynomial], chosen: Sequence[int], values: Mapping[str, int], rng: random.Random
+) -> bool:
+    """`only_curves` on one slice, in three variables; the others have these values."""
+    names = list(map(str, images[0].context().names()))
+    prime = int(images[0].context().modulus())
+    context = flint().nmod_mpoly_ctx.get(list("xyz"), prime, flint().Ordering.lex)
+    others = {name: values[name] for place, name in enumerate(names) if place not in chosen}
+    degrees = {place: max(int(f.degrees()[place]) for f in images) for place in chosen}
+    ordered = sorted(chosen, key=lambda place: degrees[place])  # short resultants: x and y are those of low degrees
+    x, y, _ = context.gens()
+    turned = (x, y + rng.randrange(1, prime) * x, context.gens()[2])
+    forms = []
+    for f in images:
+        here = f.subs(others).to_dict().items()
+        form = context.from_dict({tuple(int(e[place]) for place in ordered): int(c) for e, c in here})
+        forms.append(form.compose(*turned, ctx=context))
+    pairs_of = list(combinations(forms, 2))
+    if any(f == 0 for f in forms) or any(plane_size(f, g, 0) > _SHEARED for f, g in pairs_of):
+        return False
+    tick(sum(500 + 100 * plane_size(f, g, 0) for f, g in pairs_of))
+    planes = [f.resultant(g, "x") for f, g in pairs_of]
+    if any(f == 0 for f in planes):
+        return False
+    curves = _common(planes)
+    beside = sorted((_without(f, curves) for f in planes), key=lambda f: int(f.total_degree()))
+    if beside[0].is_constant():
+        return True
+    lines = [f for f in _all_resultants(beside, 1) if f != 0]
+    return bool(lines) and _without(_common(lines), 1 + context.gens()[2] ** 2).is_constant()
+
+
 def _all_resultants(polynomials: Sequence[Polynomial], place: int) -> list[Polynomial]:
     """Those without one of x, y, z, and the resultants in it of the first that has it with each other one."""
     inside = sorted((f for f in polynomials if f.degrees()[place]), key=len)
@@ -384,7 +442,7 @@ def _zeros(
     sliced = sorted(
         (reduced(f, prime).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree())
     )
-    tick(sum(100 + 8 * len(f) for f in system) + (dimension - 1) * len(sliced[0]) * sum(map(len, sliced)))
+    tick(sum(100 + 8 * len(f) for f in system))
     return (_zero_on_line if dimension == 1 else _zero_in_plane)(sliced, circles, prime)
 
 
@@ -404,17 +462,25 @@ def _zero_in_plane(sliced: Sequence[Polynomial], circles: Sequence[Polynomial], 
     if len(sliced) < 2:
         return True
     first = sliced[0]
-    common = _common([first.resultant(f, "y") for f in sliced[1:]])
+    edges = [first.resultant(circle, "y") for circle in circles]
+    common = first * 0
+    for f in sliced[1:]:
+        tick(len(first) * len(f))
+        common = common.gcd(first.resultant(f, "y"))
+        if common == 0:
+            continue
+        for edge in edges:
+            common = _without(common, edge)
+        if common.is_constant():  # the further conditions cannot change that
+            return False
     if common == 0:
         return True
-    for circle in circles:
-        if not common.is_constant():
-            common = _without(common, first.resultant(circle, "y"))
-    if not common.is_constant():  # a zero of the first with each of the others need not be one of all
-        others = [f.resultant(g, "y") for f, g in combinations(sliced[1:], 2)]
-        common = _common([common, *(both for both in others if both != 0)])
-    if common.is_constant():
-        return False
+    for f, g in combinations(sliced[1:], 2):  # a zero of the first with each of the others need not be one of all
+        both = f.resultant(g, "y")
+        if both != 0:
+            common = common.gcd(both)
+        if common.is_constant():
+            return False
     for at in roots(dense(common, 0), prime):
         there = _common([flint().nmod_poly(dense(f.subs({"x": at}), 1), prime) for f in sliced])
         if there.degree() > 0 and roots([int(value) for value in there.coeffs()], prime):

@@ -278,13 +278,22 @@ class Tree:
         return self.complete and not self.unresolved and not self.without_points
 
 
-def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
+class Unwanted(Exception):
+    """What is derived would not be used."""
+
+
+def _never() -> bool:
+    return False
+
+
+def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[], bool] = _never) -> Tree:
     """Find all sets on which rank J ≤ r, for every r from the generic rank − 1 down to `lowest`.
 
     Args:
         chain: the arm.
         work: deadline and random points; assumptions on lengths are noted there.
         lowest: drops to this rank are the last ones looked for.
+        unwanted: asked after each set; where it says so the tree ends there, incomplete.
 
     Returns:
         Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
@@ -304,7 +313,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
         waiting = [whole]
         try:
             with work.share(1.0 if order == lowest + 1 else _STAGE), watched(work.check):
-                _explore(columns, order, waiting, found, tree, work)
+                _explore(columns, order, waiting, found, tree, work, unwanted)
         except (Exception, KeyboardInterrupt) as stop:  # whatever fails leaves this open: the search does not need it
             tree.complete = False
             if isinstance(stop, Exception):
@@ -317,6 +326,8 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
             )
             if isinstance(stop, KeyboardInterrupt):
                 work.interrupt()
+                break
+            if isinstance(stop, Unwanted):
                 break
         if not any(drop.rank < order for drop in found):
             break
@@ -339,7 +350,13 @@ def largest(drops: Sequence[Drop]) -> list[Drop]:
 
 
 def _explore(
-    columns: list[list[Polynomial]], order: int, waiting: list[ZeroSet], drops: list[Drop], tree: Tree, work: Work
+    columns: list[list[Polynomial]],
+    order: int,
+    waiting: list[ZeroSet],
+    drops: list[Drop],
+    tree: Tree,
+    work: Work,
+    unwanted: Callable[[], bool],
 ) -> None:
     """Find the sets on which the rank is lower than `order`, and append them to `found`.
 
@@ -378,6 +395,8 @@ def _explore(
         work.without_points.clear()
         waiting.remove(piece)
         tree.visited += 1
+        if unwanted():
+            raise Unwanted
     if too_long:
         waiting += [piece for piece, _ in too_long]
         raise too_long[0][1]

@@ -193,6 +193,20 @@ def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
     )
 
 
+def _turns_out_broken(chain: Chain, work: Work) -> Callable[[], bool]:
+    """A function that says whether `_broken` has anything to tell so far; assumptions are looked at once."""
+    known: set[str] = set()
+
+    def broken() -> bool:
+        if not chain.letters:
+            return False
+        fresh = [key for key in work.assumed if key not in known]
+        known.update(fresh)
+        return work.special or any(sign_of(chain, work.assumed[key]) == 0 for key in fresh)
+
+    return broken
+
+
 def _with_equal_lengths(chain: Chain, lowest: int, work: Work) -> _Derived | None:
     """The rank tree with one letter for lengths that are equal; None where that takes too long, or does not hold."""
     special = with_equal_lengths(chain)
@@ -200,7 +214,7 @@ def _with_equal_lengths(chain: Chain, lowest: int, work: Work) -> _Derived | Non
         return None
     again = work.again()
     with again.share(_LETTERS):
-        tree = rank_tree(special, again, lowest=lowest)
+        tree = rank_tree(special, again, lowest=lowest, unwanted=_turns_out_broken(special, again))
     if not tree.finished or _broken(special, again) or splits(special, tree):
         return None
     return special, tree, again, (equal_lengths_text(_equal_lengths(chain, special)),)
@@ -224,7 +238,7 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> _Derived:
     """
     optional = optional and bool(chain.letters)
     with work.share(_LETTERS if optional else _TREE):
-        tree = rank_tree(chain, work, lowest=lowest)
+        tree = rank_tree(chain, work, lowest=lowest, unwanted=_turns_out_broken(chain, work))
     broken = _broken(chain, work)
     if splits(chain, tree):
         broken += ("a condition has several factors for these lengths",)

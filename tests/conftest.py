@@ -21,6 +21,7 @@ from rankdrop.results import known as known_exact
 
 Report = pytest.TestReport | pytest.CollectReport
 
+gc.disable()  # until all tests are collected: what is made until then stays
 settings.register_profile("same-every-run", derandomize=True, deadline=None, max_examples=50)
 settings.load_profile("same-every-run")
 
@@ -71,6 +72,8 @@ def pytest_collection_finish() -> None:
     """Ten thousand tests stay until the end: the garbage collector need not look through them again and again."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)  # syntax trees and polynomials are many objects and no garbage
+    gc.enable()
 
 
 REQUIRED = os.environ.get("RANKDROP_REQUIRE_ALL", "")

@@ -74,7 +74,6 @@ def counted() -> tuple[dict[str, tuple[int, int, int, int]], Counter[str]]:
     return {room: tuple(one[name] for name in names) for room, one in rooms.items()}, sum(rooms.values(), Counter())
 
 
-@pytest.mark.slow
 def test_each_room_has_bounds() -> None:
     assert set(counted()[0]) == set(BOUNDS)
 

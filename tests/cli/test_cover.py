@@ -42,6 +42,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
     return once
 
 
+@pytest.mark.slow
 def test_known_families_explain_every_box() -> None:
     for name in ("ur5", "puma560"):
         found = cover(open_robot(name), width=0.4)

@@ -110,6 +110,7 @@ def test_an_arm_in_millimetres_has_the_same_distances() -> None:
     assert one.distance("", 5, (0.0,)).kept_from == pytest.approx(other.distance("", 5, (0.0,)).kept_from, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_a_budget_that_is_spent_is_said_and_what_it_gives_is_larger() -> None:
     short, whole = (region_of("irb120", span=FEW, budget=budget).distance("", 5, (0.0,)) for budget in (200, 50_000))
     assert short.spent

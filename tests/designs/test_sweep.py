@@ -169,6 +169,7 @@ def test_a_number_of_a_urdf_is_replaced() -> None:
     assert not np.allclose(tilted.joints[1].frame[:3, :3], before.joints[1].frame[:3, :3])
 
 
+@pytest.mark.slow
 def test_variants_of_every_kind_and_their_order() -> None:
     two = {"robot": "planar3r", "parameters": {"a": {"sets": "1.a", "lower": 0.5, "upper": 1.5},
                                                "b": {"sets": "2.a", "lower": "100 mm", "upper": 0.5}},

@@ -92,6 +92,7 @@ def test_a_chunk_that_workers_die_of_is_told() -> None:
         made(job("dies"), 2)
 
 
+@pytest.mark.slow
 def test_errors_of_the_work_arrive_as_they_were() -> None:
     with pytest.raises(RankdropError, match=r"chunk 0: it is refused; got 5; allowed: nothing"):
         made(job("refuses"))
@@ -99,6 +100,7 @@ def test_errors_of_the_work_arrive_as_they_were() -> None:
         made(job("breaks", chunks=1))
 
 
+@pytest.mark.slow
 def test_what_the_work_prints_is_not_its_answer(truth: list[tuple[int, bytes]]) -> None:
     assert made(job("talks")) == truth
 
@@ -131,6 +133,7 @@ def test_a_folder_of_another_job_is_refused(tmp_path: Path) -> None:
         progress_of(tmp_path / "nothing")
 
 
+@pytest.mark.slow
 def test_a_full_disk_loses_nothing_that_was_finished(
     truth: list[tuple[int, bytes]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

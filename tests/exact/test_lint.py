@@ -175,6 +175,7 @@ def test_what_could_not_be_decided_is_told():
     assert checked("s2", "planar2r").complete
 
 
+@pytest.mark.slow
 def test_the_deadline_holds():
     chain, pieces = singular("puma560")
     with pytest.raises(OutOfTime):

@@ -251,6 +251,7 @@ def test_a_long_name_is_shortened_and_stays_the_only_one(names: list[FamilyName]
     assert all(want in (None, got) for want, got in zip(expected, short, strict=True))
 
 
+@pytest.mark.slow
 def test_a_name_of_very_many_details_is_shortened_at_once() -> None:
     sets = tuple(Dependence(Common.DEPENDENT_SCREWS, (i, i + 1, i + 2)) for i in range(59))
     (short,) = shortened([FamilyName(details=sets)])

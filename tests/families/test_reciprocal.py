@@ -149,6 +149,7 @@ def test_an_arm_in_millimetres_has_the_same_ones():
     np.testing.assert_allclose(one[:, turns], big[:, turns], atol=1e-7)
 
 
+@pytest.mark.slow
 def test_random_arms_have_them_too_and_searching_from_them_stays():
     for seed, kinds in ((1, "rrrrrr"), (2, "rrrrrrr"), (3, "rprrrr")):
         robot = arms.random_chain(np.random.default_rng(seed), kinds)

@@ -75,6 +75,7 @@ def test_plain_data_and_bytes_come_back() -> None:
     assert run_limited(chatter, file="f", parser="P") == 3  # what a parser prints is no answer
 
 
+@pytest.mark.slow
 def test_errors_come_back_in_the_type_that_is_wanted() -> None:
     with pytest.raises(RobotError, match="here: no arm; allowed: an arm"):
         run_limited(refuse, file="f", parser="P")
@@ -103,6 +104,7 @@ def test_nothing_is_written(tmp_path: Path) -> None:
         run_limited(write, str(tmp_path / "x"), file="f", parser="P")
 
 
+@pytest.mark.slow
 @ON_LINUX
 def test_the_network_is_out_of_reach() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:

@@ -112,6 +112,7 @@ def test_eq_15_points_lie_on_rows_with_joint_4_straight(analysis, rng):
     assert np.mean(explained) == 1.0
 
 
+@pytest.mark.slow
 def test_every_fresh_point_is_explained_or_shown_as_unexplained(analysis):
     summary = analysis.coranks[0]
     assert summary.completeness.tested >= 1000

@@ -69,6 +69,7 @@ def meddle(monkeypatch: pytest.MonkeyPatch) -> Any:
     return with_change
 
 
+@pytest.mark.slow
 def test_points_on_no_derived_family_are_listed_without_a_name_and_end_with_code_3(
     meddle: Any, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -123,6 +124,7 @@ def test_a_dimension_too_large_is_a_contradiction(meddle: Any) -> None:
     assert found.verdict.word == "contradicted"
 
 
+@pytest.mark.slow
 def test_conditions_that_no_configuration_satisfies_are_a_contradiction(meddle: Any) -> None:
     meddle(lambda exact: [replace(one, pins=(AnglePin(2, ("pi/2",)),)) for one in exact])
     found = analyze(open_robot("planar3r"), starts=200)

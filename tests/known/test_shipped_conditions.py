@@ -108,6 +108,7 @@ def test_a_damaged_record_is_refused(key: str) -> None:
         from_stored({**record, "schema": "rankdrop/conditions/99"}, robot, task)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("stored")
 def test_the_plain_question_is_answered_from_the_shelf_and_no_other() -> None:
     robot = open_robot("scara")

@@ -182,6 +182,7 @@ def test_a_spare_joint_leaves_the_tool_where_it_is() -> None:
     assert np.degrees(np.abs(best.trajectory.q - q).max()) > 0.8
 
 
+@pytest.mark.slow
 def test_a_path_that_stays_on_the_other_side_has_no_bump_and_says_why() -> None:
     q, t = crossing("irb120", 1000)
     found = mend_path(rankdrop.check_path(open_robot("irb120"), q, t), kinds=("bump",))
@@ -211,6 +212,7 @@ def test_the_tool_is_led_around_what_the_joints_have_to_cross(name: str) -> None
     assert max(np.linalg.norm(dense - point, axis=1).min() for point in new) < best.off[0] + 2e-3
 
 
+@pytest.mark.slow
 def test_a_detour_of_two_rows_keeps_the_tool_between_them() -> None:
     """Rows are put in after the window: straight from its end to the last row the tool would leave its path far."""
     robot = open_robot("planar3r")

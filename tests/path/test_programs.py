@@ -152,6 +152,7 @@ def test_lines_that_are_not_read_are_listed_with_their_reason(file: str, expecte
     assert skipped(read_program(DATA / file)) == expected
 
 
+@pytest.mark.slow
 def test_fanuc_counts_joint_3_from_the_horizontal_and_z_from_axis_2() -> None:
     """The forearm keeps its direction while J2 moves alone; the world frame is at the height of axis 2."""
     arm = open_robot("lrmate200id")

@@ -73,6 +73,7 @@ def test_an_arm_without_such_a_picture_says_why(name: str, why: str) -> None:
         aspect_maps(*count_of_arm(arm, resolve_task(None, arm)))
 
 
+@pytest.mark.slow
 def test_nothing_stands_on_another_text_and_the_legend_beside_the_maps() -> None:
     drawn = aspects_figure(aspects_of(open_robot("ur5e"), poses=1, most=1, starts=50))
     FigureCanvasAgg(drawn).draw()

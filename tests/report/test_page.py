@@ -166,6 +166,7 @@ def test_conditions_are_typeset(latex: str, parts: list[str]) -> None:
     assert "\\" not in found
 
 
+@pytest.mark.slow
 def test_every_turn_is_told_in_degrees() -> None:
     text = text_of("stanford")
     assert "rad, m]" not in text

@@ -183,6 +183,7 @@ def test_lines_are_right_after_a_text_of_several_lines() -> None:
         read(text)
 
 
+@pytest.mark.slow
 @given(st.text(max_size=60))
 def test_any_text_gives_a_robot_or_a_robot_error(text: str) -> None:
     with suppress(RobotError):

@@ -103,6 +103,7 @@ def test_the_command_that_is_shared_opens_the_same_arm_with_its_tool() -> None:
     assert _command("ur5e", ArmOptions(), None, None) == "rankdrop view ur5e"
 
 
+@pytest.mark.slow
 def test_sliders_end_at_numbers_that_can_be_read() -> None:
     arm = open_robot("panda")  # −166.003062° … 166.003062°
     made = Viewer(arm, resolve_task(None, arm), Wishes(port=0))

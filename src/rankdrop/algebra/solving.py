@@ -315,7 +315,7 @@ def nowhere(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fra
     Where they have one so have the resultants of any two of them, and those of these, in one variable alone. Zeros with
     1 + t² = 0 do not count. False, too, where the resultants would be too long.
     """
-    places = sorted({place for f in system for place in used(f) if place < moving})
+    places = [place for place in sorted(set().union(*map(used, system))) if place < moving]
     if len(places) != 3 or len(system) < 4 or not solvable_in_space(system, moving):
         return False
     prime, module, names = PRIMES[0], flint(), system[0].context().names()
@@ -343,44 +343,61 @@ _SHEARED = 1_500  # terms that a resultant of two sheared conditions may have
 
 
 def only_curves(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fraction]) -> bool:
-    """Whether three or four conditions are proven to have no piece of codimension 3 beside those of codimension 2.
+    """Whether three or four conditions are proven to have no piece of codimension 3, only pieces of codimension 2.
 
     On slices in every three of the variables the pieces of codimension 2 are curves, the others points. Along a random
     direction no such point lies over the curves' projection c: at its projection c ≠ 0, and the resultants of any two
     conditions vanish, so these without their common factors do. All is done modulo a prime. False, too, where the
     resultants would be too long.
     """
-    places = sorted({place for f in system for place in used(f) if place < moving})
+    places = [place for place in sorted(set().union(*map(used, system))) if place < moving]
     if len(places) < 3 or not 2 < len(system) < 5:
         return False
     prime = primes_with(roots_in(system[0]))[0]
     rng = random.Random(_SEED)
-    values = dict(residues_of_roots(roots_in(system[0]), prime) or {})
-    for name in system[0].context().names():
+    values = _values_modulo(system[0], lengths, prime, rng)
+    images = [image_modulo(f, residues_of_roots(roots_in(f), prime) or {}, prime) for f in system]
+    return all(_only_curves_on(images, chosen, values, rng) for chosen in combinations(places, 3))
+
+
+def _slice_forms(
+    images: Sequence[Polynomial], chosen: Sequence[int], values: Mapping[str, int], rng: random.Random
+) -> list[Polynomial]:
+    """The conditions on a slice in x, y, z, of which x and y are those of low degrees, turned to a random direction."""
+    names = list(map(str, images[0].context().names()))
+    prime = int(images[0].context().modulus())
+    context = flint().nmod_mpoly_ctx.get(list("xyz"), prime, flint().Ordering.lex)
+    others = {name: values[name] for place, name in enumerate(names) if place not in chosen}
+    degrees = {place: max(int(f.degrees()[place]) for f in images) for place in chosen}
+    ordered = sorted(chosen, key=lambda place: degrees[place])  # short resultants
+    x, y, z = context.gens()
+    turned = (x, y + rng.randrange(1, prime) * x, z)
+    forms = []
+    for f in images:
+        terms = {}
+        for exponents, coefficient in f.subs(others).to_dict().items():
+            terms[tuple(int(exponents[place]) for place in ordered)] = int(coefficient)
+        forms.append(context.from_dict(terms).compose(*turned, ctx=context))
+    return forms
+
+
+def _values_modulo(
+    f: Polynomial, lengths: Mapping[str, Fraction], prime: int, rng: random.Random
+) -> dict[str, int]:
+    """Each variable of a polynomial modulo a prime: roots and lengths as they are, all others at random."""
+    values = dict(residues_of_roots(roots_in(f), prime) or {})
+    for name in f.context().names():
         if name in lengths:
             values.setdefault(name, residue(lengths[name], prime))
         values.setdefault(name, rng.randrange(prime))
-    images = [image_modulo(f, residues_of_roots(roots_in(f), prime) or {}, prime) for f in system]
-    return all(_only_curves_on(images, chosen, values, rng) for chosen in combinations(places, 3))
+    return values
 
 
 def _only_curves_on(
     images: Sequence[Polynomial], chosen: Sequence[int], values: Mapping[str, int], rng: random.Random
 ) -> bool:
     """`only_curves` on one slice, in three variables; the others have these values."""
-    names = list(map(str, images[0].context().names()))
-    prime = int(images[0].context().modulus())
-    context = flint().nmod_mpoly_ctx.get(list("xyz"), prime, flint().Ordering.lex)
-    others = {name: values[name] for place, name in enumerate(names) if place not in chosen}
-    degrees = {place: max(int(f.degrees()[place]) for f in images) for place in chosen}
-    ordered = sorted(chosen, key=lambda place: degrees[place])  # short resultants: x and y are those of low degrees
-    x, y, _ = context.gens()
-    turned = (x, y + rng.randrange(1, prime) * x, context.gens()[2])
-    forms = []
-    for f in images:
-        here = f.subs(others).to_dict().items()
-        form = context.from_dict({tuple(int(e[place]) for place in ordered): int(c) for e, c in here})
-        forms.append(form.compose(*turned, ctx=context))
+    forms = _slice_forms(images, chosen, values, rng)
     pairs_of = list(combinations(forms, 2))
     if any(f == 0 for f in forms) or any(plane_size(f, g, 0) > _SHEARED for f, g in pairs_of):
         return False
@@ -393,7 +410,10 @@ def _only_curves_on(
     if beside[0].is_constant():
         return True
     lines = [f for f in _all_resultants(beside, 1) if f != 0]
-    return bool(lines) and _without(_common(lines), 1 + context.gens()[2] ** 2).is_constant()
+    if not lines:
+        return False
+    z = lines[0].context().gens()[2]
+    return bool(_without(_common(lines), 1 + z**2).is_constant())
 
 
 def _all_resultants(polynomials: Sequence[Polynomial], place: int) -> list[Polynomial]:

@@ -279,7 +279,7 @@ class Tree:
 
 
 class Unwanted(Exception):
-    """What is derived would not be used."""
+    """The derived conditions would not be used."""
 
 
 def _never() -> bool:

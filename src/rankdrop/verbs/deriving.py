@@ -194,7 +194,7 @@ def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
 
 
 def _turns_out_broken(chain: Chain, work: Work) -> Callable[[], bool]:
-    """A function that says whether `_broken` has anything to tell so far; assumptions are looked at once."""
+    """A function that says whether `_broken` has anything to tell so far; assumptions are read once."""
     known: set[str] = set()
 
     def broken() -> bool:

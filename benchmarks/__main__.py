@@ -36,10 +36,13 @@ GROUPS = {
     "paths": ("path", "cover", "certify", "soundness"),
     "commands": ("commands", "earlier", "explain", "directions", "viewer", "sweep"),
     "growth": ("growth",),
-    "advice": ("jog",),
+    "advice": ("jog", "names"),
+    "programs": ("tool_lines", "branches", "mended"),
+    "aspects": ("aspects",),
 }
 """The scripts of each group: linear algebra of the Jacobian, singular configurations, exact conditions, what is
-proven of paths and regions, whole commands and verbs, growth, and whether advice holds."""
+proven of paths and regions, whole commands and verbs, growth, whether advice holds, tool paths and programs, numbers of
+aspects."""
 
 
 def run(script: str, quick: bool) -> dict[str, Any]:

@@ -12,10 +12,12 @@ from __future__ import annotations
 
 import argparse
 import re
+import time
 from collections import Counter
 from math import ceil
 from textwrap import wrap
 
+import measure  # first: sets the number of threads
 import numpy as np
 
 from rankdrop.families.points import members
@@ -58,30 +60,56 @@ def faults(found: Analysis, q: Array) -> tuple[list[str], str]:
     return wrong, lines[0]
 
 
+def judged(name: str, count: int) -> tuple[measure.Row, list[str]]:
+    """The row of an arm, and a line for each summary that fails."""
+    found = shipped(name)
+    failed: Counter[str] = Counter()
+    lines = []
+    begun = time.process_time()
+    chosen = configurations(found, count)
+    for q in chosen:
+        wrong, line = faults(found, q)
+        failed.update(wrong)
+        if wrong:
+            lines.append(f"{name}: {', '.join(wrong)}: {line}  q = {np.round(q, 4).tolist()}")
+    return row_of(name, len(chosen), failed, time.process_time() - begun), lines
+
+
+def row_of(arm: str, tested: int, failed: Counter[str], seconds: float, *, claimed: bool = False) -> measure.Row:
+    """Numbers of one arm, or of all."""
+    named = 1.0 - failed["no part"] / tested if tested else 1.0
+    return {"arm": arm, "configurations": tested, "share": named, "too long": failed["long"],
+            "screws": failed["screws"], "CPU s": seconds, "claimed": claimed}  # fmt: skip
+
+
 def main() -> None:
-    """Print the configurations whose summary fails, then the shares."""
+    """Print the share of every arm and of all, and the summaries that fail."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--each", type=int, default=10, help="configurations per arm")
+    parser.add_argument("--each", type=int, default=1 if measure.quick() else 10, help="configurations per arm (10)")
     parser.add_argument("--total", type=int, help="configurations in all, instead")
     parser.add_argument("--arms", default="", help="names, separated by commas; default: the whole catalogue")
+    measure.options(parser)
     given = parser.parse_args()
     arms = given.arms.split(",") if given.arms else known_names()
     count = given.each
     if given.total:
         count = ceil(given.total / len(arms))
-    tested, failed = 0, Counter[str]()
+    rows, lines = [], []
     for name in arms:
-        found = shipped(name)
-        for q in configurations(found, count):
-            wrong, line = faults(found, q)
-            tested += 1
-            failed.update(wrong)
-            if wrong:
-                print(f"{name}: {', '.join(wrong)}: {line}  q = {np.round(q, 4).tolist()}")
-    share = 1 - failed["no part"] / tested
-    print(f"{tested:,} configurations of {len(arms)} arms: {share:.2%} name a part of the arm (at least {SHARE:.0%}), ")
-    print(f"{failed['long']} summaries have more than {LINES} lines at {WIDTH} columns, {failed['screws']} say screws")
-    raise SystemExit(share < SHARE or failed["long"] > 0 or failed["screws"] > 0)
+        row, failing = judged(name, count)
+        rows.append(row)
+        lines += failing
+    failed = Counter({"long": sum(row["too long"] for row in rows), "screws": sum(row["screws"] for row in rows)})
+    tested = sum(row["configurations"] for row in rows)
+    failed["no part"] = round(sum((1.0 - row["share"]) * row["configurations"] for row in rows))
+    whole = row_of("all", tested, failed, sum(row["CPU s"] for row in rows), claimed=True)
+    if not given.json:
+        print(*lines, sep="\n")
+    measure.report(
+        f"the first line of `explain` names a part of the arm; no summary has more than {LINES} lines at {WIDTH} "
+        "columns or says screws", [*rows, whole], ratio="share", target=SHARE, arguments=given,
+    )  # fmt: skip
+    raise SystemExit(whole["share"] < SHARE or whole["too long"] > 0 or whole["screws"] > 0)
 
 
 if __name__ == "__main__":

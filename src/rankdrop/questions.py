@@ -78,7 +78,13 @@ class AnalyzeOptions(Options):
         bool, option("Count the aspects and search for changes of posture, about 30 s at most; stored for known arms")
     ] = False  # fmt: skip
     fresh: Annotated[bool, option("Derive exact conditions anew where they are shipped (the catalogue's arms)")] = False
-    starts: Annotated[int, _STARTS] = 10_000
+    starts: (
+        Annotated[
+            int,
+            option("Random starts for each corank: 10000, or 2000 that test derived conditions", ge=1, le=10_000_000),
+        ]
+        | None
+    ) = None
     seed: Annotated[int, _SEED] = 0
     threads: Annotated[int, _THREADS] = 0
 

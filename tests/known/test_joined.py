@@ -224,3 +224,16 @@ def test_a_family_on_which_the_rank_drops_twice_over_is_listed() -> None:
     assert [one.number for one in first.pinned] == [2, 4]
     assert sorted(first.pinned[0].values) == [-q, q]
     assert first.soundness.holds
+
+
+@pytest.mark.slow
+def test_fewer_starts_test_derived_conditions_than_make_fitted_ones() -> None:
+    robot = open_robot("planar3r")
+    asked = {"derived": {}, "fitted": {"exact": "off"}, "as asked": {"starts": 300}}
+    starts = {}
+    for name, options in asked.items():
+        found = analyze(robot, **options)
+        starts[name] = found.settings.starts
+        assert {one.starts for one in found.coranks} == {starts[name]}
+        assert ("derived exactly" in found.verdict.claims) is (name != "fitted")
+    assert starts == {"derived": 2_000, "fitted": 10_000, "as asked": 300}

@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from rankdrop.aspects.verdict import judged_summary
 from rankdrop.distance.share import Near, SlowShare, check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import with_exact
@@ -47,6 +46,8 @@ if TYPE_CHECKING:
 
 SECONDS: Mapping[str, float] = {"auto": 30.0, "on": 120.0}
 """Limits on the processor's time, three times those on work: most arms of the catalogue need 0.02 to 4 s."""
+SAMPLED, TESTED = 10_000, 2_000
+"""Random starts for each corank where nothing was derived, and where they test derived families."""
 
 
 def derive(
@@ -168,7 +169,7 @@ def analyze(
     """Find every family of singular configurations of every corank.
 
     Where it can be done in the time allowed, the families are derived exactly: `Analysis.exact`. For corank k = 1, 2, …
-    `starts` random configurations are driven into rank J ≤ generic rank − k (block Levenberg–Marquardt), and test the
+    random configurations are driven into rank J ≤ generic rank − k (block Levenberg–Marquardt), and test the
     families in both directions: points solved on a family are singular, fresh singular points lie on a family. Where
     nothing was derived, conditions are fitted to the points. It ends with the first corank that no start and no family
     reaches; that corank is reported too. Without a derivation not finding is not a proof of absence.
@@ -212,10 +213,12 @@ def analyze(
         robot, resolved, exact=how.exact, seed=how.seed, fresh=how.fresh,
         progress=lambda label, done, total: report(f"exact: {label}", done, total),
     )  # fmt: skip
+    known = _known(derived, robot)
+    starts = _starts(how, known)
     tables: list[CorankFamilies] = []
     complete = derivation is None or not derivation.interrupted
     if complete:
-        tables, complete = _finished(_tables(*own, rank, _known(derived, robot), how, tolerances, report))
+        tables, complete = _finished(_tables(*own, rank, known, how, starts, tolerances, report))
     rows = _listed(robot, resolved, tables)
     near = None
     if complete:
@@ -227,7 +230,7 @@ def analyze(
         robot=robot,
         task=replace(resolved, length_scale=resolved.scale(robot)),
         generic_rank=rank,
-        settings=Settings(how.seed, how.starts, how.limits, float(resolved.scale(robot)), tolerances, VERSION),
+        settings=Settings(how.seed, starts, how.limits, float(resolved.scale(robot)), tolerances, VERSION),
         coranks=tuple(one.summary for one in tables),
         families=rows,
         complete=complete,
@@ -256,6 +259,15 @@ def _known(derived: Conditions | None, robot: Robot) -> list[Family] | None:
     return [one.in_units(robot).as_family(own) for one in derived.families]
 
 
+def _starts(how: AnalyzeOptions, known: Sequence[Family] | None) -> int:
+    """Random starts for each corank: as many as were asked for, else fewer where they only test derived families."""
+    if how.starts is not None:
+        return how.starts
+    if known is None:
+        return SAMPLED
+    return TESTED
+
+
 def _finished(tables: Iterator[CorankFamilies]) -> tuple[list[CorankFamilies], bool]:
     """The tables of the coranks that were done, and whether Ctrl-C let all of them be done."""
     done: list[CorankFamilies] = []
@@ -277,6 +289,8 @@ def _aspects(robot: Robot, task: Task, *, asked: bool) -> AspectSummary | None:
     """The number of aspects with the verdict: stored for arms of the catalogue, else found where it is asked for."""
     known = known_aspects(robot, task)
     if known is None and asked:
+        from rankdrop.aspects.verdict import judged_summary  # half a second that most analyses do not need
+
         return judged_summary(robot, task)
     return known
 
@@ -334,8 +348,8 @@ def speed_distances(
 
 
 def _tables(
-    robot: Robot, task: Task, rank: int, known: Sequence[Family] | None, how: AnalyzeOptions, tolerances: Tolerances,
-    report: Progress,
+    robot: Robot, task: Task, rank: int, known: Sequence[Family] | None, how: AnalyzeOptions, starts: int,
+    tolerances: Tolerances, report: Progress,
 ) -> Iterator[CorankFamilies]:  # fmt: skip
     """The families of each corank, tested by a search, down to the first corank that no start and no family reaches.
 
@@ -344,7 +358,7 @@ def _tables(
     """
     for corank in range(1, rank + 1):
         cloud = search(
-            robot, corank, task=task, starts=how.starts, seed=how.seed, limits=how.limits, threads=how.threads,
+            robot, corank, task=task, starts=starts, seed=how.seed, limits=how.limits, threads=how.threads,
             progress=partial(report, f"corank {corank}: search"), tolerances=tolerances,
         )  # fmt: skip
         if not cloud.complete:

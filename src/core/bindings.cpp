@@ -7,4 +7,5 @@ NB_MODULE(_core, module) {
     rankdrop::bind_certify(module);
     rankdrop::bind_families(module);
     rankdrop::bind_cover(module);
+    rankdrop::bind_aim(module);
 }

@@ -159,5 +159,6 @@ void bind_search(nb::module_& module);
 void bind_certify(nb::module_& module);
 void bind_families(nb::module_& module);
 void bind_cover(nb::module_& module);
+void bind_aim(nb::module_& module);
 
 }  // namespace rankdrop

@@ -47,6 +47,25 @@ def svd(a: _A, vectors: Literal[True] = True, threads: int = 0) -> tuple[_A, _A,
 @overload
 def svd(a: _A, vectors: Literal[False], threads: int = 0) -> _A: ...
 
+class AimSettings: ...
+
+def make_aim(
+    *,
+    rows: list[int],
+    length: float,
+    point: list[float],
+    with_tip: bool,
+    free: int,
+    heading: int,
+    joints: list[float],
+) -> AimSettings: ...
+def aim_errors(chain: Chain, aim: AimSettings, poses: _A, q: _A) -> _A: ...
+def aim_steps(chain: Chain, view: View, aim: AimSettings, q: _A, errors: _A) -> _A: ...
+def aim_newton(
+    chain: Chain, view: View, aim: AimSettings, poses: _A, q: _A, *, close: float, rounds: int, far: bool
+) -> tuple[_A, NDArray[np.int64]]: ...
+def poses_at(poses: _A, places: _A) -> _A: ...
+
 class SearchSettings:
     def __init__(
         self,

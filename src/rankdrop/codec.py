@@ -255,6 +255,8 @@ def _plain_list(values: Iterable[Any]) -> list[Any]:
 def _plain_of_python(value: Any) -> Any:
     """Data of NumPy, of Python's abstract types and of enums as JSON has it; other data as it is."""
     if isinstance(value, np.ndarray | np.generic):
+        if value.dtype.kind == "f" and np.isfinite(value).all():  # nothing in it becomes null
+            return value.tolist()
         return plain(value.tolist())
     if isinstance(value, list | tuple):
         return _plain_list(value)

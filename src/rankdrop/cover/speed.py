@@ -15,7 +15,9 @@ the same q̇ is one of many that move the tool so, and the bound holds as well.
 
 Branch and bound over the region: of the boxes in which v(q) is not proven, the one that reaches farthest from the
 singular value is halved next. The farthest end that is left is the distance. Configurations that are slower, found on
-the way, say how far from the best distance it can be.
+the way, say how far from the best distance it can be. Families of several joints have distances of their own
+(`rankdrop.cover.speed_measures`); the region goes up to the family in the joints that stand at values on it, or in the
+joint in which the family is nearest.
 """
 
 from __future__ import annotations
@@ -26,8 +28,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.cover.setting import Setting, enclose, regular, viewed
+from rankdrop.cover.speed_measures import AtValues, Residual, at_values, nearest_root, residual
 from rankdrop.errors import OptionError
-from rankdrop.families.record import SpeedDistance
+from rankdrop.families.record import Family, SpeedDistance
 from rankdrop.kinematics import configurations, jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.posture import start_posture
@@ -40,6 +43,7 @@ from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 BUDGET = 100_000
 """Boxes for each distance, some 50 to 130 μs each."""
 
+_OF_SEVERAL = 30_000  # boxes for a distance of several joints: three times as many gain a tenth
 _ROWS_OF_TRANSLATION = 3
 _BATCH = 512  # boxes halved at one time
 _FINE, _SHARE = radians(0.1), 0.02  # a distance is as good as it need be: within 0.1° or 2 % of the best one
@@ -142,6 +146,55 @@ class SpeedRegion:
             slowest.speed, sum(one.boxes for one in searches), any(one.spent for one in searches),
         )  # fmt: skip
 
+    def distance_from(self, family: Family) -> SpeedDistance | None:
+        """From which distance of a family the speed is kept, in the measure that the family has.
+
+        Of one turning joint at values as `distance`; of several of them the largest of their distances; of one
+        condition on several joints its residual. None for families with more conditions on several joints, with
+        slides, or without known conditions.
+        """
+        if len(family.pinned) == 1 and not family.coupled and self.turns(family.pinned[0].number):
+            pin = family.pinned[0]
+            return self.distance(family.id, pin.number, pin.values)
+        several = at_values(self.robot, family, self.around)
+        if several is not None:
+            return self._from_values(family.id, several)
+        condition = residual(self.robot, family)
+        if condition is not None:
+            return self._from_residual(family, condition)
+        return None
+
+    def _from_values(self, family: str, measure: AtValues) -> SpeedDistance:
+        """The distance from a family on which several joints stand at values."""
+        low, high = self._bounds()
+        for j, value in zip(measure.joints, measure.values, strict=True):
+            low[j], high[j] = min(low[j], value), max(high[j], value)
+        found = _MeasureSearch(self, measure, low, high)
+        found.run()
+        first = measure.joints[0]
+        return SpeedDistance(
+            family, first + 1, self.robot.variables[first].name, measure.values[0], found.end, found.distance,
+            found.slower, found.speed, found.boxes, found.spent, "joints", measure.unit,
+            tuple(j + 1 for j in measure.joints), measure.values,
+        )  # fmt: skip
+
+    def _from_residual(self, family: Family, measure: Residual) -> SpeedDistance:
+        """The residual of the only condition of a family above which the speed is kept."""
+        low, high = self._bounds()
+        joints = [number - 1 for number in family.coupled]
+        root = nearest_root(measure.condition, self.around, joints, self.robot.lower, self.robot.upper)
+        if root is None:
+            j, value = joints[0], float(self.around[joints[0]])
+        else:
+            j, value = root
+            low[j], high[j] = min(low[j], value), max(high[j], value)
+        found = _MeasureSearch(self, measure, low, high)
+        found.run()
+        return SpeedDistance(
+            family.id, j + 1, self.robot.variables[j].name, value, found.end, found.distance, found.slower,
+            found.speed, found.boxes, found.spent, "residual", measure.unit, tuple(family.coupled), (),
+        )  # fmt: skip
+
     def _search(self, j: int, gap: float, side: float, end: float) -> _Search:
         """The search on one side of the value of joint j, which is `gap` before the middle of the region."""
         low, high = self._bounds()
@@ -214,19 +267,24 @@ class _Search:
         self.distance: float | None = None
         self.slower: float | None = None
         self.speed: float | None = None
-        self.boxes, self.spent = 0, False
+        self.boxes, self.spent, self.budget = 0, False, region.budget
+        self.fine = _FINE
+
+    def _reach(self, centre: Array, half: Array) -> Array:
+        """(M,) the largest distance in each box."""
+        return np.asarray(centre[:, self.j] + half[:, self.j])
 
     def run(self) -> None:
         """Halve the farthest boxes until the rest is near enough to a slower configuration, or to the value."""
         while True:
-            far = self.centre[:, self.j] + self.half[:, self.j]
+            far = self._reach(self.centre, self.half)
             below = self.slower or 0.0
-            enough = below + max(_FINE, _SHARE * below)
+            enough = below + max(self.fine, _SHARE * below)
             open_ = np.flatnonzero(far > enough)
             if not len(open_):
                 self.distance = enough if self.slower is not None or len(far) else 0.0
                 break
-            if self.boxes >= self.region.budget:
+            if self.boxes >= self.budget:
                 self.spent = True
                 self.distance = float(far.max())
                 break
@@ -262,23 +320,56 @@ class _Search:
 
     def _look(self, centre: Array, half: Array) -> None:
         """Slower configurations among the centres of boxes and of their far ends."""
-        ends = centre.copy()
-        ends[:, self.j] += half[:, self.j]
-        tried = np.concatenate([ends, centre])
+        tried = np.concatenate([self._ends(centre, half), centre])
         speed = self.region.slowest(self._joints(tried))
         slow = np.flatnonzero(speed < self.region.speed)
         if not len(slow):
             return
-        farthest = slow[int(tried[slow, self.j].argmax())]
-        distance = min(float(tried[farthest, self.j]), self.end)
+        away = self._away(tried[slow])
+        farthest = slow[int(away.argmax())]
+        distance = min(float(away.max()), self.end)
         if self.slower is None or distance > self.slower:
             self.slower, self.speed = distance, float(speed[farthest])
+
+    def _ends(self, centre: Array, half: Array) -> Array:
+        """(M, n) the far end of each box."""
+        ends = centre.copy()
+        ends[:, self.j] += half[:, self.j]
+        return ends
+
+    def _away(self, rows: Array) -> Array:
+        """(N,) distances of rows."""
+        return np.asarray(rows[:, self.j])
 
     def _joints(self, rows: Array) -> Array:
         """Configurations of rows in which joint j is a distance."""
         q = rows.copy()
         q[:, self.j] = self.value + self.side * rows[:, self.j]
         return q
+
+
+class _MeasureSearch(_Search):
+    """Branch and bound for a distance in a measure of several joints; rows are configurations."""
+
+    def __init__(self, region: SpeedRegion, measure: AtValues | Residual, low: Array, high: Array) -> None:
+        self.measure = measure
+        super().__init__(region, 0, 0.0, 1.0, low, high)
+        self.weight = 1.0 / joint_scale(region.robot, region.task)
+        self.end = float(self._reach(self.centre, self.half)[0])
+        self.fine = _FINE * measure.slope()
+        self.budget = min(region.budget, _OF_SEVERAL)
+
+    def _reach(self, centre: Array, half: Array) -> Array:
+        return self.measure.most(centre, half)
+
+    def _ends(self, centre: Array, half: Array) -> Array:
+        return self.measure.far_corner(centre, half)
+
+    def _away(self, rows: Array) -> Array:
+        return self.measure.at(rows)
+
+    def _joints(self, rows: Array) -> Array:
+        return rows
 
 
 def _gap(difference: float, *, periodic: bool) -> float:

@@ -27,14 +27,11 @@ from rankdrop.robot.numbers import anchors
 from rankdrop.robot.transform import hat
 from rankdrop.task import BASE, TIP, WORLD_ALIGNED, Frame, Task, link_index
 
-_GOAL, _ACCEPTED = 1e-14, 1e-11  # of an error: rounding, and what is still taken for none
+_ACCEPTED = 1e-11  # of an error that is taken for none
 _ROUNDS, _ITERATIONS = 10, 60  # from near, and from far
-_CAP = 0.5  # of a step from far [rad; slides scaled]: a quarter of the way between neighbouring solutions
-_WEAK = 1e-9  # σ below which Newton leaves a direction alone
 _SAME = 1e-6  # solutions nearer than this are one [rad]
 _REGULAR = 1e-5  # σ_r of a solution that counts: nearer to the singular set pairs of solutions cannot be separated
 _CONFIRMED = 1e-9  # by which forward kinematics may miss the pose of a solution [m and chord]
-_TURNED_OVER = 1e-9  # of 1 + cos of the tilt: the heading of a tool that is turned over is undefined
 _FULL = (0, 1, 2, 3, 4, 5)
 _ROUNDED = 1e-12  # share of the links' length that rounding may add
 
@@ -85,30 +82,16 @@ class Aim:
         plain = Task(task.name, task.rows, Frame(TIP if self.with_tip else BASE, TIP, point), self.length)
         self._chain, self._view = chain_of(robot), task_view(robot, plain)
         rank = generic_rank(robot, plain)
+        self._aim = _core.make_aim(
+            rows=self.rows, length=self.length, point=list(point), with_tip=self.with_tip,
+            free=_axis(self.free), heading=_axis(self.heading), joints=self.joints.tolist(),
+        )  # fmt: skip
         self.square = robot.n == task.m == rank
         self.task, self.rank = plain, rank
 
     def error(self, poses: Array, q: Array) -> Array:
         """(N, m) what is missing from the poses at q (N, n) to `poses` (N, 4, 4) or (4, 4): e, lengths divided by ℓ."""
-        now = _core.pose(self._chain, q)
-        poses = np.broadcast_to(poses, now.shape)
-        here, goal = now[:, :3, :3], poses[:, :3, :3]
-        back = here.swapaxes(1, 2)
-        shift = poses[:, :3, 3] - now[:, :3, 3] + (goal - here) @ self.point
-        if self.with_tip:
-            turn = back @ goal
-        else:
-            turn = goal @ back
-        if self.with_tip:
-            shift = (back @ shift[:, :, None])[:, :, 0]
-        if self.free is not None:
-            turn = self._without(turn, self.free)
-        vector = rotation_vector(turn)
-        if self.heading is not None:  # undefined where the tool is turned over
-            over = 1.0 + turn[:, self.heading, self.heading] < _TURNED_OVER
-            vector[over, self.heading] = np.pi
-        both = np.concatenate([shift / self.length, vector], axis=1)
-        return np.asarray(both[:, self.rows])
+        return _core.aim_errors(self._chain, self._aim, _each(poses, len(q)), np.ascontiguousarray(q))
 
     def missing(self, poses: Array, q: Array) -> tuple[Array, Array]:
         """What is missing at q (N, n) to `poses` (N, 4, 4), straight from forward kinematics.
@@ -144,24 +127,14 @@ class Aim:
             chord = np.abs(self.error(poses, q)[:, -1])
         return np.asarray((away <= _CONFIRMED * max(self.length, 1.0)) & (chord <= _CONFIRMED))
 
-    def _without(self, turn: Array, axis: int) -> Array:
-        """(N, 3, 3) rotations less what they turn about one axis, which the task leaves free."""
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        angle = 2 * np.arctan2(turn[:, j, i] - turn[:, i, j], 1.0 + turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2])
-        back = rotation(-angle[:, None] * np.eye(3)[axis])
-        return np.asarray(turn @ back if self.with_tip else back @ turn)
-
     def jacobian(self, q: Array) -> Array:
         """(N, m, n) of scaled joints."""
         return np.asarray(_core.jacobian(self._chain, self._view, q) * self.joints)
 
-    def step(self, q: Array, error: Array, damping: Array | float = 0.0) -> Array:
-        """(N, n) Jᵀ(J Jᵀ + λ)⁻¹ e, J⁺ e without damping λ (N,) [rad, m]."""
-        u, sigma, v = _core.svd(np.ascontiguousarray(self.jacobian(q)))
-        count, damped = sigma.shape[1], sigma**2 + np.broadcast_to(damping, len(q))[:, None]
-        gains = np.divide(sigma, damped, out=np.zeros_like(sigma), where=damped > _WEAK**2)
-        shares = gains * (error[:, None, :] @ u[:, :, :count])[:, 0]
-        return np.asarray((v[:, :, :count] @ shares[:, :, None])[:, :, 0] * self.joints)
+    def step(self, q: Array, error: Array) -> Array:
+        """(N, n) J⁺ e of errors e (N, m) at q (N, n) [rad, m]; directions with σ below 1e-9 are left alone."""
+        wanted = np.ascontiguousarray(error)
+        return _core.aim_steps(self._chain, self._view, self._aim, np.ascontiguousarray(q), wanted)
 
     def rates(self, q: Array, move: Array, omega: Array) -> Array:
         """(N, n) joint rates J⁺ẋ that move the tip by `move` (N, 3) [m/s] and turn it by `omega` (N, 3) [rad/s]."""
@@ -191,7 +164,7 @@ class Aim:
         Returns:
             (N, n) where each ends; (N,) the step at which it arrived, −1 where it did not.
         """
-        return self._newton(np.broadcast_to(goals, (len(starts), 4, 4)), starts, close, rounds, far=True)
+        return self._newton(goals, starts, close, rounds, far=True)
 
     def reached(self, goal: Array, starts: Array) -> Array:
         """(k, n) from far: solutions for the pose (4, 4) from the starts (N, n), in the order of their steps."""
@@ -202,25 +175,8 @@ class Aim:
 
     def _newton(self, poses: Array, q: Array, close: float, rounds: int, *, far: bool) -> tuple[Array, Index]:
         """Ends (N, n), and the number of steps after which each arrived, −1 where it did not."""
-        now, left = np.array(q, dtype=np.float64), np.arange(len(q))
-        when, size = np.full(len(q), -1), np.full(len(q), np.inf)
-        for number in range(rounds + (not far)):
-            error = self.error(poses[left], now[left])
-            new, before = np.sqrt((error * error).sum(axis=1)), size[left]
-            size[left] = new
-            stands = far or number == rounds  # else steps are made while they help
-            done = (new <= _GOAL) | ((new <= close) & (stands | (new > 0.3 * before)))
-            when[left[done]] = number
-            going = ~done & (far | (new <= 3.0 * before))
-            left, error, new = left[going], error[going], new[going]
-            if not len(left) or number == rounds:
-                break
-            step = self.step(now[left], error, np.minimum(new**2, 1.0) if far else 0.0)
-            if far:
-                length = np.linalg.norm(step / self.joints, axis=1)
-                step *= np.minimum(1.0, _CAP / np.maximum(length, 1e-300))[:, None]
-            now[left] += step
-        return now, when
+        return _core.aim_newton(self._chain, self._view, self._aim, _each(poses, len(q)), np.ascontiguousarray(q),
+                                close=close, rounds=rounds, far=far)  # fmt: skip
 
     def side(self, q: Array) -> float:
         """Sign of the determinant; 0 for arms that have none."""
@@ -277,6 +233,18 @@ class Aim:
             bound = np.maximum(chord[1:], chord[:-1]) + (turn[:, -1] ** 2 + theta**2) / 8
             turned = 2 * np.arcsin(np.minimum(1.0, (bound + _ROUNDED) / 2))
         return away, turned
+
+
+def _axis(number: int | None) -> int:
+    """An axis as the core has it: −1 for none."""
+    if number is None:
+        return -1
+    return number
+
+
+def _each(poses: Array, count: int) -> Array:
+    """(count, 4, 4) poses, one for each configuration, of (4, 4) or of as many."""
+    return np.ascontiguousarray(np.broadcast_to(poses, (count, 4, 4)))
 
 
 def check_square(robot: Robot, task: Task) -> None:

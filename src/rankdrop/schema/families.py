@@ -232,11 +232,14 @@ SPEED_DISTANCES = table(
     free=many(Positive),
     distances=many(table(
         "speed_distance", of=SpeedDistance, number=Positive, value=num("rad"),
-        end=(num("rad", ge=0), "the largest distance from the value in the region"),
+        end=(num("rad", ge=0), "no distance in the region is larger [`unit`]"),
         kept_from=(num("rad", ge=0) | None, "proven for every configuration of the region at least so far from the "
-            "value; null for none"),
-        slower_at=(num("rad", ge=0) | None, "largest distance at which a slower configuration was found"),
+            "family [`unit`]; null for none"),
+        slower_at=(num("rad", ge=0) | None, "largest distance at which a slower configuration was found [`unit`]"),
         slower_speed=(num("m/s", ge=0) | None, "of the tool there, in its slowest direction"), boxes=Count,
+        measure=(Literal["joint", "joints", "residual"], "distances are of one joint from its value, the largest of "
+            "several joints, or the size of the only condition"),
+        unit=Literal["rad", "m", "1"], numbers=many(Positive), values=many(num("rad")),
     )),
 )  # fmt: skip
 ASPECTS_SUMMARY = table(

@@ -295,7 +295,7 @@ def slow_poses_note(speed: float, width: float) -> str:
 
 
 def speed_section(analysis: Any) -> Section | None:
-    """From which distance of a joint the tool keeps a speed: one line per family, and where it is proven."""
+    """From which distance of a family the tool keeps a speed: one line per family, and where it is proven."""
     told = analysis.speeds
     if told is None:
         return None
@@ -305,10 +305,12 @@ def speed_section(analysis: Any) -> Section | None:
         lines: tuple[str, ...] = ()
     else:
         lines = (slow_line(analysis.slow),)
-    rows = [(one.family, names.get(one.family, ""), one.joint, _kept(one), _slower(one)) for one in told.distances]
+    rows = [
+        (one.family, names.get(one.family, ""), _joints_of(one), _kept(one), _slower(one)) for one in told.distances
+    ]
     return Section(
-        f"Speed {pace}", "how far a joint has to stay from the value that is singular",
-        columns=("", "family", "joint", f"keeps {pace} from", "slower found"), rows=tuple(rows), lines=lines,
+        f"Speed {pace}", "how far the arm has to stay from each family",
+        columns=("", "family", "joints", f"keeps {pace} from", "slower found"), rows=tuple(rows), lines=lines,
         texts=(0, 1, 2, 3, 4), notes=tuple(_speed_notes(analysis.robot, told, names)),
     )  # fmt: skip
 
@@ -326,9 +328,34 @@ def _speed_notes(robot: Robot, told: Any, names: Mapping[str, str]) -> Iterator[
         yield f"joint{'s' if len(told.free) > 1 else ''} {free}: any value, the speed does not depend on it"
     if any(one.spent for one in told.distances):
         yield "≤: the boxes allowed were spent, a smaller distance may hold"
+    yield from _measure_notes(told.distances)
     if told.others:
         others = ", ".join(f"{names.get(one, '')} ({one})" for one in told.others)
-        yield f"{others}: not one joint at a value, so no distance of one joint"
+        yield f"{others}: nothing proven, as no single distance measures several conditions on joints, or slides"
+
+
+def _measure_notes(distances: Sequence[SpeedDistance]) -> Iterator[str]:
+    """What distances of several joints count."""
+    if any(one.measure == "joints" for one in distances):
+        yield "several joints: the largest of their distances counts, one joint that stays away is enough"
+    if any(one.unit == "m" for one in distances):
+        yield (
+            "mm: distance of the point in which the last two axes meet from the plane through axis 1 along axis 2; it "
+            "is zero on the family"
+        )
+    if any(one.unit == "1" for one in distances):
+        yield "|f|: f = 0 is the condition of the family, as listed above"
+    residuals = [one for one in distances if one.measure == "residual"]
+    if residuals:
+        ends = ", ".join(f"{one.joint} to {degrees(one.value):.4g}°" for one in residuals)
+        yield f"the region goes on to the family: {ends}".replace("-", "−")
+
+
+def _joints_of(one: SpeedDistance) -> str:
+    """The joints that a distance is of: a name, or numbers."""
+    if one.measure == "joint":
+        return one.joint
+    return ", ".join(map(str, one.numbers))
 
 
 def _kept(one: SpeedDistance) -> str:
@@ -337,12 +364,27 @@ def _kept(one: SpeedDistance) -> str:
         return "nowhere proven"
     if one.kept_from == 0.0:
         return "everywhere in the region"
+    if one.spent:
+        sign = "≤ "
+    else:
+        sign = ""
+    if one.unit == "m":
+        return f"{sign}{ceil(round(1e3 * one.kept_from, 6))} mm"
+    if one.unit == "1":
+        return f"{sign}|f| = {ceil(round(1e3 * one.kept_from, 6)) / 1e3:.3f}"
     off = ceil(round(10 * degrees(one.kept_from), 6)) / 10
-    return f"{'≤ ' if one.spent else ''}{off:.1f}° from {degrees(one.value):.4g}°".replace("-", "−")
+    values = ", ".join(f"{degrees(value):.4g}°" for value in one.values or (one.value,))
+    return f"{sign}{off:.1f}° from {values}".replace("-", "−")
 
 
 def _slower(one: SpeedDistance) -> str:
     """The slower configuration that is farthest: "248 mm/s at 8.5°"."""
     if one.slower_at is None or one.slower_speed is None:
         return ""
-    return f"{floor(10_000 * one.slower_speed) / 10:.1f} mm/s at {floor(10 * degrees(one.slower_at)) / 10:.1f}°"
+    if one.unit == "m":
+        away = f"{floor(1e3 * one.slower_at)} mm"
+    elif one.unit == "1":
+        away = f"|f| = {floor(1e3 * one.slower_at) / 1e3:.3f}"
+    else:
+        away = f"{floor(10 * degrees(one.slower_at)) / 10:.1f}°"
+    return f"{floor(10_000 * one.slower_speed) / 10:.1f} mm/s at {away}"

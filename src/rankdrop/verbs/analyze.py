@@ -327,9 +327,9 @@ def _speeds(
 def speed_distances(
     region: SpeedRegion, families: Sequence[Family], progress: Callable[[int, int], None] | None = None
 ) -> SpeedDistances:
-    """How far from each family of the smallest corank, at which one turning joint stands at a value, a speed is kept.
+    """How far from each family of the smallest corank a speed is kept, in the measure of the family.
 
-    Families of several joints have no such distance of one joint; their ids are listed.
+    Families without a measure (several conditions on several joints, slides) are listed by their ids.
     """
     smallest = min((family.corank for family in families), default=0)
     distances, others = [], []
@@ -337,11 +337,11 @@ def speed_distances(
     for done, family in enumerate(largest):
         if progress is not None:
             progress(done, len(largest))
-        if len(family.pinned) == 1 and not family.coupled and region.turns(family.pinned[0].number):
-            pin = family.pinned[0]
-            distances.append(region.distance(family.id, pin.number, pin.values))
-        else:
+        found = region.distance_from(family)
+        if found is None:
             others.append(family.id)
+        else:
+            distances.append(found)
     return SpeedDistances(
         region.speed, tuple(map(float, region.given)), region.span, region.free, tuple(distances), tuple(others)
     )

@@ -4,23 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from rankdrop import _core
 from rankdrop.local.orientation import rotation_vector
-from rankdrop.poses.inverse import rotation
 from rankdrop.robot.model import Array
 
 
 def between(start: Array, end: Array, share: Array) -> Array:
-    """(N, 4, 4) poses at shares (N,) 0 … 1 from poses `start` to `end`, each (4, 4) or (N, 4, 4).
+    """(N, 4, 4) poses at shares (N,) 0 … 1 from pose `start` to pose `end`, each (4, 4).
 
     The origin goes straight, the orientation turns about one axis at a constant rate, the shorter way round.
     """
-    share = np.asarray(share, dtype=np.float64)
-    turn = rotation_vector(end[..., :3, :3] @ np.swapaxes(start[..., :3, :3], -1, -2))
-    made = np.zeros((len(share), 4, 4))
-    made[:, :3, :3] = rotation(share[:, None] * turn) @ start[..., :3, :3]
-    made[:, :3, 3] = start[..., :3, 3] + share[:, None] * (end[..., :3, 3] - start[..., :3, 3])
-    made[:, 3, 3] = 1.0
-    return made
+    return poses_at(np.stack([start, end]), share)
 
 
 _HALF_TURN = 1e-4  # a turn so near to half a turn has two shortest ways [rad]: printed poses are no sharper
@@ -35,5 +29,4 @@ def half_turns(poses: Array) -> tuple[int, ...]:
 
 def poses_at(poses: Array, place: Array) -> Array:
     """(N, 4, 4) poses of the tip at places (N,) of a tool path (P, 4, 4), counted from 0."""
-    k = np.clip(np.floor(place), 0, max(len(poses) - 2, 0)).astype(np.int64)
-    return between(poses[k], poses[np.minimum(k + 1, len(poses) - 1)], place - k)
+    return _core.poses_at(np.ascontiguousarray(poses), np.ascontiguousarray(place, dtype=np.float64))

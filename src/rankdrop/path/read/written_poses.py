@@ -87,7 +87,10 @@ class _Columns:
 
     def cells(self, line: str) -> list[str]:
         """Of a line without its end."""
-        return [cell.strip().strip('"') for cell in line.split(self.delimiter)]
+        cells = [*map(str.strip, line.split(self.delimiter))]
+        if '"' in line:
+            return [cell.strip('"') for cell in cells]
+        return cells
 
 
 def _table(source: Path, matrices: Array, times: Array | None, given: Index, before: Index, *, deg: bool) -> bytes:
@@ -102,12 +105,16 @@ def _table(source: Path, matrices: Array, times: Array | None, given: Index, bef
     known = None if time is None else table.times(time)
     values = table.block(places) * np.array(factors)
     out = list(head)
+    when = None
+    later = [False] * len(given)
+    if known is not None and times is not None:
+        when = times.tolist()
+        later = (times != known[before]).tolist()
     for k, (number, last) in enumerate(zip(given.tolist(), before.tolist(), strict=True)):
         line = lines[rows[last]]
         if number > 0:
             out += lines[rows[number - 1] + 1 : rows[number]]  # comments
-        later = known is not None and times is not None and float(times[k]) != float(known[last])
-        if number >= 0 and not later:
+        if number >= 0 and not later[k]:
             out.append(line if line.endswith(("\n", "\r")) else line + end)
             continue
         cells = form.cells(line.rstrip("\r\n"))
@@ -115,8 +122,8 @@ def _table(source: Path, matrices: Array, times: Array | None, given: Index, bef
             pose = _numbers(matrices[k], form.turn, values[last, 3:])
             for place, factor, value in zip(form.places, form.factors, pose, strict=True):
                 cells[place] = form.word(value / factor)
-        if time is not None and times is not None:
-            cells[time] = form.word(float(times[k]))
+        if time is not None and when is not None:
+            cells[time] = form.word(when[k])
         out.append(form.delimiter.join(cells) + end)
     return "".join([*out, *lines[rows[-1] + 1 :]]).encode()
 

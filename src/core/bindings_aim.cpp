@@ -1,0 +1,100 @@
+// Newton's method towards poses of the tip, and poses between given ones.
+#include "bindings.hpp"
+
+#include "aim.hpp"
+
+namespace rankdrop {
+namespace {
+
+std::unique_ptr<AimSettings> new_aim(const std::vector<int>& rows, double length, const std::vector<double>& point, bool with_tip,
+                                     int free, int heading, const std::vector<double>& joints) {
+    if (rows.empty() || rows.size() > 6 || point.size() != 3) throw nb::value_error("an aim has one point and one to six rows");
+    for (const int row : rows)
+        if (row < 0 || row > 5) throw nb::value_error("row out of range");
+    if (free < -1 || free > 2 || heading < -1 || heading > 2) throw nb::value_error("axis out of range");
+    return std::make_unique<AimSettings>(AimSettings{rows, length, {point[0], point[1], point[2]}, with_tip, free, heading, joints});
+}
+
+// Sizes that agree: one pose for each row of q, as many rows as the view has, one scale for each joint.
+Aim fitted(const Chain& chain, const View& view, const AimSettings& settings, const In2& q) {
+    fit(chain, view, q);
+    fit(chain, settings.joints, {});
+    if (view.m != static_cast<int>(settings.rows.size())) throw nb::value_error("the view has another number of rows");
+    return {chain, view, settings};
+}
+
+void fit_poses(const In3& poses, std::size_t rows) {
+    if (poses.shape(0) != rows || poses.shape(1) != 4 || poses.shape(2) != 4)
+        throw nb::value_error("there is one pose (4, 4) for each configuration");
+}
+
+nb::object errors_of_aim(const Chain& chain, const AimSettings& settings, const In3& poses, const In2& q) {
+    fit(chain, q);
+    const std::size_t rows = q.shape(0), m = settings.rows.size();
+    fit_poses(poses, rows);
+    Result<double> out({rows, m});
+    each(rows, 0, [&](std::int64_t a, std::int64_t b) {
+        const std::size_t begin = static_cast<std::size_t>(a), count = static_cast<std::size_t>(b - a);
+        std::vector<double> now(16 * count);
+        kernels(count).pose(chain, q.data() + begin * q.shape(1), 0, b - a, now.data());
+        aim_errors(settings, now.data(), poses.data() + 16 * begin, count, out.data() + begin * m);
+    });
+    return out.give();
+}
+
+nb::object steps_of_aim(const Chain& chain, const View& view, const AimSettings& settings, const In2& q, const In2& errors) {
+    const Aim aim = fitted(chain, view, settings, q);
+    const std::size_t rows = q.shape(0), n = q.shape(1), m = aim.m();
+    if (errors.shape(0) != rows || errors.shape(1) != m) throw nb::value_error("there is one error for each configuration");
+    if (!std::all_of(q.data(), q.data() + q.size(), [](double x) { return std::isfinite(x); }))
+        throw nb::value_error("configurations are finite");
+    Result<double> out({rows, n});
+    each(rows, 0, [&](std::int64_t a, std::int64_t b) {
+        const std::size_t begin = static_cast<std::size_t>(a), count = static_cast<std::size_t>(b - a);
+        aim_steps(aim, q.data() + begin * n, errors.data() + begin * m, nullptr, count, out.data() + begin * n);
+    });
+    return out.give();
+}
+
+nb::object newton_of_aim(const Chain& chain, const View& view, const AimSettings& settings, const In3& poses, const In2& q,
+                         double close, int rounds, bool far) {
+    const Aim aim = fitted(chain, view, settings, q);
+    const std::size_t rows = q.shape(0), n = q.shape(1);
+    fit_poses(poses, rows);
+    Result<double> ends({rows, n});
+    Result<std::int64_t> when({rows});
+    std::copy_n(q.data(), rows * n, ends.data());
+    each(rows, 0, [&](std::int64_t a, std::int64_t b) {
+        const std::size_t begin = static_cast<std::size_t>(a), count = static_cast<std::size_t>(b - a);
+        aim_newton(aim, {close, rounds, far}, poses.data() + 16 * begin, count, ends.data() + begin * n, when.data() + begin);
+    });
+    return nb::make_tuple(ends.give(), when.give());
+}
+
+nb::object poses_between(const In3& poses, const In1& places) {
+    if (poses.shape(0) == 0) throw nb::value_error("there is no pose");
+    fit_poses(poses, poses.shape(0));
+    if (!std::all_of(places.data(), places.data() + places.size(), [](double x) { return std::isfinite(x); }))
+        throw nb::value_error("places are finite");
+    Result<double> out({places.shape(0), 4, 4});
+    each(places.shape(0), 0, [&](std::int64_t a, std::int64_t b) {
+        const std::size_t begin = static_cast<std::size_t>(a), count = static_cast<std::size_t>(b - a);
+        poses_at(poses.data(), poses.shape(0), places.data() + begin, count, out.data() + 16 * begin);
+    });
+    return out.give();
+}
+
+}  // namespace
+
+void bind_aim(nb::module_& module) {
+    nb::class_<AimSettings>(module, "AimSettings");
+    module.def("make_aim", &new_aim, nb::kw_only(), nb::arg("rows"), nb::arg("length"), nb::arg("point"), nb::arg("with_tip"),
+               nb::arg("free"), nb::arg("heading"), nb::arg("joints"));
+    module.def("aim_errors", &errors_of_aim, nb::arg("chain"), nb::arg("aim"), nb::arg("poses"), nb::arg("q"));
+    module.def("aim_steps", &steps_of_aim, nb::arg("chain"), nb::arg("view"), nb::arg("aim"), nb::arg("q"), nb::arg("errors"));
+    module.def("aim_newton", &newton_of_aim, nb::arg("chain"), nb::arg("view"), nb::arg("aim"), nb::arg("poses"), nb::arg("q"),
+               nb::kw_only(), nb::arg("close"), nb::arg("rounds"), nb::arg("far"));
+    module.def("poses_at", &poses_between, nb::arg("poses"), nb::arg("places"));
+}
+
+}  // namespace rankdrop

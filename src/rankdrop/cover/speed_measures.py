@@ -112,7 +112,7 @@ class Residual:
 
 
 def at_values(robot: Robot, family: Family, around: Array) -> AtValues | None:
-    """The measure of a family all of whose conditions are turning joints at values; None for others."""
+    """The measure of a family that has only turning joints at values; None for others."""
     if family.coupled or not family.pinned or not family.named:
         return None
     joints = tuple(pin.number - 1 for pin in family.pinned)

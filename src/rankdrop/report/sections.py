@@ -46,6 +46,7 @@ from rankdrop.text import (
     unseen,
     within,
 )
+from rankdrop.text.conditions import undivided_sentence
 
 _SHORT = 70  # characters of LaTeX; conditions up to this stand side by side
 _LONG = 420  # a longer one is folded
@@ -94,6 +95,8 @@ def _derivation(derived: Conditions) -> Iterator[str]:
             f"{derived.explained.tested:,} singular configurations found numerically lie on one (seed "
             f"{derived.settings.seed})."
         )
+    elif derived.undivided:
+        yield f"No family: {undivided_sentence(derived)}."
     elif derived.verified:
         yield f"No family: the rank is {derived.generic_rank} at every configuration."
     else:
@@ -452,7 +455,7 @@ def _drawn(content: Content) -> Iterator[str]:
 def _rank_checks(derived: Conditions) -> str:
     agree = sum(family.rank_check.agree for family in derived.families)
     tested = sum(family.rank_check.tested for family in derived.families)
-    if derived.complete:
+    if derived.in_families:
         word = "nothing was left unfinished"
     else:
         word = "not finished within its time limit"

@@ -103,7 +103,7 @@ def test_the_whole_space_is_no_case(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_cases_are_printed_and_stored() -> None:
     found = derived("planar3r")
     text = str(found)
-    assert "corank 2 or more where θ2 = 0, and 9 minors of order 2 vanish (degree at most 2 in sines" in text
+    assert "corank 2 or more where θ2 = 0, and 9 minors vanish, of order 2 (degree at most 2 in sines" in text
     assert "no real configuration was found from 96 starts, which proves nothing" in text
     stored = found.to_dict()["undivided"]
     assert [one["pins"] for one in stored] == [{"2": ["0"]}, {"2": ["pi"]}]

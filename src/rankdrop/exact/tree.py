@@ -290,6 +290,11 @@ class Tree:
     lowest: int = 0
 
     @property
+    def divided(self) -> bool:
+        """Whether every case was taken apart: drops alone hold every configuration of lower rank that was looked for."""
+        return self.complete and not self.cases
+
+    @property
     def stated(self) -> bool:
         """Whether drops and open cases together hold every configuration of a rank down to `lowest`."""
         return self.complete or (bool(self.left) and not self.unstated)

@@ -169,5 +169,7 @@ def _witness(chain: Chain, q: Array, off: NDArray[np.int64]) -> tuple[float, ...
     """One of some configurations, on no family where there is one."""
     if not len(q):
         return None
-    chosen = q[off[0]] if len(off) else q[0]
-    return tuple(float(x) for x in out_of_units(chain.robot, chosen))
+    first = 0
+    if len(off):
+        first = off[0]
+    return tuple(float(x) for x in out_of_units(chain.robot, q[first]))

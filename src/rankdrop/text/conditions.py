@@ -215,20 +215,21 @@ def undivided_words(one: Any) -> str:
     """A case that was not taken apart, by its conditions and minors: "corank 1 or more where θ5 = 0, and …"."""
     parts = [pin.text() for pin in one.pins]
     if one.polynomials:
-        joints = sorted({j for f in one.polynomials for j in f.joints})
-        degrees = ", ".join(str(f.degree) for f in one.polynomials)
-        terms = ", ".join(f"{f.terms:,}" for f in one.polynomials)
-        if len(one.polynomials) == 1:
-            vanish, degree = "vanishes", "degree"
-        else:
-            vanish, degree = "vanish together", "degrees"
-        parts.append(
-            f"{count(len(one.polynomials), 'polynomial')} in joints {', '.join(map(str, joints))} {vanish} "
-            f"({degree} {degrees} in half-angle tangents; {terms} terms)"
-        )
-    minors = f"{count(one.minors, 'minor')} of order {one.order} vanish{'es' if one.minors == 1 else ''}"
+        parts.append(_polynomial_words(one.polynomials))
+    minors = f"{count(one.minors, 'minor vanishes', 'minors vanish')}, of order {one.order}"
     degree = f"degree at most {one.degree} in sines and cosines"
     return f"corank {one.corank} or more where {', '.join(parts)}, and {minors} ({degree})"
+
+
+def _polynomial_words(polynomials: Sequence[Any]) -> str:
+    """ "2 polynomials in joints 3, 4 vanish together (degrees 4, 9 in half-angle tangents; 12, 110 terms)"."""
+    joints = ", ".join(map(str, sorted({*chain.from_iterable(f.joints for f in polynomials)})))
+    degrees = ", ".join(str(f.degree) for f in polynomials)
+    terms = ", ".join(f"{f.terms:,}" for f in polynomials)
+    size = f"{degrees} in half-angle tangents; {terms} terms"
+    if len(polynomials) == 1:
+        return f"1 polynomial in joints {joints} vanishes (degree {size})"
+    return f"{len(polynomials)} polynomials in joints {joints} vanish together (degrees {size})"
 
 
 def _example(one: Any, robot: Robot) -> str:
@@ -243,8 +244,7 @@ def _example(one: Any, robot: Robot) -> str:
 
 def undivided_sentence(conditions: Any) -> str:
     """How many cases were not taken apart: "4 cases were not taken apart"."""
-    number = len(conditions.undivided)
-    return f"{count(number, 'case')} {'was' if number == 1 else 'were'} not taken apart"
+    return f"{count(len(conditions.undivided), 'case was', 'cases were')} not taken apart"
 
 
 def unfinished_text(conditions: Any) -> str:
@@ -449,9 +449,8 @@ def _tested_lines(conditions: Any) -> Iterator[str]:
     if tested:
         yield f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 11913"
     if cloud.tested:
-        or_case = " or in a case that was not taken apart" if conditions.undivided else ""
-        found = f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically"
-        yield f"{found} lie on a family{or_case}"
+        found = f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family"
+        yield found + " or in a case that was not taken apart" * bool(conditions.undivided)
     elif conditions.settings.points:
         yield "the numeric search for singular configurations found none"
     else:
@@ -609,7 +608,7 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
         derived: exact conditions derived later, for a report; what they contradict is contradicted.
     """
     agrees = analysis.exact is not None and analysis.exact.agrees
-    exact = agrees or (derived is not None and derived.in_families and of_conditions(derived).holds)
+    exact = agrees or _holds_in_families(derived)
     exact_claim = exact and not exact_chain(analysis.robot, analysis.task).rounded
     claims = _claims((analysis.sound_and_complete, SAMPLED), (exact_claim, EXACT))
     if not analysis.complete:
@@ -622,6 +621,11 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
         return _failed(failures, claims)
     sentence = f"{_verified(analysis, derived=exact, exact=exact_claim)}{_apart(analysis, derived)}."
     return Verdict(VERIFIED, claims, sentence)
+
+
+def _holds_in_families(derived: Any) -> bool:
+    """Whether every singular configuration is on a family of a derivation that nothing contradicts."""
+    return derived is not None and derived.in_families and of_conditions(derived).holds
 
 
 def _claims(*claims: tuple[bool, str]) -> tuple[str, ...]:
@@ -652,7 +656,7 @@ def _apart(analysis: Any, derived: Any) -> str:
         return ""
     if derived is not None:
         on = derived.explained
-        if derived.in_families and of_conditions(derived).holds:
+        if _holds_in_families(derived):
             return f"; {on.agree:,} of {on.tested:,} configurations found lie on exact families"
         return "; the exact conditions are not complete"
     if analysis.exact is None:

@@ -98,11 +98,16 @@ def _derived(
         return None, INTERRUPTED
     if derived.in_families:
         return derived, ""
+    return None, _why_incomplete(derived, seconds)
+
+
+def _why_incomplete(derived: Conditions, seconds: float) -> str:
+    """Why not all singular configurations are on derived families."""
     if derived.undivided:
-        return None, undivided_sentence(derived)
+        return undivided_sentence(derived)
     if derived.seconds >= seconds:
-        return None, f"the derivation takes more than {seconds:g} s"
-    return None, "; ".join(derived.left)
+        return f"the derivation takes more than {seconds:g} s"
+    return "; ".join(derived.left)
 
 
 def _shipped_or_made(

@@ -118,10 +118,9 @@ def derived(
         "sets without points", lambda: _sets_without_points(chain, tree, found, asked.seed), (hidden, unmet), left
     )
     left += [*first.left, *hidden]
+    lowest = _stated_rank(tree, lowest)
     undivided: Sequence[UndividedSet] = ()
-    if tree.stated and not work.interrupted:
-        lowest = max(lowest, tree.lowest)
-        undivided = _guarded("the undivided cases", lambda: _undivided(chain, tree, found, work, left), undivided, left)
+    undivided = _guarded("the undivided cases", lambda: _undivided(chain, tree, found, work, left), undivided, left)
     not_real += unmet
     assumed: Sequence[Assumption] = ()
     assumed = _guarded(
@@ -130,7 +129,7 @@ def derived(
     left += _not_holding(assumed)
     check, over, misses = _cloud(chain, tree.generic_rank, lowest, (*found, *undivided), asked.points, work, left)
     differing = list(first.disagreements)
-    if not tree.complete or undivided:  # another method may have what the tree has not come to
+    if not tree.divided:  # another method may have what the tree has not come to
         left += differing
         differing = []
     if left:  # what is left over belongs to what was not derived
@@ -370,12 +369,21 @@ def _unless_interrupted(
     return otherwise
 
 
+def _stated_rank(tree: Tree, lowest: int) -> int:
+    """The rank down to which families and cases hold all configurations; as asked for where a tree is left open."""
+    if tree.stated:
+        return max(lowest, tree.lowest)
+    return lowest
+
+
 def _undivided(
     chain: Chain, tree: Tree, families: Sequence[ExactFamily], work: Work, left: list[str]
 ) -> tuple[UndividedSet, ...]:
     """The cases that were not taken apart; where the configuration on one is not singular with `DIGITS` digits a
     sentence goes to `left`.
     """
+    if not tree.stated or work.interrupted:
+        return ()
     cases = undivided_sets(chain, tree, families, work.seed)
     for number, one in enumerate(cases, 1):
         if one.witness is None:

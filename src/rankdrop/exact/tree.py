@@ -291,7 +291,7 @@ class Tree:
 
     @property
     def divided(self) -> bool:
-        """Whether every case was taken apart: drops alone hold every configuration of lower rank that was looked for."""
+        """Whether every case was taken apart: drops alone hold all configurations of lower rank."""
         return self.complete and not self.cases
 
     @property

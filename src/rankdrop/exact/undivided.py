@@ -7,7 +7,7 @@ of it are solved for numerically from random starts; finding none proves nothing
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import comb
 
@@ -17,10 +17,8 @@ from numpy.typing import NDArray
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.tree import OpenCase, Tree
 from rankdrop.families.equation import Equation, System
-from rankdrop.families.points import Cloud, explained
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array
@@ -84,26 +82,29 @@ class UndividedSet:
         return words
 
 
-def undivided_sets(chain: Chain, tree: Tree, families: Sequence[ExactFamily], seed: int) -> tuple[UndividedSet, ...]:
+OffFamilies = Callable[[Array, int], NDArray[np.int64]]
+"""(N, n) configurations, corank -> which of them lie on no family of that corank or a larger one."""
+
+
+def undivided_sets(chain: Chain, tree: Tree, off_families: OffFamilies, seed: int) -> tuple[UndividedSet, ...]:
     """The open cases of a tree, each with real configurations on it.
 
     Args:
         chain: the arm.
         tree: of the arm.
-        families: made from it.
+        off_families: tries configurations on the families made from it.
         seed: of the random starts.
     """
-    return tuple(_undivided(chain, tree, case, families, seed) for case in tree.cases)
+    return tuple(_undivided(chain, tree, case, off_families, seed) for case in tree.cases)
 
 
-def _undivided(chain: Chain, tree: Tree, case: OpenCase, families: Sequence[ExactFamily], seed: int) -> UndividedSet:
+def _undivided(chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamilies, seed: int) -> UndividedSet:
     piece, order = case.piece, case.order - tree.cleared
     corank = tree.generic_rank - case.order + 1
     pins = tuple(AnglePin(joint, (value,)) for joint, value in sorted(piece.pins.items()))
     equations = equations_of(chain, piece)
     q = _points(chain, corank, equations, seed)
-    known = [one.in_units(chain.robot).equations for one in families if one.corank >= corank]
-    _, off = explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)
+    off = off_families(q, corank)
     columns, _ = chain.cleared
     return UndividedSet(
         corank=corank,

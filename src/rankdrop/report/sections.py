@@ -46,7 +46,6 @@ from rankdrop.text import (
     unseen,
     within,
 )
-from rankdrop.text.conditions import undivided_sentence
 
 _SHORT = 70  # characters of LaTeX; conditions up to this stand side by side
 _LONG = 420  # a longer one is folded
@@ -96,7 +95,7 @@ def _derivation(derived: Conditions) -> Iterator[str]:
             f"{derived.settings.seed})."
         )
     elif derived.undivided:
-        yield f"No family: {undivided_sentence(derived)}."
+        yield derived.answer
     elif derived.verified:
         yield f"No family: the rank is {derived.generic_rank} at every configuration."
     else:

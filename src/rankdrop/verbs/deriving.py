@@ -13,6 +13,7 @@ from time import monotonic
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.algebra.polynomial import PRIMES
 from rankdrop.algebra.work import SLOWER, OutOfTime, Work, failure
@@ -384,7 +385,12 @@ def _undivided(
     """
     if not tree.stated or work.interrupted:
         return ()
-    cases = undivided_sets(chain, tree, families, work.seed)
+
+    def off_families(q: Array, corank: int) -> NDArray[np.int64]:
+        known = [one.in_units(chain.robot).equations for one in families if one.corank >= corank]
+        return explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)[1]
+
+    cases = undivided_sets(chain, tree, off_families, work.seed)
     for number, one in enumerate(cases, 1):
         if one.witness is None:
             continue

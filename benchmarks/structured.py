@@ -42,6 +42,7 @@ class Outcome:
         finished: complete, and nothing left open.
         wrong: complete, and contradicted by configurations found numerically.
         reasons: statements on the open part.
+        cases: number of cases that were not taken apart.
         seconds: of the processor [s].
     """
 
@@ -49,6 +50,7 @@ class Outcome:
     wrong: bool
     reasons: tuple[str, ...]
     seconds: float
+    cases: int = 0
 
 
 def derive(seed: int, cpu: float, method: str) -> Outcome:
@@ -60,7 +62,8 @@ def derive(seed: int, cpu: float, method: str) -> Outcome:
     except Exception as error:
         return Outcome(False, False, (f"{type(error).__name__}: {error}",), time.process_time() - begun)
     wrong = found.complete and (bool(found.disagreements) or not found.explained.holds)
-    return Outcome(found.complete and not wrong, wrong, found.left, time.process_time() - begun)
+    finished = found.complete and not wrong
+    return Outcome(finished, wrong, found.left, time.process_time() - begun, len(found.undivided))
 
 
 def _child(pipe: Connection, seed: int, cpu: float, method: str) -> None:
@@ -118,7 +121,7 @@ def main() -> int:
         one = outcome(seed, given.cpu, given.method)
         outcomes.append((task, one))
         if one.finished:
-            verdict = "finished"
+            verdict = "finished" + f", {one.cases} cases not taken apart" * bool(one.cases)
         elif one.wrong:
             verdict = "WRONG"
         else:

@@ -67,6 +67,7 @@ class Work:
         limited: a limit on work or on the processor's time was met: with a longer one more is derived.
         interrupted: the user has asked to stop; only what was found is put in order.
         unresolved: systems of conditions that could not be taken apart; what they hold is missing from the answer.
+        systems: pins and polynomials of every system that could not be taken apart, by its text in `unresolved`.
         without_points: sets (`ZeroSet`, by their key) without a point modulo the prime, though they may be real.
         assumed: factors in lengths alone that were divided by, by their text: the answer holds where none vanishes.
         lengths: of the arm at hand, for letters: what is said not to be there is shown for these.
@@ -82,6 +83,7 @@ class Work:
         self.rng = random.Random(seed)
         self.assumed: dict[str, Polynomial] = {}
         self.unresolved: list[str] = []
+        self.systems: dict[str, tuple[dict[int, str], tuple[Polynomial, ...]]] = {}
         self.without_points: dict[str, Any] = {}
         self.lengths: Mapping[str, Fraction] = {}
         self.special = False
@@ -108,16 +110,17 @@ class Work:
 
     @contextmanager
     def share(self, part: float) -> Iterator[None]:
-        """Until the end of the block the limit is this part of the work that is left."""
-        end = self._end
-        if part >= 1.0:
-            self._end = end
-        else:
+        """Until the end of the block the limits are this part of the work and of the processor's time that are left."""
+        end, last = self._end, self._last
+        if part < 1.0:
             self._end = spent() + part * self.left
+            self._last = process_time() + part * self.time_left
         try:
             yield
         finally:
             self._end = end
+            if not self.interrupted:  # else only `GRACE` is left
+                self._last = last
 
     @contextmanager
     def attempt(self, seconds: float) -> Iterator[Callable[[], None]]:
@@ -164,6 +167,6 @@ class Work:
 
     def leave(self, pins: Mapping[int, str], system: Sequence[Polynomial]) -> None:
         """Keep a system that could not be taken apart."""
-        self.unresolved.append(
-            "; ".join([*(f"θ{j} = {value}" for j, value in pins.items()), *(f"{f} = 0" for f in system)])
-        )
+        text = "; ".join([*(f"θ{j} = {value}" for j, value in pins.items()), *(f"{f} = 0" for f in system)])
+        self.unresolved.append(text)
+        self.systems[text] = dict(pins), tuple(system)

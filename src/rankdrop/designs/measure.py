@@ -68,7 +68,7 @@ def nominal_conditions(robot: Robot, task: Task) -> Conditions | None:
             derived = conditions(robot, task, method="tree", seconds=SECONDS["auto"], points=0, special=False)
     except RankdropError:
         return None
-    if derived.complete and derived.letters:
+    if derived.in_families and derived.letters:
         return derived
     return None
 

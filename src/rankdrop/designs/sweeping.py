@@ -169,7 +169,7 @@ def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tu
             derived = conditions(robot, spec.task, method="tree", seconds=_SECONDS, points=0, special=False)
         except RankdropError:  # an arm that cannot be derived exactly has no such entry
             continue
-        if derived.complete:
+        if derived.in_families:
             found.append({
                 "variant": number + 1,
                 "letters": {name: float(value) for name, value in derived.letters.items()},

@@ -183,7 +183,7 @@ def _chosen(chain: Chain, tree: Tree, reason: Reason) -> str:
 
 def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne:
     """A second method that nobody asked for and that did not finish says nothing against the rank tree."""
-    if asked != "auto" or not derivation.left or derivation.disagreements or not tree.complete:
+    if asked != "auto" or not derivation.left or derivation.disagreements or not tree.stated:
         return derivation
     return CorankOne("tree", replace(derivation.reason, unfinished=derivation.method), derivation.derived)
 

@@ -246,6 +246,17 @@ class Drop:
     rank: int
 
 
+@dataclass(frozen=True)
+class OpenCase:
+    """Conditions that were not taken apart further: where they hold, the rank may be lower than `order`.
+
+    All configurations of a rank lower than `order` lie on drops of the tree, or on its open cases of that order.
+    """
+
+    piece: ZeroSet
+    order: int
+
+
 @dataclass
 class Tree:
     """All drops of rank.
@@ -261,6 +272,9 @@ class Tree:
         without_points: sets without a point modulo any of the primes that may be real, the order of the minors that
             were zero on them, and whether nothing was looked for inside them; their rank is not known, nor what is in
             them.
+        cases: what was not taken apart, be it for want of work or because no step makes it simpler.
+        unstated: what of `left` the cases do not say: corank 1 was not divided, or an error ended the search.
+        lowest: the lowest rank down to which `drops` and `cases` together hold all configurations.
     """
 
     generic_rank: int
@@ -271,6 +285,19 @@ class Tree:
     visited: int = 0
     unresolved: list[str] = field(default_factory=list)
     without_points: list[tuple[ZeroSet, int, bool]] = field(default_factory=list)
+    cases: list[OpenCase] = field(default_factory=list)
+    unstated: list[str] = field(default_factory=list)
+    lowest: int = 0
+
+    @property
+    def divided(self) -> bool:
+        """Whether every case was taken apart: drops alone hold all configurations of lower rank."""
+        return self.complete and not self.cases
+
+    @property
+    def stated(self) -> bool:
+        """Whether drops and open cases together hold every configuration of a rank down to `lowest`."""
+        return self.complete or (bool(self.left) and not self.unstated)
 
     @property
     def finished(self) -> bool:
@@ -304,13 +331,15 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
         columns, never = chain.cleared
     except Exception as stop:
         rank = generic_rank(chain.own, chain.own_task)
-        return Tree(rank, complete=False, left=[f"{failure(stop)}: the arm's screws were not written down"])
+        left = [f"{failure(stop)}: the arm's screws were not written down"]
+        return Tree(rank, complete=False, left=left, unstated=left)
     generic = rank_on(columns, whole)
-    tree = Tree(generic + never, never)
     found: list[Drop] = []
     lowest = max(lowest - never, 0)
+    tree = Tree(generic + never, never, lowest=lowest + never)
     for order in range(generic, lowest, -1):
         waiting = [whole]
+        systems = len(work.unresolved)
         try:
             with work.share(1.0 if order == lowest + 1 else _STAGE), watched(work.check):
                 _explore(columns, order, waiting, found, tree, work, unwanted)
@@ -324,17 +353,42 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
                 f"{what} while looking for drops below rank {order + never}: {len(waiting)} sets were not derived "
                 "to the end"
             )
+            _keep_cases(tree, waiting, order, stop, divided=order < generic)
             if isinstance(stop, KeyboardInterrupt):
                 work.interrupt()
                 break
             if isinstance(stop, Unwanted):
                 break
+        unresolved = dict.fromkeys(work.unresolved[systems:])
+        tree.cases += [OpenCase(_system(chain.ring, *work.systems[one]), order + never) for one in unresolved]
         if not any(drop.rank < order for drop in found):
+            if any(case.order == order + never for case in tree.cases):
+                tree.lowest = max(tree.lowest, order - 1 + never)
             break
     tree.drops = largest([Drop(one.piece, one.rank + never) for one in found])
     tree.without_points = [(piece, order + never, last) for piece, order, last in tree.without_points]
     tree.unresolved = list(dict.fromkeys(work.unresolved))
     return tree
+
+
+def _keep_cases(tree: Tree, waiting: Sequence[ZeroSet], order: int, stop: BaseException, *, divided: bool) -> None:
+    """Note the sets that wait when a limit ends the search for a rank lower than `order`.
+
+    Where nothing was cut yet the only set that waits is the whole space, which says nothing. Then ranks lower than
+    `order` are not derived; where there are cases of a higher rank (`divided`) these and its drops hold them too.
+    """
+    limited = isinstance(stop, OutOfTime | TooLong)
+    if limited and all(piece.codimension for piece in waiting):
+        tree.cases += [OpenCase(piece, order + tree.cleared) for piece in waiting]
+    elif limited and divided and tree.cases:
+        tree.lowest = max(tree.lowest, order + tree.cleared)
+    else:
+        tree.unstated.append(tree.left[-1])
+
+
+def _system(ring: Ring, pins: Mapping[int, str], system: Sequence[Polynomial]) -> ZeroSet:
+    """The common zeros of some polynomials, not divided: only its conditions may be used."""
+    return ZeroSet(ring, pins, rest=tuple(system), equations=tuple(system))
 
 
 def largest(drops: Sequence[Drop]) -> list[Drop]:
@@ -370,13 +424,16 @@ def _explore(
     bound = min((m - order + 1) * (n - order + 1), bending)
     seen: list[ZeroSet] = []
     too_long: list[tuple[ZeroSet, TooLong]] = []
-    while waiting:
-        work.show(f"sets derived for rank < {order + tree.cleared}", len(seen) - len(waiting) + 1, len(seen) + 1)
-        piece = min(waiting, key=_length)
+    while True:
+        stuck = {id(piece) for piece, _ in too_long}  # these stay among the sets that wait: no limit may lose them
+        open_pieces = [piece for piece in waiting if id(piece) not in stuck]
+        if not open_pieces:
+            break
+        work.show(f"sets derived for rank < {order + tree.cleared}", len(seen) - len(open_pieces) + 1, len(seen) + 1)
+        piece = min(open_pieces, key=_length)
         try:
             parts = _cut(columns, order, piece, bending, work)
         except TooLong as stop:
-            waiting.remove(piece)
             too_long.append((piece, stop))
             continue
         for part in parts:
@@ -398,7 +455,6 @@ def _explore(
         if unwanted():
             raise Unwanted
     if too_long:
-        waiting += [piece for piece, _ in too_long]
         raise too_long[0][1]
 
 

@@ -94,6 +94,8 @@ def _derivation(derived: Conditions) -> Iterator[str]:
             f"{derived.explained.tested:,} singular configurations found numerically lie on one (seed "
             f"{derived.settings.seed})."
         )
+    elif derived.undivided:
+        yield derived.answer
     elif derived.verified:
         yield f"No family: the rank is {derived.generic_rank} at every configuration."
     else:
@@ -452,7 +454,7 @@ def _drawn(content: Content) -> Iterator[str]:
 def _rank_checks(derived: Conditions) -> str:
     agree = sum(family.rank_check.agree for family in derived.families)
     tested = sum(family.rank_check.tested for family in derived.families)
-    if derived.complete:
+    if derived.in_families:
         word = "nothing was left unfinished"
     else:
         word = "not finished within its time limit"

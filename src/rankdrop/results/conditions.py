@@ -17,6 +17,7 @@ from rankdrop.codec import Result
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily, UnrealSet
+from rankdrop.exact.undivided import UndividedSet
 from rankdrop.families.record import Check
 from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.formula.notation import Step
@@ -54,13 +55,14 @@ class Conditions(Result):
         not_real: sets without a real point for the arm's lengths, and why.
         explained: of singular configurations found numerically, how many lie on a family.
         disagreements: whatever two methods, or the derivation and a check, say differently. None is as it should be.
-        complete: nothing was left unfinished.
+        complete: nothing was left unfinished: every singular configuration is on a family or on an undivided case.
         interrupted: Ctrl-C ended it.
         left: what was not finished, in words.
         seconds: spent.
         limited: a limit on work or time ended it: a longer one derives more.
         settings: what was asked for; with the robot and the version it determines the result.
         determinants: the determinant of the Jacobian, or its minors, in factors; None where no steps were asked for.
+        undivided: cases that were not taken apart: their conditions as they stand.
         anew: None for what was derived just now; for the shipped conditions of a catalogue arm what derives them anew.
     """
 
@@ -86,6 +88,7 @@ class Conditions(Result):
     settings: ConditionsOptions
     limited: bool = False
     determinants: Determinants | None = None
+    undivided: tuple[UndividedSet, ...] = ()
     anew: Callable[[], Conditions] | None = None
     FILE: ClassVar[str] = "conditions"
 
@@ -94,6 +97,11 @@ class Conditions(Result):
         """The arm over the exact ring, in which conditions are polynomials: made for whoever asks."""
         made = exact_chain(self.robot, self.task, lengths=self.settings.lengths)
         return made if self.letters else replace(made, letters={}, written={})  # with letters it took too long
+
+    @property
+    def in_families(self) -> bool:
+        """Whether nothing was left unfinished, and every singular configuration is on a family."""
+        return self.complete and not self.undivided
 
     @property
     def verified(self) -> bool:
@@ -115,7 +123,7 @@ class Conditions(Result):
     @property
     def answer(self) -> str:
         """What the arm has, in one sentence."""
-        answer: str = words_of(self).opening(self.summary)
+        answer: str = words_of(self).answer_of(self)
         return answer
 
     def of_corank(self, corank: int) -> tuple[ExactFamily, ...]:
@@ -142,9 +150,10 @@ class Conditions(Result):
             whole = self
         else:
             whole = self.anew()
-        if not whole.complete:
+        if not whole.in_families:
             raise OptionError(
-                "the singular set is not completely derived: it cannot be compared", got="; ".join(whole.left),
+                "the singular set is not completely derived: it cannot be compared",
+                got=words_of(self).unfinished_text(whole),
                 mend="allow more time: seconds=…", typed="allow more time: --time-limit",
             )  # fmt: skip
         pieces = [piece for family in whole.families for piece in family.pieces]

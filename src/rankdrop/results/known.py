@@ -49,6 +49,7 @@ from rankdrop.results.names import name_of
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
 from rankdrop.robot.open import open_robot
+from rankdrop.sections import words_of
 from rankdrop.task import Frame, Task, resolve_task
 from rankdrop.units import in_metres, metre_exponent, shifted
 from rankdrop.version import VERSION
@@ -298,9 +299,9 @@ def file_text(analysis: Record | None, conditions: Record | None) -> str:
     return "\n".join(lines) + "\n"
 
 
-_AGAIN = ("robot", "equations", "lost_words", "determinants", "not_real")
+_AGAIN = ("robot", "equations", "lost_words", "determinants", "not_real", "undivided")
 """Entries of the record that are made again: from the robot asked about, from `terms`, `lost_freedoms`, `unreal`;
-determinants belong to steps, which are not stored."""
+determinants belong to steps, which are not stored, and there are no undivided cases."""
 
 
 def to_stored(conditions: Conditions) -> Record:
@@ -309,10 +310,11 @@ def to_stored(conditions: Conditions) -> Record:
     Raises:
         ResultFileError: a derivation that is not complete; nothing of it can be vouched for later.
     """
-    if not conditions.complete or conditions.interrupted:
+    if not conditions.in_families or conditions.interrupted:
         raise ResultFileError(
-            "only a complete derivation is stored", where=conditions.robot.name, got="; ".join(conditions.left)
-        )
+            "only a complete derivation is stored", where=conditions.robot.name,
+            got=words_of(conditions).unfinished_text(conditions),
+        )  # fmt: skip
     record = {key: value for key, value in conditions.to_dict().items() if key not in _AGAIN}
     record["answers"] = ANSWERS
     record["arm"] = _arm(conditions.robot) | {"task": _task(conditions.task)}

@@ -15,6 +15,7 @@ from rankdrop.exact.determinants import Determinants, Minor
 from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
 from rankdrop.exact.lint import Difference, Example, LintResult
 from rankdrop.exact.signs import Between, Crossing, Flags
+from rankdrop.exact.undivided import PolynomialSize, UndividedSet
 from rankdrop.families.equation import Term
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import Detail, FamilyName, JointValues, LowRank, Shorter, Variable
@@ -394,6 +395,23 @@ ASSUMPTIONS = table(
     more=(optional(Count), "number of its other families"),
 )  # fmt: skip
 UNREAL = table("unreal", of=UnrealSet, tried=optional(Count))
+UNDIVIDED = table(
+    "undivided",
+    of=UndividedSet,
+    corank=(Positive, "of configurations on it, or more"),
+    pins=(mapping(many(str)), "joint number -> simple angles it stands at",
+        lambda one: {str(pin.joint): list(pin.values) for pin in one.pins}),
+    polynomials=many(table("polynomials", of=PolynomialSize)),
+    words=(str, "the case in words"),
+    order=Positive,
+    minors=Positive,
+    degree=Count,
+    starts=Count,
+    found=Count,
+    off=Count,
+    witness=(some(num("joint")) | None,
+        "one of them, on no family where there is one; null where none was found"),
+)  # fmt: skip
 EXAMPLE = table(
     "example",
     of=Example,
@@ -473,6 +491,7 @@ CONDITIONS_FILE = file(
     assumptions=(many(ASSUMPTIONS), "lengths for which more happens"),
     not_real=(many(str), "sets on which no real point is known, and why", lambda one: list(map(str, one.not_real))),
     unreal=(optional(many(UNREAL)), "the same as facts; since 0.3", attrgetter("not_real")),
+    undivided=(optional(many(UNDIVIDED)), "cases that were not taken apart, as their conditions stand; since 0.3"),
     explained=SHARE,
     test=(optional(TEST | None), "what --test says (command line only)", _absent),
     flags=(optional(CONDITIONS_FLAGS | None), "what --flags says (command line only)", _absent),

@@ -109,8 +109,8 @@ def condition_sections(conditions: Any, *, families: bool = True) -> tuple[Secti
         conditions: what was derived.
         families: False leaves out the families, of coranks that have any.
     """
-    parts = (_steps, _determinants, *((_coranks,) if families else ()), _no_coranks, _assumed, _not_real, _checks,
-             _unfinished)  # fmt: skip
+    parts = (_steps, _determinants, *((_coranks,) if families else ()), _no_coranks, _undivided, _assumed, _not_real,
+             _checks, _unfinished)  # fmt: skip
     return tuple(section for part in parts for section in part(conditions))
 
 
@@ -187,9 +187,69 @@ def _no_coranks(conditions: Any) -> Iterator[Section]:
         yield Section(f"Coranks {highest + 1} {between} {last}", _none(conditions))
     notes = [*_condition_notes(conditions)]
     if last < r:
-        notes.append(f"nothing is said about coranks above {last}: they were not asked for")
+        notes.append(f"nothing is said about coranks above {last}: they {_why_lowest(conditions)}")
     if notes:
         yield Section("", "", notes=tuple(notes))
+
+
+def _why_lowest(conditions: Any) -> str:
+    """Why coranks above the last one were not derived."""
+    last = conditions.generic_rank - conditions.lowest
+    asked = conditions.settings.coranks
+    if conditions.undivided and (asked is None or asked > last):
+        return "were not derived separately, and lie on families and cases of lower corank"
+    return "were not asked for"
+
+
+def _undivided(conditions: Any) -> Iterator[Section]:
+    """Cases that were not taken apart, with a configuration on each."""
+    lines: list[str] = []
+    for number, one in enumerate(conditions.undivided, 1):
+        lines += [f"case {number}: {undivided_words(one)}", f"{_INSET}{_example(one, conditions.robot)}"]
+    if lines:
+        cases = "the rank is lower exactly where the conditions of a case hold and its minors vanish"
+        yield Section("Not taken apart", cases, tuple(lines))
+
+
+def undivided_words(one: Any) -> str:
+    """A case that was not taken apart, by its conditions and minors: "corank 1 or more where θ5 = 0, and …"."""
+    parts = [pin.text() for pin in one.pins]
+    if one.polynomials:
+        parts.append(_polynomial_words(one.polynomials))
+    minors = f"{count(one.minors, 'minor vanishes', 'minors vanish')}, of order {one.order}"
+    degree = f"degree at most {one.degree} in sines and cosines"
+    return f"corank {one.corank} or more where {', '.join(parts)}, and {minors} ({degree})"
+
+
+def _polynomial_words(polynomials: Sequence[Any]) -> str:
+    """ "2 polynomials in joints 3, 4 vanish together (degrees 4, 9 in half-angle tangents; 12, 110 terms)"."""
+    joints = ", ".join(map(str, sorted({*chain.from_iterable(f.joints for f in polynomials)})))
+    degrees = ", ".join(str(f.degree) for f in polynomials)
+    terms = ", ".join(f"{f.terms:,}" for f in polynomials)
+    size = f"{degrees} in half-angle tangents; {terms} terms"
+    if len(polynomials) == 1:
+        return f"1 polynomial in joints {joints} vanishes (degree {size})"
+    return f"{len(polynomials)} polynomials in joints {joints} vanish together (degrees {size})"
+
+
+def _example(one: Any, robot: Robot) -> str:
+    """A configuration of a case, or that none was found."""
+    if one.witness is None:
+        return f"no real configuration was found from {one.starts} starts, which proves nothing"
+    where = witness_text(robot, one.witness)
+    if one.off:
+        return f"for example {where}, on no family; {one.off} of {one.found} found are on none"
+    return f"for example {where}; all {one.found} configurations found are on families too"
+
+
+def undivided_sentence(conditions: Any) -> str:
+    """How many cases were not taken apart: "4 cases were not taken apart"."""
+    return f"{count(len(conditions.undivided), 'case was', 'cases were')} not taken apart"
+
+
+def unfinished_text(conditions: Any) -> str:
+    """Why not every singular configuration is known to be on a family."""
+    return "; ".join(conditions.left) or undivided_sentence(conditions)
 
 
 def _condition_notes(conditions: Any) -> Iterator[str]:
@@ -208,6 +268,8 @@ def _condition_notes(conditions: Any) -> Iterator[str]:
 def _none(conditions: Any) -> str:
     if not conditions.complete:
         return "no family so far; the derivation is not complete"
+    if conditions.undivided:
+        return "no family apart from the cases below"
     if conditions.verified:
         return "no family"
     return "none derived, and a check says otherwise: see the first line"
@@ -387,7 +449,8 @@ def _tested_lines(conditions: Any) -> Iterator[str]:
     if tested:
         yield f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 11913"
     if cloud.tested:
-        yield f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family"
+        found = f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family"
+        yield found + " or in a case that was not taken apart" * bool(conditions.undivided)
     elif conditions.settings.points:
         yield "the numeric search for singular configurations found none"
     else:
@@ -481,6 +544,17 @@ def opening(summary: FamilySummary) -> str:
     return f"{summary.arm} has {count(summary.families, 'family', 'families')} of singularities: {'; '.join(parts)}."
 
 
+def answer_of(conditions: Any) -> str:
+    """What an arm has, with the cases that were not taken apart."""
+    summary = conditions.summary
+    cases = count(len(conditions.undivided), "case")
+    if not conditions.undivided:
+        return opening(summary)
+    if not summary.ranks:
+        return f"{summary.arm}: singular in {cases} not taken apart into families."
+    return f"{opening(summary).rstrip('.')}; and {cases} not taken apart."
+
+
 def _alike(before: RankSummary, one: RankSummary, first: RankSummary) -> bool:
     """Whether the noun of the rank before holds for this rank too: all are combinations, or none is."""
     alike = all(rank.combinations == rank.families for rank in (before, one))
@@ -534,19 +608,24 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
         derived: exact conditions derived later, for a report; what they contradict is contradicted.
     """
     agrees = analysis.exact is not None and analysis.exact.agrees
-    exact = agrees or (derived is not None and of_conditions(derived).holds)
+    exact = agrees or _holds_in_families(derived)
     exact_claim = exact and not exact_chain(analysis.robot, analysis.task).rounded
     claims = _claims((analysis.sound_and_complete, SAMPLED), (exact_claim, EXACT))
     if not analysis.complete:
         text = f"Interrupted: corank {analysis.unfinished} is unfinished; nothing is said about it and higher ones."
         return Verdict(INTERRUPTED, claims, text)
     failures: list[Failure] = [*_failures(analysis)]
-    if derived is not None and derived.complete:  # of an unfinished one it says nothing that a point is on no family
+    if derived is not None and derived.in_families:  # of an unfinished one it says nothing that a point is on no family
         failures += [("disagreement", text) for text in derived.disagreements]
     if failures:
         return _failed(failures, claims)
     sentence = f"{_verified(analysis, derived=exact, exact=exact_claim)}{_apart(analysis, derived)}."
     return Verdict(VERIFIED, claims, sentence)
+
+
+def _holds_in_families(derived: Any) -> bool:
+    """Whether every singular configuration is on a family of a derivation that nothing contradicts."""
+    return derived is not None and derived.in_families and of_conditions(derived).holds
 
 
 def _claims(*claims: tuple[bool, str]) -> tuple[str, ...]:
@@ -577,7 +656,7 @@ def _apart(analysis: Any, derived: Any) -> str:
         return ""
     if derived is not None:
         on = derived.explained
-        if of_conditions(derived).holds:
+        if _holds_in_families(derived):
             return f"; {on.agree:,} of {on.tested:,} configurations found lie on exact families"
         return "; the exact conditions are not complete"
     if analysis.exact is None:
@@ -636,7 +715,9 @@ def _derived(derived: Any, claims: tuple[str, ...]) -> Verdict:
     points = derived.explained.tested
     end = f"{rounded}."
     if derived.lowest:
-        end = f"; coranks above {derived.generic_rank - derived.lowest} were not asked for{rounded}."
+        end = f"; coranks above {derived.generic_rank - derived.lowest} {_why_lowest(derived)}{rounded}."
+    if derived.undivided:
+        end = f"; {undivided_sentence(derived)}{end}"
     if points:
         return Verdict(VERIFIED, claims, f"Verified by {how} and {count(points, 'random test')}{end}")
     untested = f"not tested on singular configurations found numerically{end}"

@@ -36,6 +36,7 @@ from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_aspects, known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
+from rankdrop.text.conditions import undivided_sentence
 from rankdrop.text.families import SPEEDS_INTERRUPTED, mistaken_text
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, task_in_units
@@ -95,11 +96,18 @@ def _derived(
         return None, f"{type(error).__name__}: {error}"
     if derived.interrupted:
         return None, INTERRUPTED
-    if derived.complete:
+    if derived.in_families:
         return derived, ""
+    return None, _why_incomplete(derived, seconds)
+
+
+def _why_incomplete(derived: Conditions, seconds: float) -> str:
+    """Why not all singular configurations are on derived families."""
+    if derived.undivided:
+        return undivided_sentence(derived)
     if derived.seconds >= seconds:
-        return None, f"the derivation takes more than {seconds:g} s"
-    return None, "; ".join(derived.left)
+        return f"the derivation takes more than {seconds:g} s"
+    return "; ".join(derived.left)
 
 
 def _shipped_or_made(

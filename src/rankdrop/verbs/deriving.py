@@ -13,6 +13,7 @@ from time import monotonic
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.algebra.polynomial import PRIMES
 from rankdrop.algebra.work import SLOWER, OutOfTime, Work, failure
@@ -33,6 +34,8 @@ from rankdrop.exact.letters import (
 )
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.tree import Drop, Tree, rank_tree
+from rankdrop.exact.undivided import UndividedSet, undivided_sets
+from rankdrop.families.equation import Equation
 from rankdrop.families.inspection import DIGITS, FOLLOWED, descents, near_misses
 from rankdrop.families.pictured import posed
 from rankdrop.families.points import Cloud, cloud, explained
@@ -89,7 +92,7 @@ def derived(
     chain, tree, work, remarks = _guarded(
         "the rank tree", lambda: _tree(given, lowest, optional=asked.lengths == "auto", work=work), underived, left
     )
-    left += tree.left
+    left += _unstated(tree)
     found: list[ExactFamily] = []
     not_real: list[UnrealSet] = []
     wrong: list[str] = []
@@ -115,16 +118,19 @@ def derived(
     hidden, unmet = _guarded(
         "sets without points", lambda: _sets_without_points(chain, tree, found, asked.seed), (hidden, unmet), left
     )
-    left += [*first.left, *_unresolved(tree), *hidden]
+    left += [*first.left, *hidden]
+    lowest = _stated_rank(tree, lowest)
+    undivided: Sequence[UndividedSet] = ()
+    undivided = _guarded("the undivided cases", lambda: _undivided(chain, tree, found, work, left), undivided, left)
     not_real += unmet
     assumed: Sequence[Assumption] = ()
     assumed = _guarded(
         "the assumptions", lambda: _assumptions(chain, tree, lowest, work, left, derive=asked.special), assumed, left
     )
     left += _not_holding(assumed)
-    check, over, misses = _cloud(chain, tree.generic_rank, lowest, found, asked.points, work, left)
+    check, over, misses = _cloud(chain, tree.generic_rank, lowest, (*found, *undivided), asked.points, work, left)
     differing = list(first.disagreements)
-    if not tree.complete:  # another method may have what the tree has not come to
+    if not tree.divided:  # another method may have what the tree has not come to
         left += differing
         differing = []
     if left:  # what is left over belongs to what was not derived
@@ -147,12 +153,13 @@ def derived(
         not_real=tuple(not_real),
         explained=check,
         disagreements=(*differing, *wrong, *over),
-        complete=tree.complete and not left,
+        complete=tree.stated and not left,
         interrupted=work.interrupted,
         left=tuple(left),
         seconds=monotonic() - begun,
         limited=work.limited,
         settings=asked,
+        undivided=tuple(undivided),
     )
 
 
@@ -268,7 +275,7 @@ def _decided_by_numbers(chain: Chain, tree: Tree, lowest: int, *, optional: bool
     """The rank tree with numbers where it decides more than the one with letters, else the latter."""
     plain, other, again = _with_numbers(chain, lowest, work)
     if decided_by_numbers(chain, tree, other):
-        return chain, replace(tree, unresolved=[]), work, ()  # what letters leave over is not there
+        return chain, replace(tree, unresolved=[], cases=[]), work, ()  # what letters leave over is not there
     remark = _why_numbers(tree, other, again, optional=optional)
     if remark is None:
         return chain, tree, work, ()
@@ -363,10 +370,44 @@ def _unless_interrupted(
     return otherwise
 
 
-def _unresolved(tree: Tree) -> list[str]:
-    if not tree.unresolved:
+def _stated_rank(tree: Tree, lowest: int) -> int:
+    """The rank down to which families and cases hold all configurations; as asked for where a tree is left open."""
+    if tree.stated:
+        return max(lowest, tree.lowest)
+    return lowest
+
+
+def _undivided(
+    chain: Chain, tree: Tree, families: Sequence[ExactFamily], work: Work, left: list[str]
+) -> tuple[UndividedSet, ...]:
+    """The cases that were not taken apart; where the configuration on one is not singular with `DIGITS` digits a
+    sentence goes to `left`.
+    """
+    if not tree.stated or work.interrupted:
+        return ()
+
+    def off_families(q: Array, corank: int) -> NDArray[np.int64]:
+        known = [one.in_units(chain.robot).equations for one in families if one.corank >= corank]
+        return explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)[1]
+
+    cases = undivided_sets(chain, tree, off_families, work.seed)
+    for number, one in enumerate(cases, 1):
+        if one.witness is None:
+            continue
+        q = into_units(chain.robot, one.witness)
+        if not _vanishes(Problem(chain.own, chain.own_task, one.corank), q):
+            left.append(not_singular_text(f"case {number}", tree.generic_rank - one.corank + 1, 1, 1, DIGITS))
+    return cases
+
+
+def _unstated(tree: Tree) -> list[str]:
+    """What a tree leaves open, in sentences: nothing where its cases hold the rest."""
+    if tree.stated:
         return []
+    if not tree.unresolved:
+        return tree.left
     return [
+        *tree.left,
         f"{count(len(tree.unresolved), *_SYSTEM)} could not be taken apart, three or more of them on the same joints: "
         "where they hold together the rank may drop, and no family says so; numerically found configurations "
         "(rankdrop analyze) do not depend on this"
@@ -395,7 +436,7 @@ def _cloud(
     chain: Chain,
     generic_rank: int,
     lowest: int,
-    families: Sequence[ExactFamily],
+    families: Sequence[ExactFamily | UndividedSet],
     points: int,
     work: Work,
     left: list[str],
@@ -447,13 +488,24 @@ class _OnFamilies(NamedTuple):
     sigma: float
 
 
-def _on_families(chain: Chain, met: Cloud, corank: int, families: Sequence[ExactFamily]) -> _OnFamilies:
-    """Points of a cloud on the families of a corank or a larger one; those on none are followed with 50 digits."""
-    equations = [family.in_units(chain.robot).equations for family in families if family.corank >= corank]
+def _on_families(
+    chain: Chain, met: Cloud, corank: int, families: Sequence[ExactFamily | UndividedSet]
+) -> _OnFamilies:
+    """Points of a cloud on the families of a corank or a larger one, or on cases of these that were not taken apart;
+    those on none are followed with 50 digits.
+    """
+    equations = [_own_equations(chain, family) for family in families if family.corank >= corank]
     check, remaining = explained(met, equations)
     wrong, sigma = near_misses(met, remaining, equations)
     off = out_of_units(chain.robot, met.q[np.setdiff1d(remaining, wrong)])
     return _OnFamilies(Check(check.tested - len(wrong), check.agree), off, len(wrong), sigma)
+
+
+def _own_equations(chain: Chain, family: ExactFamily | UndividedSet) -> tuple[Equation, ...]:
+    """The conditions for the arm in its own unit of length."""
+    if isinstance(family, UndividedSet):
+        return family.equations
+    return family.in_units(chain.robot).equations
 
 
 def _wanted(points: int, corank: int) -> int:

@@ -1,0 +1,176 @@
+"""Cases of an exact derivation that were not taken apart: conditions as they stand, with a configuration on each.
+
+The rank tree splits the configurations of lower rank into cases. Where it stops, a case is still an exact statement:
+the rank is lower than r where its conditions hold and all minors of order r of the Jacobian vanish. Real configurations
+of it are solved for numerically from random starts; finding none proves nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.algebra.polynomial import Polynomial
+from rankdrop.algebra.zeroset import ZeroSet
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.tree import OpenCase, Tree
+from rankdrop.families.equation import Equation, System
+from rankdrop.formula.writing import AnglePin, Condition
+from rankdrop.problem import Problem, wrapped
+from rankdrop.robot.model import Array
+from rankdrop.sections import words_of
+from rankdrop.solve import newton
+from rankdrop.tolerances import REAL_STARTS
+from rankdrop.units import out_of_units
+
+_ITERATIONS = 60
+
+
+@dataclass(frozen=True, slots=True)
+class PolynomialSize:
+    """A condition by its size.
+
+    Attributes:
+        joints: numbers of the joints in it.
+        degree: total, in the tangents of half the joint angles and in slides.
+        terms: number of terms.
+    """
+
+    joints: tuple[int, ...]
+    degree: int
+    terms: int
+
+
+@dataclass(frozen=True, eq=False)
+class UndividedSet:
+    """One case: the rank is lower than `order` where its conditions hold and all minors of that order vanish.
+
+    Attributes:
+        corank: of configurations on it, or more.
+        pins: joints at simple angles.
+        polynomials: what else vanishes there, by size.
+        order: r, of the minors.
+        minors: number of minors; of the Jacobian less the rows and columns that are cleared exactly.
+        degree: of a minor, at most, in sines and cosines of the joints and in slides.
+        starts: random starts from which configurations on it were solved for.
+        found: how many of them ended at a configuration of rank lower than `order`.
+        off: how many of these lie on no family of that corank.
+        witness: one of them, on no family where there is one [rad, m]; None where none was found.
+        equations: its conditions in q, for the arm in its own unit of length.
+    """
+
+    corank: int
+    pins: tuple[AnglePin, ...]
+    polynomials: tuple[PolynomialSize, ...]
+    order: int
+    minors: int
+    degree: int
+    starts: int
+    found: int
+    off: int
+    witness: tuple[float, ...] | None
+    equations: tuple[Equation, ...]
+
+    @property
+    def words(self) -> str:
+        """In words: "corank 1 or more where θ2 = 0, 2 polynomials in joints 3, 4 vanish together …"."""
+        words: str = words_of(self).undivided_words(self)
+        return words
+
+
+OffFamilies = Callable[[Array, int], NDArray[np.int64]]
+"""(N, n) configurations, corank -> which of them lie on no family of that corank or a larger one."""
+
+
+def undivided_sets(chain: Chain, tree: Tree, off_families: OffFamilies, seed: int) -> tuple[UndividedSet, ...]:
+    """The open cases of a tree, each with real configurations on it.
+
+    Args:
+        chain: the arm.
+        tree: of the arm.
+        off_families: tries configurations on the families made from it.
+        seed: of the random starts.
+    """
+    return tuple(_undivided(chain, tree, case, off_families, seed) for case in tree.cases)
+
+
+def _undivided(chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamilies, seed: int) -> UndividedSet:
+    piece, order = case.piece, case.order - tree.cleared
+    corank = tree.generic_rank - case.order + 1
+    pins = tuple(AnglePin(joint, (value,)) for joint, value in sorted(piece.pins.items()))
+    equations = equations_of(chain, piece)
+    q = _points(chain, corank, equations, seed)
+    off = off_families(q, corank)
+    columns, _ = chain.cleared
+    return UndividedSet(
+        corank=corank,
+        pins=pins,
+        polynomials=tuple(size_of(chain, f) for f in sorted(piece.equations, key=len)),
+        order=order,
+        minors=comb(len(columns), order) * comb(len(columns[0]), order),
+        degree=_degree(chain, piece, columns, order),
+        starts=REAL_STARTS,
+        found=len(q),
+        off=len(off),
+        witness=_witness(chain, q, off),
+        equations=equations,
+    )
+
+
+def equations_of(chain: Chain, piece: ZeroSet) -> tuple[Equation, ...]:
+    """The conditions of a set as equations in configurations of `Chain.own`."""
+    own = [Condition(chain.ring, chain.own_polynomial(f)) for f in piece.equations]
+    stated: list[AnglePin | Condition] = [*(AnglePin(joint, (value,)) for joint, value in piece.pins.items()), *own]
+    return tuple(one.equation(chain.own_numbers, chain.n, chain.shifts.tolist()) for one in stated)
+
+
+def size_of(chain: Chain, f: Polynomial) -> PolynomialSize:
+    """Joints, degree and number of terms of a half-angle polynomial."""
+    degree = max(sum(map(int, powers[: chain.ring.moving])) for powers in f.monoms())
+    return PolynomialSize(Condition(chain.ring, f).joints, degree, len(f))
+
+
+def _degree(chain: Chain, piece: ZeroSet, columns: Sequence[Sequence[Polynomial]], order: int) -> int:
+    """Largest degree that a minor may have on a set: the sum of those of as many columns."""
+    ring = chain.ring
+    degrees = []
+    for column in columns:
+        here = [ring.at(x, piece.pins) for x in column]
+        degrees.append(max((_moving_degree(chain, x) for x in here if x != 0), default=0))
+    return sum(sorted(degrees)[-order:])
+
+
+def _moving_degree(chain: Chain, x: Polynomial) -> int:
+    """Total degree of a trigonometric polynomial in sines, cosines and slides."""
+    variables = chain.ring.angles + chain.ring.moving  # a sine and a cosine of each angle, then slides
+    return max(sum(map(int, powers[:variables])) for powers in x.monoms())
+
+
+def _points(chain: Chain, corank: int, equations: Sequence[Equation], seed: int) -> Array:
+    """(k, n) configurations of `Chain.own` that satisfy some equations and lose so many freedoms."""
+    problem, system = Problem(chain.own, chain.own_task, corank), System(tuple(equations))
+
+    def unsolved(q: Array) -> tuple[NDArray[np.bool_], Array, Array]:
+        here = problem.block(q)
+        values, slopes = system.linear(q)
+        going = (here.sigma[:, problem.rank] > problem.tolerances.target) | (np.abs(values).max(axis=1) > 1e-13)
+        f = np.concatenate([values, here.f.reshape(len(q), -1)], axis=1)
+        return going, f, np.concatenate([slopes, here.d.reshape(len(q), -1, problem.n)], axis=1)
+
+    starts, _ = system.solve(problem.sample(REAL_STARTS, seed))
+    q = wrapped(chain.own, newton(unsolved, starts, scale=problem.scale, iterations=_ITERATIONS))
+    return q[system.zero(q) & problem.singular(q)]
+
+
+def _witness(chain: Chain, q: Array, off: NDArray[np.int64]) -> tuple[float, ...] | None:
+    """One of some configurations, on no family where there is one."""
+    if not len(q):
+        return None
+    first = 0
+    if len(off):
+        first = off[0]
+    return tuple(float(x) for x in out_of_units(chain.robot, q[first]))

@@ -57,6 +57,7 @@ def test_other_angles_are_refused():
         AnglePin(1, ()).equation({}, 2)
 
 
+@pytest.mark.slow
 def test_a_pinned_slide_is_said_once_as_a_pinned_turn_is() -> None:
     """Stanford arm, wrist centre on axis 2: the table says 0 m, and "exactly q3 = 0" below said it again."""
     found = analyze(open_robot("stanford"), starts=30)

@@ -309,6 +309,7 @@ def test_stuck_on_a_crease_is_not_a_near_miss(run) -> None:
     assert "0 near misses, 1 stuck on a crease (a tie, no minimum), 0 slow." in " ".join(ended.out.split())
 
 
+@pytest.mark.slow
 def test_tolerant_prints_the_known_optimum_and_saves_it(run, tmp_path: Path) -> None:
     path = tmp_path / "tolerant.json"
     ended = run("tolerant", "almarkhi4", "--relative", "--length-scale", "1", "--starts", "40", "--json", str(path),

@@ -112,6 +112,7 @@ def test_no_line_is_longer_than_the_window(puma2: Conditions) -> None:
         assert len(broken) > len(formulas)
 
 
+@pytest.mark.slow
 def test_steps_are_printed_on_request(run) -> None:
     line = ("conditions", "puma560", "--coranks", "1", *FEW)
     assert "Decoupling" not in run(*line).out
@@ -199,6 +200,7 @@ def test_code_on_stdout_is_alone(run, option: str, begins: str) -> None:
     assert "Checks" not in ended.out
 
 
+@pytest.mark.slow
 def test_the_record_is_valid_and_every_entry_is_described(puma: Conditions, pa10: Conditions) -> None:
     for found in (puma, pa10, rankdrop.conditions(rankdrop.open_robot("scara"), points=0, steps=True)):
         record = json.loads(json_text(found.to_dict()))

@@ -231,6 +231,7 @@ def refusal(record: Any) -> ResultFileError | None:
     return None
 
 
+@pytest.mark.slow
 def test_the_decoder_refuses_what_the_schema_refuses() -> None:
     """The same verdict as a validator of JSON Schema on mutated data.
 

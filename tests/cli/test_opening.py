@@ -65,6 +65,7 @@ def test_arguments_reach_the_file(run, arm: Path) -> None:
     assert refused.err.endswith("the file has no such argument; got 'knd'; allowed: kind\n")
 
 
+@pytest.mark.slow
 def test_a_urdf_with_xacro_elements_is_expanded_with_the_option_alone(run, arm: Path) -> None:
     pytest.importorskip("xacro")
     plain = arm.with_name("arm.urdf")

@@ -14,6 +14,7 @@ from rankdrop.errors import ResultFileError
 from rankdrop.results.analysis import Analysis
 
 
+@pytest.mark.slow
 def test_round_trip_changes_nothing(found: Analysis, shapes: Analysis, tmp_path: Path) -> None:
     part = replace(found, coranks=found.coranks[:1], families=found.of_corank(1), complete=False, unfinished=2)
     for analysis in (found, shapes, part):

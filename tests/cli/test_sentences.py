@@ -185,6 +185,7 @@ def test_a_table_under_one_lost_freedom_calls_no_direction_impossible(run: Any) 
     assert along == {"X": 23.4, "Y": 3.75, "Z": 70.2}
 
 
+@pytest.mark.slow
 def test_lost_motion_is_told_in_base_and_tool_axes_first_and_links_by_name(run: Any) -> None:
     out = run("explain", *UR5E, "--full").out
     lost = out[out.index("What is lost") : out.index("How to get out")]

@@ -79,6 +79,7 @@ def test_a_search_goes_on_where_no_thread_can_be_started() -> None:
     )
 
 
+@pytest.mark.slow
 @linux
 def test_a_search_goes_on_under_a_limit_on_processes() -> None:
     """`ulimit -u`, as containers have it; the superuser is bound by none, so that he becomes another user first."""
@@ -150,6 +151,7 @@ def test_no_memory_for_scratch_is_a_memory_error(threads: int) -> None:
     )
 
 
+@pytest.mark.slow
 @linux
 def test_a_thread_that_gets_no_memory_leaves_its_rows_to_the_others() -> None:
     """There is room for the scratch of one thread, three want theirs."""

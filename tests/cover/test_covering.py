@@ -459,6 +459,7 @@ def test_a_closer_look_frees_leaves_and_never_those_that_hold_a_singularity():
     assert freed > 10
 
 
+@pytest.mark.slow
 def test_what_cannot_be_covered_is_refused():
     kinds = [JointKind.PRISMATIC] * 3
     gantry = Robot("gantry", tuple(Joint(f"j{i}", kind, np.eye(6)[i]) for i, kind in enumerate(kinds)), task="position")

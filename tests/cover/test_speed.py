@@ -201,6 +201,7 @@ def test_the_slowest_motion_of_a_spare_joint_is_that_of_a_linear_programme() -> 
     assert region.least(region.around[None], np.zeros((1, 7)))[0] <= min(each) * (1 + 1e-6)
 
 
+@pytest.mark.slow
 def test_an_arm_in_millimetres_has_the_same_distances() -> None:
     arm = open_robot("irb120")
     larger = scaled(arm, 3)

@@ -123,6 +123,7 @@ def test_certificates_are_confirmed(arm: str, tmp_path: Path) -> None:
     assert _checked(path_certificate(path), tmp_path, rows=rows).holds
 
 
+@pytest.mark.slow
 def test_a_singular_wrist_is_confirmed(tmp_path: Path) -> None:
     robot = open_robot(str(KUKA))
     record = existence_certificate(robot, [0.1, -1.0, 1.5, 0.25, 0.0], "tool-axis-free")

@@ -148,6 +148,7 @@ def test_same_seed_same_result(rng: np.random.Generator) -> None:
     assert first == again
 
 
+@pytest.mark.slow
 def test_families_without_conditions_are_reported_as_not_asked(rng: np.random.Generator) -> None:
     found, q = analysed("pa10"), rng.uniform(-3, 3, 7)
     known = found.families[0]

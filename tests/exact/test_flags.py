@@ -37,6 +37,7 @@ def test_a_squared_factor_keeps_its_own_sign(rng):
     assert {factor: flag.sign for factor, flag in flags.items()} == {"s2": 1, "s5": 1, "q3": -1}
 
 
+@pytest.mark.slow
 def test_a_factor_not_of_a_part_gives_its_own_label():
     chain = exact_chain(open_robot("stanford"))
     assert [flag.label for flag in configuration_flags(chain, [0.1, 0.5, -0.4, 0.2, 0.6, 0]).flags][2] == "q3 −"
@@ -76,6 +77,7 @@ def test_a_configuration_on_a_family_has_flag_zero(name):
             assert configuration_flags(chain, q, signs=signs).flags[k].sign == 0
 
 
+@pytest.mark.slow
 def test_real_points_are_singular_and_of_the_atom():
     chain = exact_chain(open_robot("xarm6"))
     for part in signs_of(chain).factors:

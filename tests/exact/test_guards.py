@@ -62,6 +62,7 @@ def test_what_numbers_leave_open_settles_nothing_with_letters() -> None:
     assert not decided_by_numbers(chain, replace(tree, complete=False), clear)
 
 
+@pytest.mark.slow
 def test_a_square_at_these_lengths_is_seen() -> None:
     ring_of = exact_chain(open_robot("puma560"))
     tree = rank_tree(ring_of, Work(60.0, 0))
@@ -77,6 +78,7 @@ def test_a_square_at_these_lengths_is_seen() -> None:
     assert splits(same, replace(tree, drops=[drop]))
 
 
+@pytest.mark.slow
 def test_factors_and_angles_at_these_lengths_are_seen() -> None:
     """a (1 + t² s) − b t (1 + s) has the factors 1 − t and 1 − t s where a = b; (a − b) t + a + b has θ5 = π there."""
     chain = exact_chain(open_robot("puma560"))

@@ -157,6 +157,7 @@ def test_assumptions_are_told_for_the_panda():
     assert [str(p) for p in derived("panda").assumptions] == ["d3 + d5", "d3 - d5"]
 
 
+@pytest.mark.slow
 def test_a_time_limit_holds_and_what_is_left_is_told():
     found = suppress(exact_chain(arm("panda")), seconds=0.2)
     assert not found.complete
@@ -216,6 +217,7 @@ def test_why_these_screws_and_this_frame_is_told():
     assert f"link {found.frame}: {sum(len(x) for column in found.columns for x in column)}" in why
 
 
+@pytest.mark.slow
 def test_the_choice_of_kg_gives_the_same_set():
     """Basic screws 2–7 in frame 5, or 1–6 in frame 3: as many families, each holding the points of the other's."""
     chain = exact_chain(open_robot("canadarm2"))

@@ -174,6 +174,7 @@ def test_there_are_no_denominators(found):
     assert found.assumptions == ()
 
 
+@pytest.mark.slow
 def test_the_frame_and_the_basic_screws_chosen_agree_with_kgs_families():
     chosen = suppress(exact_chain(open_robot("canadarm2"), lengths=LENGTHS))
     asked = suppress(exact_chain(open_robot("canadarm2"), lengths=LENGTHS), frame=5, basic=range(2, 8))

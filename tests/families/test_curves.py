@@ -17,6 +17,7 @@ def curves():
     return singular_curves(open_robot("almarkhi4"), (2, 3, 4))
 
 
+@pytest.mark.slow
 def test_am_figure_5_is_four_closed_curves(curves):
     assert [(curve.closed, curve.windings) for curve in curves] == [(True, (0, 1, 0, 0))] * 4
     # recomputed with steps of 0.02 rad

@@ -143,6 +143,7 @@ def test_a_condition_that_is_a_square_is_recognised():
     assert found.summary.completeness.agree == found.summary.completeness.tested
 
 
+@pytest.mark.slow
 def test_generic_6r_has_one_long_equation():
     found = table(random_arm(6, 0), 1, starts=800)
     (family,) = found.families

@@ -141,6 +141,7 @@ def test_sparse_basis_spans_the_same_space(rng):
     assert (np.abs(basis) < 1e-9).sum() >= 6
 
 
+@pytest.mark.slow
 def test_circuits_have_one_joint_more_than_the_dimension_and_are_counted(rng):
     basis = np.linalg.qr(rng.standard_normal((7, 3)))[0]
     found = circuits((basis @ basis.T)[None], tuple(range(7)))

@@ -71,6 +71,7 @@ def test_a_singular_point_comes_to_zero_and_a_minimum_of_sigma_does_not() -> Non
     assert near[1] == pytest.approx(sigma, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_points_are_not_singular_only_where_no_zero_is_near_that_lies_on_no_family() -> None:
     q = np.array([[0.3, 0.8, -0.5, 0.0, 0.4, 0.9, 0.2], [0.1, 0.7, 0.5, 0.0, -0.6, 1.1, 0.2]])
     for error, family, wrong in ((1e-5, False, True), (0.0, False, False), (0.0, True, True)):

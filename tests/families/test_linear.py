@@ -151,6 +151,7 @@ def test_minors_are_of_the_values_that_are_pinned(rng):
     assert minors(problem, straight, (1,), 2, rng) == []  # the wrist is straight: nothing is left to vanish
 
 
+@pytest.mark.slow
 def test_relations_of_many_points_take_as_much_memory_as_those_of_some(rng):
     """Ten coupled joints have 2,430 candidates: 6,000 points at once would be 117 MB for a table of numbers alone."""
     normals = rng.normal(size=(6_000, 10))

@@ -125,6 +125,7 @@ def test_a_slide_that_is_pinned_is_solved_for():
     np.testing.assert_allclose(found.q[:, 1], -0.25, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_same_seed_same_configurations_and_another_seed_others():
     robot = open_robot("ur5")
     one, same, other = (search(robot, 1, starts=50, method="reciprocal", seed=seed).q for seed in (3, 3, 4))

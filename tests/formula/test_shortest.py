@@ -67,6 +67,7 @@ def kg_eq15(ring, c4):
     return ring.reduce(first * second + third * (-2 * cc * c[3] * s[6] + a * s35 * c[5] * c[6]))
 
 
+@pytest.mark.slow
 def test_kg_eq_15_is_shorter_than_its_two_printed_products():
     ring = Ring([2, 3, 4, 5, 6], letters=["a", "c", "d"])
     (atom, power), = ring.factor(kg_eq15(ring, 1)).atoms

@@ -98,6 +98,7 @@ def test_a_crash_is_one_line() -> None:
         run_limited(crash, file="f", parser="P")
 
 
+@pytest.mark.slow
 @ON_LINUX
 def test_nothing_is_written(tmp_path: Path) -> None:
     with pytest.raises(RobotError, match=os.strerror(errno.EFBIG)):

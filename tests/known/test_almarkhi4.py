@@ -18,6 +18,7 @@ FIGURE_6 = [
 ]
 
 
+@pytest.mark.slow
 def test_only_corank_one_and_all_of_it_explained():
     analysis = analyze(open_robot("almarkhi4"), starts=2000, seed=2, exact="off")
     assert [summary.converged > 0 for summary in analysis.coranks] == [True, False]

@@ -180,6 +180,7 @@ def test_every_configuration_of_a_fresh_search_lies_on_a_family_of_its_corank(na
         assert (coranks[seen.family[exact]] == corank).all()
 
 
+@pytest.mark.slow
 def test_what_is_made_anew_is_of_many_structures():
     assert structures() == STRUCTURES
     assert set(QUICK) <= set(STRUCTURES)

@@ -26,6 +26,7 @@ def pinned(analysis, corank):
     ]
 
 
+@pytest.mark.slow
 def test_folded_elbow_moves_from_corank_one_to_corank_two(analysis):
     assert {4: (0.0,)} in pinned(analysis, 1)
     assert any(row.keys() == {4} and np.allclose(row[4], pi) for row in pinned(analysis, 2))

@@ -91,6 +91,7 @@ def test_near_a_wrist(offset: float) -> None:
     assert found.lost.words[0].startswith("can only move so that ")
 
 
+@pytest.mark.slow
 def test_a_near_miss_is_not_a_singularity() -> None:
     """Gen3's 12 mm offsets: where an arm without them would lose two freedoms σ stays at 4e-5 and above."""
     arm = open_robot("gen3")

@@ -84,6 +84,7 @@ def test_points_on_no_derived_family_are_listed_without_a_name_and_end_with_code
     assert not kept.verified
 
 
+@pytest.mark.slow
 def test_a_condition_with_a_value_too_few_leaves_points_over(meddle: Any) -> None:
     meddle(lambda exact: [replace(one, pins=(AnglePin(2, ("0",)),)) for one in exact])
     half = analyze(open_robot("planar3r"), starts=200)

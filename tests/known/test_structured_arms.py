@@ -102,6 +102,7 @@ def test_a_squared_condition_on_one_joint_at_no_simple_value_is_found() -> None:
     assert found.sound_and_complete
 
 
+@pytest.mark.slow
 def test_a_squared_condition_on_one_joint_is_fitted_too() -> None:
     """The same arm without a derivation: D vanishes there; values that points share are known to half the digits."""
     table = families(search(structured_arm(6, 32), 1, starts=600))

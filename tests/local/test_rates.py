@@ -146,6 +146,7 @@ def test_rates_grow_as_one_over_the_distance_and_over_its_square_at_second_order
         rate_growth(arm, [0.0] * 7, [0.0] * 7)
 
 
+@pytest.mark.slow
 def test_against_scipy() -> None:
     """The same speeds as scipy's linear programme, lost directions and slides included."""
     compared = 0

@@ -85,6 +85,7 @@ def test_regular_arms_without_redundancy_have_none() -> None:
     assert (traced.ended, traced.nullity, len(traced.q)) == (NONE, 0, 1)
 
 
+@pytest.mark.slow
 def test_wrist_singularity_of_a_6r_turns_on_the_spot() -> None:
     """UR5 with θ5 = 0: joints 2, 3, 4 and 6 are parallel, four joints in a plane of three freedoms."""
     robot = open_robot("ur5")

@@ -70,6 +70,7 @@ def test_figures_2_and_3_start_together_meet_a_tie_and_end_apart():
     assert through.iterations == 34
 
 
+@pytest.mark.slow
 def test_figure_5_is_singular_and_stays_in_the_box():
     robot = open_robot("almarkhi4")
     flat, deep = am_pictures.figure_5().panels

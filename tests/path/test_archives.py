@@ -140,6 +140,7 @@ def test_arrays_are_counted_together(tmp_path: Path) -> None:
         read_trajectory(path, ARM)
 
 
+@pytest.mark.slow
 def test_members_are_counted_before_the_archive_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     few = {f"x{i}": b"" for i in range(MOST_MEMBERS - 1)}
     fine = packed(tmp_path / "a.npz", {"q": whole(Q), **few}, ZIP_STORED)

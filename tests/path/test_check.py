@@ -127,6 +127,7 @@ def test_the_rates_of_a_cubic_are_not_below_those_it_has() -> None:
     np.testing.assert_allclose(most, np.abs(v).max(axis=0), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_an_arm_in_millimetres_gives_the_same_answer() -> None:
     robot = open_robot("stanford")
     other = scaled(robot, 3)

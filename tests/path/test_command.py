@@ -62,6 +62,7 @@ def test_crossings_take_fifteen_lines_and_the_whole_forty(tmp_path: Path, capsys
         assert outputs[("--full",)].count("how: ") >= most - 1
 
 
+@pytest.mark.slow
 def test_exit_codes_tell_free_from_crossing(tmp_path: Path, run) -> None:
     code, out, _ = run(saved(tmp_path, "free.npy", FREE))
     assert code == 0
@@ -90,6 +91,7 @@ def test_a_joint_path_that_crosses_within_its_rates_may_do_so(
     assert ("Next: as a joint move nothing needs to be done: it keeps its rates (largest: 7.2 %);" in told) is says
 
 
+@pytest.mark.slow
 def test_of_a_joint_path_without_times_the_rates_are_not_known(tmp_path: Path, run) -> None:
     _, out, _ = run(saved(tmp_path, "bad.npy", CROSSING))
     assert "Next: a joint move may cross; its rates are not known;" in " ".join(out.split())

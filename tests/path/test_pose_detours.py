@@ -100,6 +100,7 @@ def planar() -> tuple[Array, Array, PathCheck]:
     return poses, t, check_poses(arm, poses, t, start=q[0], branches=False)
 
 
+@pytest.mark.slow
 def test_a_file_that_is_not_followed_to_its_end_is_not_mended_by_other_kinds() -> None:
     """They would mend the part up to there, and write a file cut short."""
     _, _, check = planar()

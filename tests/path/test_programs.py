@@ -225,6 +225,7 @@ def test_a_line_goes_on_from_where_the_joint_move_ended() -> None:
     assert part.off <= 1e-4
 
 
+@pytest.mark.slow
 def test_a_program_with_unread_moves_is_not_called_free() -> None:
     arm = open_robot("ur5e")
     text = "movej([0.2,-1.3,1.5,-1.1,1.2,0.3])\nmovej([0.3,-1.3,1.5,-1.1,1.2,0.3])\n"

@@ -292,6 +292,7 @@ def test_a_path_inside_the_singular_set_is_told_so_cheaply() -> None:
     assert {one.verdict for one in leaves.stretches[1:]} == {"free"}
 
 
+@pytest.mark.slow
 def test_a_piece_singular_at_its_start_and_middle_is_halved_all_the_same() -> None:
     robot = open_robot("puma560")
     start, end = np.array([0.1, -1.2, 1.0, 0.5, 0.0, 0.2]), np.array([0.5, -1.0, 1.3, 0.2, 0.0, 0.1])

@@ -148,6 +148,7 @@ def test_a_bound_that_cannot_fall_costs_no_rows(monkeypatch: pytest.MonkeyPatch)
     assert check.tool.reason in ("stuck", "budget")
 
 
+@pytest.mark.slow
 def test_a_spent_budget_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(follow, "_ROWS", 20)
     robot = open_robot("ur5")

@@ -172,6 +172,7 @@ def test_an_orientation_out_of_reach_is_told_from_a_position() -> None:
     assert found.unreached is not None or found.branches
 
 
+@pytest.mark.slow
 def test_limits_are_named() -> None:
     robot = open_robot("irb120")
     q = np.array([3.1, 0.3, -0.4, 0.5, 0.9, -0.3])  # joint 1 ends at 165 degrees

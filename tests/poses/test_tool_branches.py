@@ -49,6 +49,7 @@ def test_each_branch_has_its_own_verdict(across, number: int) -> None:
     assert (alone.verdict == "free") == (one.free and one.complete)
 
 
+@pytest.mark.slow
 def test_a_singular_first_pose_is_not_called_free() -> None:
     """A wrist that is straight at the first pose, whichever branch."""
     arm = open_robot("irb120")

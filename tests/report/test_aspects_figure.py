@@ -90,6 +90,7 @@ def test_nothing_stands_on_another_text_and_the_legend_beside_the_maps() -> None
     ]
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_picture_or_says_why_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["aspects", "planar2r", "--poses", "1", "--figure", str(tmp_path / "a.svg"), "--quiet"]) == 0
     assert "elbow" in (tmp_path / "a.svg").read_text(encoding="utf-8")

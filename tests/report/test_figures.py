@@ -117,6 +117,7 @@ def test_the_command_reads_an_analysis(tmp_path: Path) -> None:
     assert "planar2r" in (tmp_path / "p.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_command_writes_figures_into_a_folder(tmp_path: Path) -> None:
     folder = tmp_path / "figures"
     options = ["--format", "svg", "--figure", "lines", "--figure", "slice", "--out", str(folder)]
@@ -160,6 +161,7 @@ def test_angles_are_shown_in_degrees_and_legends_outside_the_data(shown: Content
     assert [one.get_text().replace("\n", " ") for one in told] == [f"{id} {shown.labels[id]}" for id in families]
 
 
+@pytest.mark.slow
 def test_numbers_of_short_edges_do_not_stand_on_each_other() -> None:
     """A stretched arm is a narrow box: numbers at its two short edges stood on the names of the axes."""
     found = shipped("crx10ial")

@@ -107,6 +107,7 @@ def test_without_the_exact_conditions_the_section_says_why() -> None:
     assert "Not derived" in text
 
 
+@pytest.mark.slow
 def test_conditions_that_the_analysis_holds_are_not_derived_again() -> None:
     from rankdrop.verbs.analyze import analyze
 

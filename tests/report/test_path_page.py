@@ -37,6 +37,7 @@ def told(page: str) -> dict[str, Any]:
     return dict(json.loads(script[1]))
 
 
+@pytest.mark.slow
 def test_the_page_stands_alone_and_says_the_verdict(found: PathCheck) -> None:
     page = path_page(found)
     assert not re.search(r"(?:src|href)=[\"'](?!data:|#)", page)

@@ -150,6 +150,7 @@ def test_a_small_xacro_file_costs_little(tmp_path: Path, kind: str) -> None:
     assert refused(path).startswith(str(path))
 
 
+@pytest.mark.slow
 def test_a_place_that_is_not_finite_is_refused_without_a_warning(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     path = tmp_path / "far.xml"

@@ -158,6 +158,7 @@ def test_a_covering_of_more_boxes_than_bytes_is_refused(changed: dict[str, Any],
         load_covering(path)
 
 
+@pytest.mark.slow
 def test_a_covering_that_unpacks_to_more_than_it_says_is_refused(tmp_path: Path) -> None:
     (whole,) = [data for data in FUZZ.seeds("cover") if FUZZ.judged(reader("cover"), data)][:1]
     line, packed = whole.removeprefix(MAGIC).split(b"\n", 1)

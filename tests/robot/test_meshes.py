@@ -65,6 +65,7 @@ def test_a_file_with_units_is_read_in_metres(tmp_path: Path) -> None:
     assert np.allclose(mesh.vertices.max(axis=0), [1e-3, 1e-3, 0.0])
 
 
+@pytest.mark.slow
 def test_a_file_that_is_named_many_times_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One PLY that was named 6,000 times took over 70 s."""
     (tmp_path / "a.obj").write_text(TRIANGLE)

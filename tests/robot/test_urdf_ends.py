@@ -137,6 +137,7 @@ def test_a_file_without_moving_joints_is_refused() -> None:
         from_urdf(robot([fixed("a", "b")]))
 
 
+@pytest.mark.slow
 def test_a_chain_of_thousands_of_links_is_read() -> None:
     assert from_urdf(robot([*ARM, *(fixed(f"l{i}", f"l{i + 1}") for i in range(6, 3000))])).tip == "l3000"
 

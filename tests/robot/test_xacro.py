@@ -48,6 +48,7 @@ def macros(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_includes_are_relative_to_the_file(tmp_path: Path, macros: Path) -> None:
     pytest.importorskip("xacro")
     arm = open_robot(write(tmp_path, "pack/urdf/macro.xacro"))
@@ -67,6 +68,7 @@ def test_packages_are_found_by_the_map(tmp_path: Path, macros: Path) -> None:
         open_robot(path, packages={"pack": tmp_path / "nowhere"})
 
 
+@pytest.mark.slow
 def test_a_package_beside_the_file_is_found_and_told(tmp_path: Path, macros: Path) -> None:
     pytest.importorskip("xacro")
     (macros / "package.xml").write_text("<package><name>told_pack</name></package>", encoding="utf-8")
@@ -75,6 +77,7 @@ def test_a_package_beside_the_file_is_found_and_told(tmp_path: Path, macros: Pat
     assert (arm.n, arm.notes[-1]) == (2, f"package 'told_pack' found: {macros}")
 
 
+@pytest.mark.slow
 def test_a_missing_package_that_only_names_meshes_does_not_matter(tmp_path: Path, macros: Path) -> None:
     pytest.importorskip("xacro")
     mesh = '<visual><geometry><mesh filename="file://$(find mesh_pack)/a.stl"/></geometry></visual>'
@@ -209,6 +212,7 @@ def test_without_xacro_the_command_that_installs_it_is_named(tmp_path: Path, mon
         open_robot(write(tmp_path, "x.xacro"))
 
 
+@pytest.mark.slow
 def test_what_xacro_cannot_expand_is_said_in_one_line(tmp_path: Path) -> None:
     pytest.importorskip("xacro")
     with pytest.raises(RobotError, match="xacro cannot expand the file") as caught:

@@ -107,6 +107,7 @@ def test_ranges_are_joined_where_they_overlap() -> None:
     assert merged([(2.0, 3.0), (0.0, 1.0), (0.5, 1.5), (0.6, 0.7)]) == ((0.0, 1.5), (2.0, 3.0))
 
 
+@pytest.mark.slow
 def test_the_record_and_the_words_have_the_pose_that_was_asked_about(planar) -> None:
     robot, task = planar
     found = most_tolerant(robot, task, starts=10, show=1, self_motion=True, q=Q.tolist())

@@ -27,6 +27,7 @@ def regional():
     return robot, resolve_task("position", robot, length_scale=1.0)
 
 
+@pytest.mark.slow
 def test_the_optimum_that_am_s_4r_arm_was_made_for_is_found(regional):
     robot, task = regional
     found = most_tolerant(robot, task, relative=True, starts=60)
@@ -72,6 +73,7 @@ def test_a_relative_best_below_the_bound_is_not_called_the_best_there_is():
     assert "none is better" not in text(tolerant_sections(found))
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_places(regional):
     robot, task = regional
     one, other = (most_tolerant(robot, task, starts=55, seed=4) for _ in range(2))

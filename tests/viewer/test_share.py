@@ -88,6 +88,7 @@ def test_a_recorded_session_is_a_path(viewer: Viewer) -> None:
     assert (np.diff(read.times) >= 0).all()
 
 
+@pytest.mark.slow
 def test_an_arm_of_ones_own_opens_in_a_viewer_of_its_own(viewer: Viewer) -> None:
     viewer.share.open(SimpleNamespace(name="two.urdf", content=URDF.encode()))
     assert viewer._others[-1].session.live.robot.n == 2

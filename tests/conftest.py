@@ -72,7 +72,6 @@ def pytest_collection_finish() -> None:
     """Ten thousand tests stay until the end: the garbage collector need not look through them again and again."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(50_000, 20, 20)  # syntax trees and polynomials are many objects and no garbage
     gc.enable()
 
 

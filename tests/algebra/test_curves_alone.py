@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("flint")
 
+from rankdrop.algebra import decompose as decomposing
 from rankdrop.algebra.decompose import decompose
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.algebra.ring import Ring
@@ -39,6 +40,15 @@ def test_a_point_beside_a_curve_is_not_overlooked() -> None:
 def test_a_point_above_a_curve_is_not_overlooked() -> None:
     """The line x = y = 0 and the point (2, 0, 3): along x the point lies over the line, in a random direction not."""
     assert not only_curves([Y + X * (Z - 3), Y + X * (X - 2), Y], RING.moving, {})
+
+
+def test_the_two_conditions_that_cut_the_curves_are_a_set_where_nothing_else_is_there() -> None:
+    def alone(system: list[Polynomial]) -> int | None:
+        found = decomposing._curves_alone(RING, {}, system, Work(20.0))
+        return None if found is None else len(found)
+
+    assert alone(minors()) == 1
+    assert alone([X - Y, X * (Z - 3) + Y * (X - 2), X * (X - 2)]) is None  # the line x = y = 0 and a point
 
 
 def test_a_system_of_minors_is_taken_apart() -> None:

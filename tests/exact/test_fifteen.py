@@ -20,3 +20,11 @@ def test_a_structured_arm_is_complete_and_explains_what_the_search_finds(seed: i
     assert found.complete, found.left
     assert found.verified, found.verdict.sentence
     assert found.explained.holds
+
+
+@pytest.mark.slow
+def test_minors_that_vanish_together_on_curves_are_taken_apart() -> None:
+    robot, task = fifteen(37)
+    found = conditions(robot, task, method="tree", points=0, seconds=60.0)
+    assert found.in_families
+    assert not found.undivided

@@ -309,13 +309,19 @@ def _have_no_common_zero(system: Sequence[Polynomial], moving: int, lengths: Map
     return _zeros(system, 2, moving, random.Random(_SEED), PRIMES[0], lengths) is False
 
 
+def _moving_places(system: Sequence[Polynomial], moving: int) -> list[int]:
+    """The joints' variables, which are the first `moving` of them, that some conditions are in."""
+    places = sorted(set().union(*map(used, system)))
+    return [place for place in places if place < moving]
+
+
 def nowhere(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fraction]) -> bool:
     """Whether four or more conditions on three variables are proven to have no common zero, by resultants modulo P.
 
     Where they have one so have the resultants of any two of them, and those of these, in one variable alone. Zeros with
     1 + t² = 0 do not count. False, too, where the resultants would be too long.
     """
-    places = [place for place in sorted(set().union(*map(used, system))) if place < moving]
+    places = _moving_places(system, moving)
     if len(places) != 3 or len(system) < 4 or not solvable_in_space(system, moving):
         return False
     prime, module, names = PRIMES[0], flint(), system[0].context().names()
@@ -350,7 +356,7 @@ def only_curves(system: Sequence[Polynomial], moving: int, lengths: Mapping[str,
     conditions vanish, so these without their common factors do. All is done modulo a prime. False, too, where the
     resultants would be too long.
     """
-    places = [place for place in sorted(set().union(*map(used, system))) if place < moving]
+    places = _moving_places(system, moving)
     if len(places) < 3 or not 2 < len(system) < 5:
         return False
     prime = primes_with(roots_in(system[0]))[0]

@@ -189,7 +189,8 @@ def derived(record: type[Options]) -> type[Options]:
     `TITLE` of the record groups its options in the help.
     """
     every = hints(record)  # type: ignore[arg-type]  # a class is hashable
-    kept = {one.name: one.default for one in fields(record) if one.default is not MISSING}  # type: ignore[arg-type]
+    declared = fields(record)  # type: ignore[arg-type]  # records of options are dataclasses
+    kept = {one.name: one.default for one in declared if one.default is not MISSING}
     own = {name: Annotated[_typed(hint), _parameter(hint, kept.get(name, MISSING))] for name, hint in every.items()}
 
     def make(_: type, **given: Any) -> Options:

@@ -92,6 +92,19 @@ def test_an_arm_with_three_parallel_axes_is_cuspidal_where_axes_5_and_6_do_not_m
 
 
 @pytest.mark.slow
+def test_elias_and_wens_arm_is_cuspidal_between_the_two_solutions_that_they_print() -> None:
+    robot = cuspidal.elias_wen()
+    first, second = cuspidal.ELIAS_WEN
+    found = aspects_of(robot, q=first, starts=300)
+    holds(found)
+    (solved,) = found.solved
+    gaps = np.abs(solved.q - second).max(axis=1)
+    assert gaps.min() < 1e-4
+    assert solved.aspect[gaps.argmin()] == solved.aspect[0]
+    assert (found.count.at_least, found.count.at_most) == (8, 8)
+
+
+@pytest.mark.slow
 def test_one_path_is_enough_where_signs_decide_which_solutions_share_an_aspect(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ways were searched between the solutions of every pose: 12 s of a Gen3 with six joints instead of 3 s."""
     asked, ways = [], search.Roadmap.ways

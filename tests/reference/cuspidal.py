@@ -20,6 +20,7 @@ from rankdrop.questions import AspectsOptions
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
+from rankdrop.robot.screws import from_screws, revolute
 from rankdrop.task import resolve_task
 
 H = np.pi / 2
@@ -65,6 +66,24 @@ def three_parallel() -> Robot:
             (0.1, 0, 0)]  # fmt: skip
     table = [{"d": float(d), "a": float(a), "alpha": float(x)} for d, a, x in rows]
     return from_dh(table, convention="standard", task="pose", name="parallel")
+
+
+ELIAS_WEN = [[-2.4, -0.9, 1.1, -0.8, 2.3, -1.3], [0.994, -1.4391, 0.953, 1.2368, 1.0004, 1.5942]]
+"""Two solutions of `elias_wen`, as published: the second to four places."""
+
+
+def elias_wen() -> Robot:
+    """Three parallel axes: A. J. Elias and J. T. Wen, "Path Planning and Optimization for Cuspidal 6R Manipulators".
+
+    Axes and points of the base frame at q = 0 are sums of the vectors that the authors' public code holds.
+    """
+    x, y, z = np.eye(3)
+    steps = np.array([[0, 0, 0], [0.1, 0.7, 0], [0, 0, 0.7], [0, 0, 0.7], [0, 0, 0.7], [0.3, 0, 0.9], [0, 0.5, 0]])
+    points = steps.cumsum(axis=0)
+    home = np.eye(4)
+    home[:3, 3] = points[6]
+    joints = [revolute(axis, point) for axis, point in zip((z, y, y, y, x, y), points[:6], strict=True)]
+    return from_screws(joints, order="linear-first", home=home, task="pose", name="elias-wen")
 
 
 STRUCTURED = {

@@ -415,6 +415,31 @@ def test_a_covering_by_enclosures_agrees_with_the_split_one(monkeypatch):
     assert found.free_share >= other.free_share
 
 
+def test_boxes_are_the_same_however_few_are_halved_at_one_go(monkeypatch):
+    """All boxes of a level were in memory together: 2.3 GB for a Panda."""
+    robot = open_robot("ur5")
+    task = resolve_task(None, robot)
+    plan = plan_of(robot, 0.4, corank=2)
+    chunks = range(8)
+    whole = [chunk_of(robot, task, plan, chunk, threads=1) for chunk in chunks]
+    largest, children = 0, type(plan.shape).children
+
+    def seen(shape, cells, masks, level):
+        nonlocal largest
+        largest = max(largest, len(cells))
+        return children(shape, cells, masks, level)
+
+    monkeypatch.setattr(module, "_AT_ONCE", 7)
+    monkeypatch.setattr(type(plan.shape), "children", seen)
+    for chunk, (masks, sizes, tested, freed) in zip(chunks, whole, strict=True):
+        again = chunk_of(robot, task, plan, chunk, threads=1)
+        assert np.array_equal(again[0], masks)
+        assert np.array_equal(again[1], sizes)
+        assert again[2:] == (tested, freed)
+    assert sum(len(one[0]) for one in whole) > 50
+    assert largest <= max(7, -(-plan.shape.trees // module.chunks_of(plan)))
+
+
 def test_limits_narrow_what_is_covered():
     robot = robot_of("puma560")
     joints = [replace(joint, lower=-0.3 * (i + 1), upper=1.0) for i, joint in enumerate(robot.joints)]

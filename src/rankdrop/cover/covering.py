@@ -72,6 +72,7 @@ _ROUNDING = 1e-12  # of a determinant, per product of the lengths of its columns
 _SEAM = 1e-15  # centres and corners are rounded: boxes are tested this much wider
 _ROUNDS, _MOST = 8, 1 << 22  # of a closer look: rounds, boxes
 _PART = 1 << 16  # boxes tested at one go
+_AT_ONCE = 1 << 14  # boxes halved at one go
 
 Batch = tuple[Masks, NDArray[np.int32], int, int]
 """Of boxes of the level `top`: masks, box by box and in each level by level (the proven last); (boxes, levels + 1) how
@@ -434,42 +435,82 @@ def enclosed_trees(
         BudgetSpent: they need more than `budget` enclosures.
     """
     shape = plan.shape
-    boxes = _Boxes(robot, task, setting, plan, threads)
     numbers = np.arange(begin, end)
     cells = np.stack(np.unravel_index(numbers, shape.cells(shape.top)), axis=1).astype(np.int32)
-    tree = np.arange(len(numbers))
-    masks: list[Masks] = []
-    trees: list[NDArray[np.int64]] = []
-    tested = 0
-    for level in range(shape.top + 1, shape.levels + 1):
-        every = np.full(len(cells), allowed(shape, level), shape.kind)
-        below, parent = shape.children(cells, every, level)
-        tested += len(below)
-        if tested > budget:
-            raise BudgetSpent
-        free = boxes.free(below, level)
-        flags = bits(every, shape.variables).copy()
-        flags[flags] = ~free
-        masks.append(packed(flags, shape.kind))
-        trees.append(tree)
-        cells, tree = below[~free], tree[parent[~free]]
-    proven = boxes.proven(cells)
-    flags = bits(masks[-1], shape.variables).copy()
-    flags[flags] = proven
-    _prune(shape, masks)
-    last = masks[-1] != 0
-    masks.append(packed(flags, shape.kind))
-    kept = [one != 0 for one in masks[:-1]] + [last]
-    where = [*trees, trees[-1]]
-    rows = range(len(numbers))
-    sizes = np.stack([np.bincount(w[k], minlength=len(numbers)) for w, k in zip(where, kept, strict=True)], axis=1)
-    ends = [np.cumsum(np.bincount(w[k], minlength=len(numbers))) for w, k in zip(where, kept, strict=True)]
-    parts = [one[k] for one, k in zip(masks, kept, strict=True)]
+    halving = _Halving(_Boxes(robot, task, setting, plan, threads), budget)
+    levels = halving.below(cells, np.arange(len(numbers), dtype=np.int32), shape.top + 1)
+    roots = levels[0]
+    left = roots.masks != 0
+    levels[0] = _Level(roots.masks[left], roots.tree[left])
+
+    sizes = np.stack([np.bincount(one.tree, minlength=len(numbers)) for one in levels], axis=1)
+    ends = np.cumsum(sizes, axis=0)
     ordered = []
-    for row in rows:
-        for p, (part, until) in enumerate(zip(parts, ends, strict=True)):
-            ordered.append(part[until[row] - sizes[row, p] : until[row]])
-    return np.concatenate([np.zeros(0, shape.kind), *ordered]), sizes.astype(np.int32), tested, 0
+    for tree in range(len(numbers)):
+        for part, one in enumerate(levels):
+            until = ends[tree, part]
+            ordered.append(one.masks[until - sizes[tree, part] : until])
+    return np.concatenate([np.zeros(0, shape.kind), *ordered]), sizes.astype(np.int32), halving.tested, 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Level:
+    """Boxes of one level: their masks (M,), and the trees (M,) that they are in."""
+
+    masks: Masks
+    tree: NDArray[np.int32]
+
+
+class _Halving:
+    """Boxes halved down to leaves, few at a time: what is in memory does not grow with the number of boxes."""
+
+    def __init__(self, boxes: _Boxes, budget: int) -> None:
+        self.boxes, self.budget, self.tested = boxes, budget, 0
+        self.shape = boxes.plan.shape
+
+    def below(self, cells: Cells, tree: NDArray[np.int32], level: int) -> list[_Level]:
+        """What is left below boxes of the level above `level`.
+
+        Returns:
+            one mask for each box (0 where nothing is left of it), then the masks of each level below it and those of
+            the proven leaves, of boxes of which something is left only.
+        """
+        shape = self.shape
+        every = np.full(len(cells), allowed(shape, level), shape.kind)
+        children, parent = shape.children(cells, every, level)
+        self.tested += len(children)
+        if self.tested > self.budget:
+            raise BudgetSpent
+        left = ~self.boxes.free(children, level)
+        flags = bits(every, shape.variables).copy()
+        kept, owner = children[left], tree[parent[left]]
+
+        if level == shape.levels:
+            flags[flags] = left
+            masks = packed(flags, shape.kind)
+            proven = np.zeros_like(flags)
+            proven[flags] = self.boxes.proven(kept)
+            there = masks != 0
+            return [_Level(masks, tree), _Level(packed(proven, shape.kind)[there], tree[there])]
+
+        parts = [
+            self.below(kept[at : at + _AT_ONCE], owner[at : at + _AT_ONCE], level + 1)
+            for at in range(0, len(kept), _AT_ONCE)
+        ] or [self._nothing(level + 1)]
+        deeper = [_joined(pieces) for pieces in zip(*parts, strict=True)]
+        first = deeper[0]
+        there = first.masks != 0
+        left[left] = there
+        flags[flags] = left
+        return [_Level(packed(flags, shape.kind), tree), _Level(first.masks[there], first.tree[there]), *deeper[1:]]
+
+    def _nothing(self, level: int) -> list[_Level]:
+        empty = _Level(np.zeros(0, self.shape.kind), np.zeros(0, np.int32))
+        return [empty] * (self.shape.levels - level + 2)
+
+
+def _joined(pieces: tuple[_Level, ...]) -> _Level:
+    return _Level(np.concatenate([one.masks for one in pieces]), np.concatenate([one.tree for one in pieces]))
 
 
 def closer(
@@ -500,14 +541,6 @@ def closer(
     left = np.unique(owner)
     found[left] = np.where(proven[left], 1, 2)
     return found, by
-
-
-def _prune(shape: Shape, masks: list[Masks]) -> None:
-    """Take back the bits of boxes below which nothing is left."""
-    for above in range(len(masks) - 2, -1, -1):
-        flags = bits(masks[above], shape.variables).copy()
-        flags[flags] = masks[above + 1] != 0
-        masks[above] = packed(flags, shape.kind)
 
 
 class _Boxes:

@@ -147,7 +147,7 @@ class ConditionsOptions(Options):
     method: Annotated[
         Literal[
             "auto", "decoupling", "suppression", "tree", "determinant", "cofactors", "decomposition", "reciprocity",
-            "singular-vector",
+            "singular-vector", "elementary",
         ],
         option("How corank 1 is derived; all methods give the same set, and auto says which it took and why"),
     ] = "auto"  # fmt: skip

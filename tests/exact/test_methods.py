@@ -108,7 +108,7 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
 @pytest.mark.slow
 @pytest.mark.by_hand_at(
     "planar3r-determinant", "puma560-singular_vector", "scara-determinant", "canadarm2-cofactors", "scara-cofactors",
-    "scara-reciprocity",
+    "scara-reciprocity", "scara-elementary", "planar3r-elementary",
 )  # fmt: skip
 @pytest.mark.by_hand_at(
     "ur5-singular_vector",
@@ -390,7 +390,7 @@ def test_what_must_not_vanish_and_what_is_too_long_to_read_is_told_in_words() ->
 
 
 def test_an_unknown_method_is_refused_with_the_list() -> None:
-    with pytest.raises(OptionError, match=r"determinant, cofactors, decomposition, reciprocity, singular_vector"):
+    with pytest.raises(OptionError, match=r"determinant, cofactors, decomposition, reciprocity, singular_vector, elem"):
         derive(chain_of("scara"), "guess")
 
 
@@ -516,3 +516,28 @@ def test_a_reason_says_what_is_open() -> None:
     assert reason_text(Reason(why, unfinished="suppression")) == (
         f"{why}; the method suppression was tried and did not finish"
     )
+
+
+def _sparse(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:
+    entries = rng.integers(-3, 4, (rows, columns))
+    return np.where(rng.random((rows, columns)) < 0.45, entries, 0)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (3, 3), (5, 5), (3, 4), (4, 6)])
+def test_full_rank_is_that_of_the_blocks_and_of_the_rest(shape: tuple[int, int]) -> None:
+    rng, both = np.random.default_rng(5), set()
+    for _ in range(60):
+        matrix = _sparse(rng, *shape)
+        blocks, rest = methods._blocks(matrix.T.tolist())
+        full = all(np.linalg.matrix_rank(np.array(block)) == len(block) for block in blocks)
+        if rest:
+            full &= np.linalg.matrix_rank(np.array(rest)) == len(rest[0])
+        assert full == (np.linalg.matrix_rank(matrix) == shape[0])
+        assert not (rest and shape[0] == shape[1] and full)
+        both.add(full)
+    assert both == {True, False}
+
+
+@pytest.mark.parametrize(("name", "blocks"), [("scara", 3), ("ur5", 2), ("stanford", 2), ("irb120", 1)])
+def test_elementary_transformations_leave_blocks(name: str, blocks: int) -> None:
+    assert derived(name, "elementary").sizes["blocks"] == blocks

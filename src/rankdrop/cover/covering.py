@@ -462,14 +462,14 @@ class _Level:
 
 
 class _Halving:
-    """Boxes halved down to leaves, few at a time: what is in memory does not grow with the number of boxes."""
+    """Boxes halved down to leaves, few at a time: memory does not grow with the number of boxes."""
 
     def __init__(self, boxes: _Boxes, budget: int) -> None:
         self.boxes, self.budget, self.tested = boxes, budget, 0
         self.shape = boxes.plan.shape
 
     def below(self, cells: Cells, tree: NDArray[np.int32], level: int) -> list[_Level]:
-        """What is left below boxes of the level above `level`.
+        """The boxes that are left below those of the level above `level`.
 
         Returns:
             one mask for each box (0 where nothing is left of it), then the masks of each level below it and those of

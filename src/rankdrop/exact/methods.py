@@ -7,6 +7,7 @@
 | decomposition | arm and wrist apart, from the wrist centre | spherical wrists only |
 | reciprocity | a screw reciprocal to all joint screws | it vanishes somewhere itself |
 | singular_vector | Jᵀ u = 0 by elimination | pivots vanish: many cases, some empty |
+| elementary | rows and columns cleared by numbers, then blocks | of a redundant arm minors are left, but smaller ones |
 
     >>> from rankdrop.exact.arm.chain import exact_chain
     >>> from rankdrop.robot.open import open_robot
@@ -44,6 +45,12 @@ computed as such, which is elimination without fractions and without growth. A p
 After m − 1 pivots (m rows of the task) u is known up to its length: its components are the cofactors of the pivots'
 columns, and J is singular where the equations that are left hold, too: where all minors bordering the last pivot vanish
 (Kronecker).
+
+Elementary transformations (Xu et al. 2013, 2016): seen from a link in the middle many entries of the Jacobian are
+numbers. Row and column operations clear the row and the column of one after another; none of these pivots ever
+vanishes, so that the rank of the smaller matrix is lower by their number everywhere. Permutations make it block
+triangular: where k rows are zero outside k columns, J is singular where the determinant of these k × k entries
+vanishes, or where the matrix without them loses rank.
 """
 
 from __future__ import annotations
@@ -106,12 +113,8 @@ def determinant(builder: Derivation) -> None:
         builder.full_rank()
         minor = builder.minor(columns, range(len(columns)))
         builder.sizes["terms"] = len(minor)
-        equality = builder.equality(minor)
-        if equality.whole is None:
-            parts = [Equality((atom,)) for atom in equality.atoms]
-        else:
-            parts = [equality]
-        builder.conditions += [Conjunction((part,)) for part in parts]
+        parts = _factor_by_factor(builder.equality(minor))
+        builder.conditions += parts
         builder.note("factors", terms=len(minor), factors=len(parts))
         return
     found = _minors(builder)
@@ -555,6 +558,85 @@ def _pivot(
     return None if best is None else best[2]
 
 
+def elementary(builder: Derivation) -> None:
+    """Conditions of the blocks that remain when rows and columns have been cleared by numbers.
+
+    Args:
+        builder: filled in. Sizes: "blocks" with a determinant of their own, "terms" of all determinants, "minors" of
+            the rest, where the arm has joints to spare.
+
+    Raises:
+        OptionError: the rank is not full anywhere.
+        OutOfTime: no time is left.
+    """
+    builder.full_rank()
+    columns, _ = builder.chain.cleared
+    builder.note("cleared", rows=len(columns[0]), columns=len(columns))
+    if len(columns) < len(columns[0]):
+        columns = [list(row) for row in zip(*columns, strict=True)]  # the rank is that of the transpose
+    blocks, rest = _blocks(columns)
+    builder.sizes |= {"blocks": len(blocks), "terms": 0, "minors": 0}
+    for block in blocks:
+        determinant = builder.minor(block, range(len(block)))
+        builder.sizes["terms"] += len(determinant)
+        builder.note("block", order=len(block), terms=len(determinant))
+        builder.conditions += _factor_by_factor(builder.equality(determinant))
+    if rest:
+        minors = [minor for minor in builder.minors(rest, len(rest[0])) if minor != 0]
+        builder.sizes["minors"] = len(minors)
+        builder.sizes["terms"] += sum(map(len, minors))
+        builder.note("rest", rows=len(rest[0]), columns=len(rest), minors=len(minors))
+        builder.conditions += conjunctions(map(builder.equality, minors))
+
+
+def _factor_by_factor(equality: Equality) -> list[Conjunction]:
+    """A polynomial that vanishes as one condition for each of its factors."""
+    if equality.whole is not None:
+        return [Conjunction((equality,))]
+    return [Conjunction((Equality((atom,)),)) for atom in equality.atoms]
+
+
+def _blocks(columns: Columns) -> tuple[list[Columns], Columns]:
+    """Square blocks of a matrix with no more rows than columns, and the rest: it has full rank where all of them have.
+
+    A block are the fewest rows that are zero outside as many columns as there are of them; they and their columns are
+    then left out. Of a square matrix there is no rest: its last block is all that remains.
+    """
+    blocks: list[Columns] = []
+    rest = columns
+    while rest:
+        rows = _tight_rows(rest)
+        if rows is None:
+            return blocks, rest
+        inside = [column for column in rest if _meets(column, rows)]
+        outside = [column for column in rest if not _meets(column, rows)]
+        others = [row for row in range(len(rest[0])) if row not in rows]
+        blocks.append([_entries(column, rows) for column in inside])
+        if not others:
+            return blocks, []
+        rest = [_entries(column, others) for column in outside]
+    return blocks, rest
+
+
+def _entries(column: Sequence[Polynomial], rows: Sequence[int]) -> list[Polynomial]:
+    return [column[row] for row in rows]
+
+
+def _meets(column: Sequence[Polynomial], rows: Sequence[int]) -> bool:
+    """Whether a column has an entry besides zero in some rows."""
+    return any(column[row] != 0 for row in rows)
+
+
+def _tight_rows(columns: Columns) -> tuple[int, ...] | None:
+    """The fewest rows that are zero outside as many columns as there are of them; None where there are none."""
+    count = len(columns[0])
+    for size in range(1, count + 1):
+        for rows in combinations(range(count), size):
+            if sum(_meets(column, rows) for column in columns) == size:
+                return rows
+    return None
+
+
 __all__ = ["METHODS", "Conjunction", "Derivation", "derive"]
 
 _METHODS: dict[str, Callable[[Derivation], None]] = {
@@ -563,6 +645,7 @@ _METHODS: dict[str, Callable[[Derivation], None]] = {
     "decomposition": decomposition,
     "reciprocity": reciprocity,
     "singular_vector": singular_vector,
+    "elementary": elementary,
 }
 METHODS = tuple(_METHODS)
 """Names of the methods."""

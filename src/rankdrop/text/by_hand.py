@@ -320,6 +320,10 @@ _NOTES = {
     "square": "where it vanishes det J does, too: nothing is left out",
     "pivots": "{cases} cases of pivots, {conditions} of them with singular configurations; some may be empty, and "
     "where a case holds no more than another one it is not left out",
+    "cleared": "rows and columns are cleared by entries that are numbers: {rows} rows and {columns} columns remain, "
+    "which lose rank where the Jacobian does",
+    "block": "a block of order {order}: its determinant has {terms} terms",
+    "rest": "besides the blocks {rows} rows and {columns} columns: {minors} minors vanish together",
 }
 """What the methods note on the way."""
 

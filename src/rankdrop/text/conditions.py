@@ -53,6 +53,7 @@ _ALIKE = 2  # sets that are not real for the same reason of which more are only 
 _LEGEND = "s_i is sin θi, c_i is cos θi, c_ij is cos(θi + θj); angles are meant modulo 2π"
 _METHOD = {
     "suppression": "dependent-screw suppression", "singular-vector": "the singular vector",
+    "elementary": "elementary transformations",
     **{name: f"the {name} method" for name in ("determinant", "cofactors", "reciprocity")},
 }  # fmt: skip
 """What methods are called in a sentence, where it is not their own name."""

@@ -440,6 +440,17 @@ def test_boxes_are_the_same_however_few_are_halved_at_one_go(monkeypatch):
     assert largest <= max(7, -(-plan.shape.trees // module.chunks_of(plan)))
 
 
+@pytest.mark.parametrize(("name", "width", "corank"), [("scara", 0.05, 1), ("stanford", 0.3, 1), ("ur5", 0.4, 2)])
+def test_the_work_is_estimated_before_it_is_done(name, width, corank):
+    robot = open_robot(name)
+    task = resolve_task(None, robot)
+    plan = plan_of(robot, width, corank=corank, limits=True)
+    tested = sum(chunk_of(robot, task, plan, chunk, threads=1)[2] for chunk in range(module.chunks_of(plan)))
+    told = [module.estimate(robot, task, plan, seed=seed) for seed in range(6)]
+    assert np.mean(told) == pytest.approx(tested, rel=0.1)
+    assert np.abs(np.array(told) / tested - 1).max() < 0.35
+
+
 def test_limits_narrow_what_is_covered():
     robot = robot_of("puma560")
     joints = [replace(joint, lower=-0.3 * (i + 1), upper=1.0) for i, joint in enumerate(robot.joints)]
@@ -506,8 +517,13 @@ def _unlimited(robot: Robot) -> Robot:
 
 @pytest.mark.slow
 def test_a_budget_ends_the_work_and_says_so():
-    found = covering(open_robot("almarkhi4"), 0.1, budget=2000)
+    found = covering(open_robot("almarkhi4"), 0.1, budget=15_000)
     assert (found.complete, found.stopped) == (False, "the budget is spent")
+    assert found.tree.finished.any()
+    found = covering(open_robot("almarkhi4"), 0.1, budget=2000)
+    assert (found.complete, found.stopped) == (False, "the budget does not suffice")
+    assert found.needed > 15_000
+    assert not found.tree.finished.any()
     with pytest.raises(OptionError, match="budget"):
         covering(open_robot("almarkhi4"), 0.3, budget=0)
 

@@ -150,6 +150,8 @@ COVER_FILE = file(
     sentence=str,
     complete=(bool, "the whole joint space was covered; else nothing is said of the rest"),
     stopped=(str | None, "", lambda one: one.covering.stopped or None),
+    needed=(Count, "enclosures that all of it takes, estimated from random ways down its tree; 0: not asked",
+        attrgetter("covering.needed")),
     joints=(many(Positive), "", attrgetter("covering.plan.variables")),
     ranges=(many(row(num("joint"), 2)), "",
         lambda one: list(zip(one.covering.plan.lower, one.covering.plan.upper, strict=True))),

@@ -489,10 +489,7 @@ def cover_sentence(covered: Any) -> str:
     what = f"{_covered_what(plan.corank)} of {covered.robot.name}{' inside the joint limits' * plan.limits}"
     if not covered.complete:
         share = 100 * float(tree.finished.mean())
-        if covered.covering.stopped:
-            why = f" ({covered.covering.stopped})"
-        else:
-            why = ""
+        why = _why_not_complete(covered.covering.stopped, covered.covering.needed)
         return f"Not complete{why}: {share:.1f} % of the joint space was covered; the rest was not searched."
     if not tree.leaves:
         return f"There is no {what} (proven)."
@@ -505,6 +502,15 @@ def cover_sentence(covered: Any) -> str:
         f"{count(len(account.spots), 'place')} may hold a {what} on no known family: {count(boxes, 'box', 'boxes')}, "
         f"{proven:,} of them proven to hold one."
     )
+
+
+def _why_not_complete(stopped: str, needed: int) -> str:
+    """In brackets: why a covering ended early, and the work that all of it takes."""
+    if not stopped:
+        return ""
+    if not needed or stopped == "interrupted":
+        return f" ({stopped})"
+    return f" ({stopped}: about {needed:,} enclosures are needed; take a larger --width or --budget)"
 
 
 def _covered_what(corank: int) -> str:

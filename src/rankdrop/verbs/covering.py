@@ -17,6 +17,7 @@ from rankdrop.cover.covering import (
     BUDGET,
     SPENT,
     SPLIT,
+    TOO_FEW,
     Batch,
     BudgetSpent,
     Covering,
@@ -25,6 +26,7 @@ from rankdrop.cover.covering import (
     chunk_of,
     chunks_of,
     classify_boxes,
+    estimate,
     finished_leaves,
     load_covering,
     plan_of,
@@ -52,6 +54,7 @@ Report = Callable[[str, int, int], None]
 
 _STARTS = 1_000  # of an analysis that is made here, for each corank
 _LABEL = "parts covered"
+_FAR = 3  # times the budget that an estimate says: it is off by a tenth or so, at times by a half
 _QUICK, _QUICK_BY_ENCLOSURES = 1 << 22, 1 << 16  # leaves below which processes take longer to begin than the work
 
 Record = dict[str, Any]
@@ -171,10 +174,19 @@ def covering(
 ) -> Covering:  # fmt: skip
     """The covering of a plan, chunk by chunk.
 
-    Ended by Ctrl-C, or where the budget is spent: the chunks that are there then, of a budget as many as it pays.
+    Ended by Ctrl-C, or where the budget is spent: the chunks that are there then, of a budget as many as it pays. Not
+    begun where the budget is far too small, by an estimate of the work.
     """
     batches: dict[int, Batch] = {}
     count, shape, spent = chunks_of(plan), plan.shape, 0
+    needed = 0
+    if not _is_quick(plan):
+        needed = estimate(robot, task, plan)
+    if needed > _FAR * budget:
+        return put_together(plan, batches, TOO_FEW, needed)
+    label = _LABEL
+    if needed:
+        label = f"{_LABEL} (about {needed:,} enclosures in all)"
 
     def each(chunk: int, content: bytes) -> None:
         nonlocal spent
@@ -187,13 +199,13 @@ def covering(
     told = {"robot": record, "length_scale": task.length_scale, "covering": plan.entries()}
     job = Job("covering", "rankdrop.verbs.covering:part", told, count, shape.trees, ".boxes")
     try:
-        for _ in finish(job, engine, folder=folder, each=each, report=lambda done, total: tell(_LABEL, done, total)):
+        for _ in finish(job, engine, folder=folder, each=each, report=lambda done, total: tell(label, done, total)):
             pass
     except KeyboardInterrupt:
-        return put_together(plan, batches, "interrupted")
+        return put_together(plan, batches, "interrupted", needed)
     except BudgetSpent:
-        return put_together(plan, _paid(job, batches, plan, budget), SPENT)
-    return put_together(plan, batches)
+        return put_together(plan, _paid(job, batches, plan, budget), SPENT, needed)
+    return put_together(plan, batches, needed=needed)
 
 
 def _cost(plan: Plan, batch: Batch) -> int:

@@ -155,6 +155,80 @@ void steps_of(const Aim& aim, const double* q, const double* errors, const doubl
     }
 }
 
+// d of a pose of the tip, and the rotation vector of the turn from the start
+void displacement_of(const DisplacementSettings& from, const double* now, double* error, double* turn) {
+    rotation_vector(product(rotation_of(now), transposed(rotation_of(from.home))), turn);
+    double shift[3];
+    for (int i = 0; i < 3; ++i) {
+        shift[i] = now[4 * i + 3] - from.home[4 * i + 3];
+        for (int j = 0; j < 3; ++j) shift[i] += (now[4 * i + j] - from.home[4 * i + j]) * from.point[j];
+    }
+    for (std::size_t a = 0; a < from.rows.size(); ++a) {
+        const int axis = from.rows[a] % 3;
+        const double* vector = from.rows[a] < 3 ? shift : turn;
+        error[a] = 0.0;
+        for (int i = 0; i < 3; ++i) error[a] += from.axes[i][axis] * vector[i];
+        error[a] *= from.row_scale[a];
+    }
+}
+
+double length_of(const double* x, std::size_t count) {
+    double square = 0.0;
+    for (std::size_t i = 0; i < count; ++i) square += x[i] * x[i];
+    return std::sqrt(square);
+}
+
+constexpr double kSmallTurn = 1e-2;  // below which (1 - a/2 cot a/2) / a^2 comes from its series
+
+// omega - phi x omega / 2 + share phi x (phi x omega): the rate of the rotation vector phi of a body that turns with omega
+void vector_rate(const double* phi, double share, double* omega) {
+    double once[3], twice[3];
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        once[i] = phi[j] * omega[k] - phi[k] * omega[j];
+    }
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        twice[i] = phi[j] * once[k] - phi[k] * once[j];
+    }
+    for (int i = 0; i < 3; ++i) omega[i] += share * twice[i] - 0.5 * once[i];
+}
+
+// The derivative (m, n) of d by scaled joint coordinates, from the six rows at one configuration
+void displacement_slopes(const DisplacementSettings& from, const double* six, const double* turn, std::size_t n, double* out) {
+    const double angle = length_of(turn, 3);
+    double share = 1.0 / 12.0 + angle * angle / 720.0;
+    if (angle >= kSmallTurn) share = (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
+    for (std::size_t k = 0; k < n; ++k) {
+        double linear[3], omega[3];
+        for (std::size_t i = 0; i < 3; ++i) {
+            linear[i] = six[i * n + k] * from.joints[k];
+            omega[i] = six[(i + 3) * n + k] * from.joints[k];
+        }
+        vector_rate(turn, share, omega);
+        for (std::size_t a = 0; a < from.rows.size(); ++a) {
+            const int axis = from.rows[a] % 3;
+            const double* vector = from.rows[a] < 3 ? linear : omega;
+            double sum = 0.0;
+            for (int i = 0; i < 3; ++i) sum += from.axes[i][axis] * vector[i];
+            out[a * n + k] = sum * from.row_scale[a];
+        }
+    }
+}
+
+// -A+ d, directions of singular values up to `weak` left out; u (m, m), sigma (s), v (n, n) of A
+void shortest_step(const double* u, const double* sigma, const double* v, const double* error, double weak, std::size_t m,
+                   std::size_t n, double* step) {
+    std::fill(step, step + n, 0.0);
+    for (std::size_t k = 0; k < std::min(m, n); ++k) {
+        if (!(sigma[k] > weak)) continue;
+        double along = 0.0;
+        for (std::size_t a = 0; a < m; ++a) along += error[a] * u[a * m + k];
+        along /= sigma[k];
+        for (std::size_t i = 0; i < n; ++i) step[i] -= v[i * n + k] * along;
+    }
+}
+
 }  // namespace
 
 void aim_errors(const AimSettings& aim, const double* now, const double* goals, std::size_t count, double* errors) {
@@ -207,6 +281,44 @@ void aim_newton(const Aim& aim, const NewtonSettings& how, const double* goals, 
             std::copy_n(&here[k * n], n, q + going[k] * n);
         }
         left.swap(going);
+    }
+}
+
+void displacement_back(const Chain& chain, const View& six, const DisplacementSettings& from, const BackSettings& how,
+                       std::size_t count, double* q, double* off) {
+    const std::size_t m = from.rows.size(), n = static_cast<std::size_t>(chain.variables), s = std::min(m, n);
+    Scratch room(m, n, count);
+    std::vector<std::size_t> left(count), going;
+    std::iota(left.begin(), left.end(), std::size_t{0});
+    std::vector<double> here(q, q + count * n), now(16 * count), errors(count * m), columns(count * 6 * n), step(n);
+    double turn[3];
+    for (int round = 0; round < how.rounds && !left.empty(); ++round) {
+        const Kernels& kernel = kernels(left.size());
+        const std::int64_t end = static_cast<std::int64_t>(left.size());
+        kernel.pose(chain, here.data(), 0, end, now.data());
+        kernel.jacobian(chain, six, here.data(), 0, end, columns.data());
+        for (std::size_t k = 0; k < left.size(); ++k) {
+            displacement_of(from, &now[16 * k], &errors[k * m], turn);
+            displacement_slopes(from, &columns[k * 6 * n], turn, n, &room.jacobian[k * m * n]);
+        }
+        kernel.svd(static_cast<int>(m), static_cast<int>(n), room.jacobian.data(), 0, end, room.sigma.data(), room.u.data(),
+                   room.v.data());
+        going.clear();
+        for (std::size_t k = 0; k < left.size(); ++k) {
+            double* end_of = q + left[k] * n;
+            shortest_step(&room.u[k * m * m], &room.sigma[k * s], &room.v[k * n * n], &errors[k * m], how.weak, m, n, step.data());
+            const double length = length_of(step.data(), n), share = std::min(1.0, how.longest / std::max(length, 1e-300));
+            for (std::size_t i = 0; i < n; ++i) end_of[i] += step[i] * share * from.joints[i];
+            if (!(length > how.still)) continue;
+            std::copy_n(end_of, n, &here[going.size() * n]);
+            going.push_back(left[k]);
+        }
+        left.swap(going);
+    }
+    kernels(count).pose(chain, q, 0, static_cast<std::int64_t>(count), now.data());
+    for (std::size_t row = 0; row < count; ++row) {
+        displacement_of(from, &now[16 * row], &errors[row * m], turn);
+        off[row] = length_of(&errors[row * m], m);
     }
 }
 

@@ -1,4 +1,4 @@
-// Newton's method towards poses of the tip, and poses between given ones.
+// Newton's method towards poses of the tip and back to where a task began, and poses between given ones.
 #include "bindings.hpp"
 
 #include "aim.hpp"
@@ -71,6 +71,38 @@ nb::object newton_of_aim(const Chain& chain, const View& view, const AimSettings
     return nb::make_tuple(ends.give(), when.give());
 }
 
+std::unique_ptr<DisplacementSettings> new_displacement(const std::vector<int>& rows, const std::vector<double>& row_scale,
+                                                       const std::vector<double>& joints, const std::vector<double>& point,
+                                                       const In2& axes, const In2& home) {
+    if (rows.empty() || rows.size() > 6 || row_scale.size() != rows.size() || point.size() != 3)
+        throw nb::value_error("a displacement has one point and one to six rows, each with its scale");
+    for (const int row : rows)
+        if (row < 0 || row > 5) throw nb::value_error("row out of range");
+    if (axes.shape(0) != 3 || axes.shape(1) != 3 || home.shape(0) != 4 || home.shape(1) != 4)
+        throw nb::value_error("axes are (3, 3), home is (4, 4)");
+    auto settings = std::make_unique<DisplacementSettings>();
+    settings->rows = rows, settings->row_scale = row_scale, settings->joints = joints;
+    std::copy_n(point.data(), 3, settings->point);
+    std::copy_n(axes.data(), 9, &settings->axes[0][0]);
+    std::copy_n(home.data(), 16, settings->home);
+    return settings;
+}
+
+nb::object back_to_start(const Chain& chain, const View& six, const DisplacementSettings& settings, const In2& q, double weak,
+                         double longest, double still, int rounds) {
+    fit(chain, six, q);
+    fit(chain, settings.joints, {});
+    if (six.m != 6) throw nb::value_error("the view has all six rows");
+    const std::size_t rows = q.shape(0), n = q.shape(1);
+    Result<double> ends({rows, n}), off({rows});
+    std::copy_n(q.data(), rows * n, ends.data());
+    each(rows, 0, [&](std::int64_t a, std::int64_t b) {
+        const std::size_t begin = static_cast<std::size_t>(a), count = static_cast<std::size_t>(b - a);
+        displacement_back(chain, six, settings, {weak, longest, still, rounds}, count, ends.data() + begin * n, off.data() + begin);
+    });
+    return nb::make_tuple(ends.give(), off.give());
+}
+
 nb::object poses_between(const In3& poses, const In1& places) {
     if (poses.shape(0) == 0) throw nb::value_error("there is no pose");
     fit_poses(poses, poses.shape(0));
@@ -94,6 +126,11 @@ void bind_aim(nb::module_& module) {
     module.def("aim_steps", &steps_of_aim, nb::arg("chain"), nb::arg("view"), nb::arg("aim"), nb::arg("q"), nb::arg("errors"));
     module.def("aim_newton", &newton_of_aim, nb::arg("chain"), nb::arg("view"), nb::arg("aim"), nb::arg("poses"), nb::arg("q"),
                nb::kw_only(), nb::arg("close"), nb::arg("rounds"), nb::arg("far"));
+    nb::class_<DisplacementSettings>(module, "Displacement");
+    module.def("make_displacement", &new_displacement, nb::kw_only(), nb::arg("rows"), nb::arg("row_scale"), nb::arg("joints"),
+               nb::arg("point"), nb::arg("axes"), nb::arg("home"));
+    module.def("back_to_start", &back_to_start, nb::arg("chain"), nb::arg("six"), nb::arg("displacement"), nb::arg("q"),
+               nb::kw_only(), nb::arg("weak"), nb::arg("longest"), nb::arg("still"), nb::arg("rounds"));
     module.def("poses_at", &poses_between, nb::arg("poses"), nb::arg("places"));
 }
 

@@ -64,6 +64,22 @@ def aim_steps(chain: Chain, view: View, aim: AimSettings, q: _A, errors: _A) -> 
 def aim_newton(
     chain: Chain, view: View, aim: AimSettings, poses: _A, q: _A, *, close: float, rounds: int, far: bool
 ) -> tuple[_A, NDArray[np.int64]]: ...
+class Displacement: ...
+
+def make_displacement(
+    *, rows: list[int], row_scale: list[float], joints: list[float], point: list[float], axes: _A, home: _A
+) -> Displacement: ...
+def back_to_start(
+    chain: Chain,
+    six: View,
+    displacement: Displacement,
+    q: _A,
+    *,
+    weak: float,
+    longest: float,
+    still: float,
+    rounds: int,
+) -> tuple[_A, _A]: ...
 def poses_at(poses: _A, places: _A) -> _A: ...
 
 class SearchSettings:

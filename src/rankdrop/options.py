@@ -116,7 +116,7 @@ class Options:
         Raises:
             OptionError: no field has this name, or its value is out of range.
         """
-        names = [field.name for field in fields(cls)]  # type: ignore[arg-type]  # its subclasses are dataclasses
+        names = list(hints(cls))  # type: ignore[arg-type]  # a class is hashable
         if "rng" in given and "seed" in names:
             if "seed" in given:
                 raise OptionError("rng and seed are the same option", where="rng", mend="give one of them")

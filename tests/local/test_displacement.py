@@ -10,9 +10,10 @@ from reference.measure import central_differences
 from rankdrop.errors import TaskError
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import joint_scale
-from rankdrop.local.orientation import Displacement, determined_by_pose
+from rankdrop.local.orientation import WEAK, Displacement, determined_by_pose
 from rankdrop.local.redundant import REACHED, self_motion
 from rankdrop.local.ways_out import distinct, escape
+from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame, resolve_task
 from rankdrop.text.words import avoidable_words
@@ -69,6 +70,44 @@ def test_those_that_come_back_do_not_mind_those_that_do_not(rng: np.random.Gener
     assert arrived[300:].all()
     assert np.abs(back[300:] - q).max() < 1e-9  # no redundancy: there is one way back
     assert np.linalg.norm(where.error(back[arrived]), axis=-1).max() <= 1e-11
+
+
+def _back_step_by_step(where: Displacement, q: Array) -> Array:
+    """What `Displacement.back` finds for one configuration (n,), by shortest steps in NumPy."""
+    for _ in range(12):
+        u, sigma, v = where.split(q)
+        kept = np.flatnonzero(sigma > WEAK)
+        step = -v[:, kept] @ (where.error(q) @ u[:, kept] / sigma[kept])
+        length = np.linalg.norm(step)
+        q = q + step * min(1.0, 0.5 / max(length, 1e-300)) * where.joints
+        if length <= 1e-9:
+            break
+    return q
+
+
+@pytest.mark.parametrize("kinds", arms.CHAINS)
+def test_the_way_back_takes_shortest_steps(kinds: str, rng: np.random.Generator) -> None:
+    robot = arms.random_chain(rng, kinds)
+    q = rng.uniform(-1, 1, robot.n)
+    for words, far in (("pose", 0.02), ("orientation", 0.3), ("position", 0.1)):
+        where = Displacement(robot, q, resolve_task(words, robot, frame=BODY))
+        starts = q + far * rng.normal(size=(9, robot.n)) * where.joints
+        back, arrived = where.back(starts)
+        for start, end in zip(starts[arrived], back[arrived], strict=True):
+            assert np.abs(_back_step_by_step(where, start) - end).max() < 1e-10
+
+
+@pytest.mark.parametrize("bent", [0.0, 1e-7, 1e-3], ids=["singular", "weak", "near"])
+def test_the_way_back_to_a_singularity_takes_shortest_steps(bent: float, rng: np.random.Generator) -> None:
+    robot = open_robot("pa10")
+    q = np.array([0.1, 0.5, 0.7, bent, 0.9, 0.4, 0.2])
+    where = Displacement(robot, q, resolve_task(None, robot))
+    null = where.split(q)[2][:, 6:].T
+    starts = q + 1e-2 * rng.normal(size=(9, 1)) * null + 1e-4 * bent * rng.normal(size=(9, 7))
+    back, arrived = where.back(starts)
+    assert arrived.all()
+    for start, end in zip(starts, back, strict=True):
+        assert np.abs(_back_step_by_step(where, start) - end).max() < 1e-9
 
 
 def test_directions_that_differ_by_sign_or_rounding_are_one() -> None:

@@ -329,8 +329,10 @@ def family_from_metres(family: Family, robot: Robot, power: int) -> Family:
 
 def _with_slides(family: Family, robot: Robot, power: int) -> Family:
     """The family where the numbers of slides are 10 to a power times as large."""
+    if robot.exponent is not None or not power:
+        return family
     slides = slides_of(robot)
-    if robot.exponent is not None or not power or not slides:
+    if not slides:
         return family
     return replace(
         family,
@@ -492,7 +494,11 @@ def families_at(
     met = []
     for family in families:
         if family.equations and 1 <= family.corank <= corank:
-            length = float(ways_to(problem.at(family.corank), family_in_metres(family, robot).system, at[None])[0])
+            if family.corank == problem.corank:  # most often: what the problem keeps serves again
+                asked = problem
+            else:
+                asked = problem.at(family.corank)
+            length = float(ways_to(asked, family_in_metres(family, robot).system, at[None])[0])
             if length < inf:
                 met.append(Incidence(family, length, source))
     return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))

@@ -162,7 +162,7 @@ def inner_product(a: Array, b: Array) -> Array:
 
 def indices(mask: Verdicts) -> tuple[int, ...]:
     """Indices of the joints for which a verdict (n,) is true."""
-    return tuple(np.flatnonzero(mask).tolist())
+    return tuple(mask.nonzero()[0].tolist())
 
 
 def numbers(members: Sequence[int]) -> str:

@@ -31,6 +31,7 @@ Then the series is summed up at a finite t instead, and the gain is what exceeds
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -267,13 +268,21 @@ def fitted(place: Configuration, motions: Array) -> Array:
     return np.minimum(np.maximum(motions, -down), up)
 
 
+@lru_cache(maxsize=64)
+def _pairs(n: int) -> _Indices:
+    """(P, 2) all pairs of n joints, from 0."""
+    pairs = np.array(list(combinations(range(n), 2)))
+    pairs.flags.writeable = False
+    return pairs
+
+
 def best_pair(place: Configuration, step: float) -> Array:
     """The motion (n,) of two joints, of length `step` at most, that restores most; inside the limits.
 
     All pairs and a circle of directions in one call, then the best few pairs again, finer and finer.
     """
     n = len(place.q)
-    pairs = np.array(list(combinations(range(n), 2)))
+    pairs = _pairs(n)
     angles = np.arange(_ANGLES) * 2 * np.pi / _ANGLES
     motions = _on_circle(place, pairs[:, None, :], np.broadcast_to(angles, (len(pairs), _ANGLES)), step)
     best, order = _best_of_each(place, motions)
@@ -354,9 +363,9 @@ def _best_of_each(place: Configuration, motions: Array) -> tuple[_Indices, _Indi
 
 def _on_circle(place: Configuration, pairs: _Indices, angles: Array, step: float) -> Array:
     motions = np.zeros((*angles.shape, len(place.q)))
-    every = np.broadcast_to(pairs, (*angles.shape, 2))
-    np.put_along_axis(motions, every[..., :1], step * np.cos(angles)[..., None], axis=-1)
-    np.put_along_axis(motions, every[..., 1:], step * np.sin(angles)[..., None], axis=-1)
+    row, column = np.arange(angles.shape[0])[:, None], np.arange(angles.shape[1])
+    motions[row, column, pairs[..., 0]] = step * np.cos(angles)
+    motions[row, column, pairs[..., 1]] = step * np.sin(angles)
     return fitted(place, motions)
 
 

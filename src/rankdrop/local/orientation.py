@@ -29,18 +29,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf, pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop import _core
 from rankdrop.configuration import Rank, at
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
-from rankdrop.kinematics import jacobian, link_poses, one_configuration, pose
+from rankdrop.kinematics import chain_of, frame_view, jacobian, link_poses, one_configuration, pose
 from rankdrop.local.block import joint_scale, row_scale, sigma_of, svd
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import hat
-from rankdrop.solve import iterate
 from rankdrop.task import BASE, TIP, Frame, Task, link_index
 from rankdrop.tolerances import DEFAULT, Tolerances
 
@@ -87,7 +88,11 @@ def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
         if representation == "rpy":
             return angles[..., ::-1]
         return angles
-    quaternion = _quaternion(r)
+    return _of_quaternion(_quaternion(r), representation)
+
+
+def _of_quaternion(quaternion: Array, representation: str) -> Array:
+    """The coordinates that are made of the unit quaternion (..., 4), itself included."""
     vector = quaternion[..., 1:]
     if representation == "quaternion":
         return quaternion
@@ -287,17 +292,24 @@ class Displacement:
 
         Converged means an error of 1e-11 at most; the other configurations are worth nothing.
         """
+        rows = np.ascontiguousarray(q).reshape(-1, q.shape[-1])
+        ends, off = _core.back_to_start(
+            chain_of(self.robot), self._six, self._told, rows, weak=WEAK, longest=_LONGEST, still=_STILL, rounds=_ROUNDS
+        )
+        return ends.reshape(q.shape), (off <= _ACCEPTED).reshape(q.shape[:-1])
 
-        def correction(now: Array, _active: NDArray[np.intp]) -> Array:
-            error, turn = self._error_and_turn(now)
-            u, sigma, v = svd(self._derivative(now, turn))
-            gains = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > WEAK)
-            count = sigma.shape[-1]
-            return -(v[..., :count] @ (gains * (error[:, None] @ u[..., :count])[:, 0])[..., None])[..., 0]
+    @cached_property
+    def _six(self) -> _core.View:
+        """All six rows at the reference point, in axes of the base."""
+        return frame_view(self.robot, self._frame)
 
-        rows = q.reshape(-1, q.shape[-1])
-        ends = iterate(correction, rows, iterations=_ROUNDS, longest=_LONGEST, still=_STILL, scale=self.joints)
-        return ends.reshape(q.shape), np.linalg.norm(self.error(ends.reshape(q.shape)), axis=-1) <= _ACCEPTED
+    @cached_property
+    def _told(self) -> _core.Displacement:
+        """The displacement as the core takes it."""
+        return _core.make_displacement(
+            rows=self._rows, row_scale=self._row_scale.tolist(), joints=self.joints.tolist(),
+            point=list(self._frame.point), axes=np.ascontiguousarray(self._axes), home=self._home,
+        )  # fmt: skip
 
     def _error_and_turn(self, q: Array) -> tuple[Array, Array]:
         """(..., m) the displacement, and (..., 3) the rotation vector of the turn from the start."""
@@ -468,8 +480,7 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
     configuration = one_configuration(robot, q)
     arm = at(robot, configuration, "pose", tolerances).measured
     rotation = pose(robot, configuration)[:3, :3]
-    angles = dict(zip(EULER, euler_angles(rotation, EULER), strict=True))
-    coordinates = {name: angles[name] if name in angles else orientation_coordinates(rotation, name) for name in NAMES}
+    coordinates = _every_coordinates(rotation)
     measures = _rate_measures(coordinates)
     turned = float(np.linalg.norm(coordinates["rotvec"]))
     found = {name: _describe(name, coordinates[name], *measures[name], turned, tolerances) for name in NAMES}
@@ -477,6 +488,15 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
     others = tuple(part for name, part in found.items() if name not in MAIN)
     return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"],
                            _WHOSE[arm.corank > 0, singular != ""].format(singular), others)  # fmt: skip
+
+
+def _every_coordinates(rotation: Array) -> dict[str, Array]:
+    """The coordinates of one rotation (3, 3) by name, in the order of `NAMES`: all angles at once, one quaternion."""
+    orders = ("zyz", *EULER)
+    angles = dict(zip(orders, euler_angles(rotation, orders), strict=True))
+    angles["rpy"] = angles[_ORDERS["rpy"]][::-1]
+    quaternion = _quaternion(rotation)
+    return {name: angles[name] if name in angles else _of_quaternion(quaternion, name) for name in NAMES}
 
 
 _WHOSE = {
@@ -490,7 +510,9 @@ _WHOSE = {
 
 def _rate_measures(coordinates: dict[str, Array]) -> dict[str, tuple[float, float | None]]:
     """(σ_min, det E) by name: 0 where coordinates are not finite; E of the quaternion is not square, its σ are 2."""
-    matrices = dict(zip(EULER, euler_rates(np.stack([coordinates[name] for name in EULER]), EULER), strict=True))
+    orders = ("zyz", *EULER)
+    matrices = dict(zip(orders, euler_rates(np.stack([coordinates[name] for name in orders]), orders), strict=True))
+    matrices["rpy"] = matrices[_ORDERS["rpy"]][:, ::-1]
     others = coordinates.keys() - matrices.keys() - {"quaternion"}
     matrices |= {name: rate_matrix(coordinates[name], name) for name in others if np.isfinite(coordinates[name]).all()}
     square = np.stack(list(matrices.values()))

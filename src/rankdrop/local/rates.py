@@ -39,6 +39,7 @@ joint that enters c is at its limit there. For as many joints as rows c has one 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 from math import comb, inf, prod, sqrt
 from typing import Annotated, Any
@@ -641,12 +642,20 @@ def slowest_motions(robot: Robot, q: ArrayLike, task: Task) -> tuple[Slowest, ..
     return tuple(_slowest(unit, part, facets, normals, task, exact) for unit, part in parts if part)
 
 
+@lru_cache(maxsize=16)
+def _choices(joints: tuple[int, ...], size: int) -> NDArray[np.intp]:
+    """(C, size) all sets of `size` joints."""
+    chosen = np.array(list(combinations(joints, size)))
+    chosen.flags.writeable = False
+    return chosen
+
+
 def _circuits(null: Array, bounded: NDArray[np.intp], most: int) -> Array | None:
     """(N, C, n) circuits of null spaces (N, p, n) among bounded joints; None where they are more than `most`."""
     count, spare, n = null.shape
     if comb(len(bounded), spare + 1) > most:
         return None
-    chosen = np.array(list(combinations(bounded.tolist(), spare + 1)))  # (C, p + 1)
+    chosen = _choices(tuple(bounded.tolist()), spare + 1)  # (C, p + 1)
     circuits = np.zeros((count, len(chosen), n))
     parts = null[:, :, chosen].swapaxes(1, 2)  # (N, C, p, p + 1)
     if spare == 0:

@@ -432,7 +432,7 @@ class Explanation(Result):
         try:
             nearest = nearest_singularity(
                 here.robot, here.q, here.task, limits=options.limits, seed=options.seed,
-                seeds=tuple(one.q for one in away[:_SEEDS]), tolerances=here.tolerances,
+                seeds=[np.array(one.q) for one in away[:_SEEDS]], tolerances=here.tolerances,
             )  # fmt: skip
         except OptionError as error:  # a long arm: rank, σ and all that is said at q itself do not need the distance
             return Far(self, None, None, away, f"{error.what}: {error.got}")

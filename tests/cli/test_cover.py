@@ -176,7 +176,7 @@ def test_exit_codes_and_what_is_written(tmp_path: Path, run) -> None:
     Draft202012Validator(load_schema("cover")).validate(json.loads(file.read_text()))
     code, text, _ = run("almarkhi4", "--budget", 3000, "--json", file)
     assert code == 3
-    assert text.strip().startswith("Not complete (the budget does not suffice: about ")
+    assert text.strip().startswith("Not complete (budget too small: about ")
     assert json.loads(file.read_text())["needed"] > 9000
     Draft202012Validator(load_schema("cover")).validate(json.loads(file.read_text()))
     code, text, _ = run("ur5", "--width", 0.8, "--no-explain")

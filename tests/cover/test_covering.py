@@ -521,7 +521,7 @@ def test_a_budget_ends_the_work_and_says_so():
     assert (found.complete, found.stopped) == (False, "the budget is spent")
     assert found.tree.finished.any()
     found = covering(open_robot("almarkhi4"), 0.1, budget=2000)
-    assert (found.complete, found.stopped) == (False, "the budget does not suffice")
+    assert (found.complete, found.stopped) == (False, "budget too small")
     assert found.needed > 15_000
     assert not found.tree.finished.any()
     with pytest.raises(OptionError, match="budget"):

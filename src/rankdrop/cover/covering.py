@@ -56,7 +56,7 @@ from rankdrop.version import VERSION
 
 SPLIT, ENCLOSURES = "split determinant", "enclosures"
 SPENT = "the budget is spent"
-TOO_FEW = "the budget does not suffice"
+TOO_FEW = "budget too small"
 BUDGET = 10_000_000_000
 """Enclosures that one chunk may take, about 1.5 µs each; the split determinant needs none."""
 NARROWEST = 2 * pi / 512

@@ -510,7 +510,7 @@ def _why_not_complete(stopped: str, needed: int) -> str:
         return ""
     if not needed or stopped == "interrupted":
         return f" ({stopped})"
-    return f" ({stopped}: about {needed:,} enclosures are needed; take a larger --width or --budget)"
+    return f" ({stopped}: about {needed:,} enclosures are needed at this width)"
 
 
 def _covered_what(corank: int) -> str:

@@ -111,6 +111,19 @@ def test_cases_are_printed_and_stored() -> None:
 
 
 @pytest.mark.usefixtures("undividable")
+def test_short_conditions_of_a_case_are_written_out_and_long_ones_by_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = derived("planar3r", "vx", points=0)
+    text = str(found)
+    assert "case 1: corank 1 or more where θ1 + θ2 + θ3 = π, and 3 minors vanish" in text
+    assert "c_ij is cos(θi + θj)" in text
+    assert [one["conditions"] for one in found.to_dict()["undivided"]] == [["θ1 + θ2 + θ3 = π"], ["θ1 + θ2 + θ3 = 0"]]
+    monkeypatch.setattr("rankdrop.exact.undivided._READABLE", 1)
+    found = derived("planar3r", "vx", points=0)
+    assert "where 1 polynomial in joints 1, 2, 3 vanishes (degree 3" in str(found)
+    assert [one["conditions"] for one in found.to_dict()["undivided"]] == [[], []]
+
+
+@pytest.mark.usefixtures("undividable")
 def test_whoever_needs_families_alone_refuses_cases() -> None:
     with pytest.raises(OptionError, match="cases were not taken apart"):
         derived("planar3r", "vx", points=0).test("s2 = 0")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import comb
 
 import numpy as np
@@ -28,6 +29,7 @@ from rankdrop.tolerances import REAL_STARTS
 from rankdrop.units import out_of_units
 
 _ITERATIONS = 60
+_READABLE = 40  # terms of a condition that is written out
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +63,8 @@ class UndividedSet:
         off: how many of these lie on no family of that corank.
         witness: one of them, on no family where there is one [rad, m]; None where none was found.
         equations: its conditions in q, for the arm in its own unit of length.
+        stated: the same conditions exactly, in θ and the letters of the arm, short ones first; they may hold on several
+            irreducible sets.
     """
 
     corank: int
@@ -74,6 +78,14 @@ class UndividedSet:
     off: int
     witness: tuple[float, ...] | None
     equations: tuple[Equation, ...]
+    stated: tuple[AnglePin | Condition, ...] = ()
+
+    @cached_property
+    def texts(self) -> tuple[str, ...]:
+        """Every condition for people, as families have them; none where one has more than `_READABLE` terms."""
+        if any(isinstance(one, Condition) and len(one.polynomial) > _READABLE for one in self.stated):
+            return ()
+        return tuple(one.text() for one in self.stated)
 
     @property
     def words(self) -> str:
@@ -102,6 +114,7 @@ def _undivided(chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamili
     piece, order = case.piece, case.order - tree.cleared
     corank = tree.generic_rank - case.order + 1
     pins = tuple(AnglePin(joint, (value,)) for joint, value in sorted(piece.pins.items()))
+    polynomials = sorted(piece.equations, key=len)
     equations = equations_of(chain, piece)
     q = _points(chain, corank, equations, seed)
     off = off_families(q, corank)
@@ -109,7 +122,7 @@ def _undivided(chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamili
     return UndividedSet(
         corank=corank,
         pins=pins,
-        polynomials=tuple(size_of(chain, f) for f in sorted(piece.equations, key=len)),
+        polynomials=tuple(size_of(chain, f) for f in polynomials),
         order=order,
         minors=comb(len(columns), order) * comb(len(columns[0]), order),
         degree=_degree(chain, piece, columns, order),
@@ -118,6 +131,7 @@ def _undivided(chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamili
         off=len(off),
         witness=_witness(chain, q, off),
         equations=equations,
+        stated=(*pins, *(Condition(chain.ring, f) for f in polynomials)),
     )
 
 

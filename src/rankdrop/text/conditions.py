@@ -47,6 +47,7 @@ from rankdrop.text.special import family_label
 from rankdrop.version import VERSION
 
 _TOGETHER = 64  # characters up to which all conditions of a family stand on one line
+_CASE = 300  # characters up to which the conditions of a case that was not taken apart are printed
 _LONGEST = 600  # a longer condition is for programs
 _UNDERIVED = 3  # assumptions on lengths whose failing was not derived of which more are only counted
 _ALIKE = 2  # sets that are not real for the same reason of which more are only counted
@@ -209,14 +210,25 @@ def _undivided(conditions: Any) -> Iterator[Section]:
         lines += [f"case {number}: {undivided_words(one)}", f"{_INSET}{_example(one, conditions.robot)}"]
     if lines:
         cases = "the rank is lower exactly where the conditions of a case hold and its minors vanish"
-        yield Section("Not taken apart", cases, tuple(lines))
+        yield Section("Not taken apart", cases, tuple(lines), notes=_case_notes(conditions))
+
+
+def _case_notes(conditions: Any) -> tuple[str, ...]:
+    """What sines and cosines in the conditions of cases are called, where no family's conditions say so."""
+    of_families = any(len(family.texts) > len(family.pins) for family in conditions.families)
+    of_cases = any(len(one.texts) > len(one.pins) for one in conditions.undivided)
+    if of_cases and not of_families:
+        return (_LEGEND,)
+    return ()
 
 
 def undivided_words(one: Any) -> str:
     """A case that was not taken apart, by its conditions and minors: "corank 1 or more where θ5 = 0, and …"."""
-    parts = [pin.text() for pin in one.pins]
-    if one.polynomials:
-        parts.append(_polynomial_words(one.polynomials))
+    if one.texts and sum(map(len, one.texts)) <= _CASE:
+        parts = [*one.texts]
+    else:
+        parts = [pin.text() for pin in one.pins]
+        parts += [_polynomial_words(one.polynomials)] if one.polynomials else []
     minors = f"{count(one.minors, 'minor vanishes', 'minors vanish')}, of order {one.order}"
     degree = f"degree at most {one.degree} in sines and cosines"
     return f"corank {one.corank} or more where {', '.join(parts)}, and {minors} ({degree})"

@@ -6,9 +6,13 @@ import pytest
 
 pytest.importorskip("flint")
 
+from collections.abc import Iterator
 from fractions import Fraction
+from itertools import combinations
 from math import prod
+from typing import Any
 
+from rankdrop.algebra import solving
 from rankdrop.algebra.field import PRIMES
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.solving import binds_more
@@ -39,6 +43,23 @@ def test_pairs_of_zeros_are_no_zeros_of_all() -> None:
     x, y = ring.t[1], ring.t[2]
     assert not binds_more([x - 1, y - 2, x * y - 2], 2, ring.moving)
     assert binds_more([x - 1, y - 2, x * y - 3], 2, ring.moving)
+
+
+def test_long_conditions_are_combined_where_short_ones_hold_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A line and a conic meet in two points: the others are of degree 1 there, and their combination costs little."""
+    ring = Ring([1, 2])
+    x, y = ring.t[1], ring.t[2]
+    lengths: list[int] = []
+
+    def pairs(conditions: list[Any], size: int) -> Iterator[tuple[Any, ...]]:
+        lengths.extend(int(f.degrees()[0]) for f in conditions)
+        return combinations(conditions, size)
+
+    monkeypatch.setattr(solving, "combinations", pairs)
+    long = [(x * y - NOWHERE) * (x + k * y + 1) ** 6 + (x - y) * (x + k) ** 7 for k in (1, 2, 3)]
+    assert not binds_more([x - y, x**2 - NOWHERE, *long], 2, ring.moving)
+    assert lengths
+    assert max(lengths) < 2
 
 
 def test_it_is_asked_for_the_lengths_at_hand() -> None:

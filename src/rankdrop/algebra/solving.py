@@ -501,7 +501,9 @@ def _zero_in_plane(sliced: Sequence[Polynomial], circles: Sequence[Polynomial], 
             return False
     if common == 0:
         return True
-    for f, g in combinations(sliced[1:], 2):  # a zero of the first with each of the others need not be one of all
+    # zeros of all lie over those of `common`: there the conditions are their remainders, of lower degree
+    for f, g in combinations([divmod(f, common)[1] for f in sliced[1:]], 2):  # a zero of two need not be one of all
+        tick(len(f) * len(g))
         both = f.resultant(g, "y")
         if both != 0:
             common = common.gcd(both)

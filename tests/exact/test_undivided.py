@@ -9,6 +9,7 @@ pytest.importorskip("flint")
 
 from rankdrop.algebra.work import OutOfTime, TooLong, Work
 from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.exact import families as real_families
 from rankdrop.exact import tree as rank_trees
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.tree import rank_tree
@@ -135,3 +136,61 @@ def test_whoever_needs_families_alone_refuses_cases() -> None:
     assert found is None
     assert record is not None
     assert "2 cases were not taken apart" in record.reason
+
+
+def one_set_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A limit ends the search for real points after the first set."""
+    sharp, calls = real_families._sharp, []
+
+    def limited(*given):
+        calls.append(given)
+        if len(calls) > 1:
+            raise OutOfTime
+        return sharp(*given)
+
+    monkeypatch.setattr(real_families, "_sharp", limited)
+
+
+def nothing_separates(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The conditions of every set hold at regular configurations, too."""
+    monkeypatch.setattr(real_families, "_verdict", lambda *_: ("they hold at configurations of higher rank", None))
+
+
+def a_set_has_no_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The largest set has no point modulo any prime: its rank is not known."""
+
+    def without(*given, **more):
+        tree = rank_tree(*given, **more)
+        drop = tree.drops.pop(0)
+        tree.without_points.append((drop.piece, drop.rank + 1, False))
+        return tree
+
+    monkeypatch.setattr(deriving, "rank_tree", without)
+
+
+@pytest.mark.slow
+@pytest.mark.shipped
+@pytest.mark.parametrize("plant", [one_set_is_searched, nothing_separates, a_set_has_no_points])
+def test_a_set_that_is_not_finished_is_a_case(plant, monkeypatch: pytest.MonkeyPatch) -> None:
+    plant(monkeypatch)
+    found = derived("anthropomorphic")
+    assert found.left == ()
+    assert found.complete
+    assert found.verified, found.verdict.sentence
+    assert found.undivided
+    assert not found.in_families
+    held = [(one.corank, System(one.equations)) for one in (*found.families, *found.undivided)]
+    for family in shipped_conditions("anthropomorphic").families:
+        witness = np.array([family.witness])
+        assert any(system.zero(witness)[0] for corank, system in held if corank >= family.corank)
+
+
+@pytest.mark.slow
+@pytest.mark.shipped
+def test_a_set_is_not_finished_where_the_tree_states_no_cases(monkeypatch: pytest.MonkeyPatch) -> None:
+    nothing_separates(monkeypatch)
+    monkeypatch.setattr(rank_trees.Tree, "stated", False)
+    found = derived("anthropomorphic", points=0)
+    assert not found.complete
+    assert not found.undivided
+    assert found.left[0].startswith("they hold at configurations of higher rank: ")

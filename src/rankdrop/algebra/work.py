@@ -44,7 +44,7 @@ def failure(error: BaseException) -> str:
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total)"""
 GRACE = 5.0
-"""Time left after the user has asked to stop [s]."""
+"""Time left after the user has asked to stop, and for the last checks after the limit has passed [s]."""
 
 
 SLOWER = 1.5

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rankdrop.algebra.decompose import decompose, with_points
 from rankdrop.algebra.polynomial import Polynomial, coefficients, is_number, used
 from rankdrop.algebra.ring import Form
-from rankdrop.algebra.work import Work, failure, watched
+from rankdrop.algebra.work import OutOfTime, TooLong, Work, failure, watched
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
@@ -293,12 +293,21 @@ _ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
 
 
 def real_sets(
-    chain: Chain, drops: Sequence[Drop], work: Work, left: list[str], seed: int = 0
+    chain: Chain, drops: Sequence[Drop], work: Work, left: list[str], seed: int = 0, cases: list[Drop] | None = None
 ) -> tuple[list[tuple[Drop, Reality]], list[UnrealSet]]:
     """The sets that have real points, in short words, with these points, and the sets that have none.
 
     Where the real points of a set are fewer than its conditions say (a sum of squares vanishes), the set is cut down to
-    them by the derivatives of its conditions. What time does not allow is told in `left`.
+    them by the derivatives of its conditions.
+
+    Args:
+        chain: the arm.
+        drops: of its rank tree.
+        work: deadline.
+        left: gets what is not finished, in sentences.
+        seed: of the random starts.
+        cases: gets the sets that are not finished, in place of sentences: a limit was met, their conditions hold at
+            configurations of higher rank, too, or their real points are not all known. None: there are sentences only.
     """
     kept: list[tuple[Drop, Reality]] = []
     left_out: dict[UnrealSet, list[ZeroSet]] = {}  # by reason, without conditions
@@ -322,20 +331,27 @@ def real_sets(
                 what = failure(stop)
             else:
                 what = "interrupted"
-            left.append(f"{what}: {len(waiting)} of {len(drops)} sets were not searched for real points")
+            if cases is not None and isinstance(stop, OutOfTime | TooLong):
+                cases += waiting
+            else:
+                left.append(f"{what}: {len(waiting)} of {len(drops)} sets were not searched for real points")
             if isinstance(stop, KeyboardInterrupt):
                 work.interrupt()
             break
         waiting = [*waiting[1:], *thinner]
-        if work.without_points or len(work.unresolved) > systems:
-            left.append(f"the real points of a set were not all taken apart: {alone(piece).text}")
-            work.without_points.clear()
         open_, why = _verdict(piece, found, drop.rank)
-        if found.real:
-            kept.append((Drop(piece, drop.rank), found))
-        if open_ and not thinner:
+        if work.without_points or len(work.unresolved) > systems:
+            open_ = "the real points of a set were not all taken apart"
+            work.without_points.clear()
+        elif thinner:
+            open_ = ""
+        if open_ and cases is not None:
+            cases.append(drop)
+        elif open_:
             left.append(f"{open_}: {alone(piece).text}")
-        elif why and not thinner:
+        if found.real and not (open_ and cases is not None):
+            kept.append((Drop(piece, drop.rank), found))
+        if why and not thinner and not open_:
             left_out.setdefault(why, []).append(piece)
     remaining = largest([drop for drop, _ in kept])
     unreal = [replace(why, conditions=row.text) for why, pieces in left_out.items() for row in merge(pieces)]

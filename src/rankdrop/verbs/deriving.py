@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.algebra.polynomial import PRIMES
-from rankdrop.algebra.work import SLOWER, OutOfTime, Work, failure
+from rankdrop.algebra.work import GRACE, SLOWER, OutOfTime, Work, failure
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.structure import structure_of
@@ -33,7 +33,7 @@ from rankdrop.exact.letters import (
     with_equal_lengths,
 )
 from rankdrop.exact.lint import round_points
-from rankdrop.exact.tree import Drop, Tree, rank_tree
+from rankdrop.exact.tree import Drop, OpenCase, Tree, rank_tree
 from rankdrop.exact.undivided import UndividedSet, undivided_sets
 from rankdrop.families.equation import Equation
 from rankdrop.families.inspection import DIGITS, FOLLOWED, descents, near_misses
@@ -96,9 +96,10 @@ def derived(
     found: list[ExactFamily] = []
     not_real: list[UnrealSet] = []
     wrong: list[str] = []
+    unsettled: list[OpenCase] = []
     with work.share(_SHARE):
         found, not_real, wrong = _guarded(
-            "the families", lambda: _families(chain, tree, work, left), (found, not_real, wrong), left
+            "the families", lambda: _families(chain, tree, work, left, unsettled), (found, not_real, wrong), left
         )
     first = _unless_interrupted(
         work, left, "the method for corank 1",
@@ -113,15 +114,16 @@ def derived(
     determinants: Determinants | None = None
     if asked.steps:
         determinants = _unless_interrupted(work, left, "the determinant", lambda own: determinants_of(chain, own), None)
-    hidden: list[str] = []
     unmet: list[UnrealSet] = []
-    hidden, unmet = _guarded(
-        "sets without points", lambda: _sets_without_points(chain, tree, found, asked.seed), (hidden, unmet), left
-    )
-    left += [*first.left, *hidden]
+    unmet = _guarded(
+        "sets without points",
+        lambda: _sets_without_points(chain, tree, found, asked.seed, left, unsettled), unmet, left,
+    )  # fmt: skip
+    left += first.left
     lowest = _stated_rank(tree, lowest)
+    stated = replace(tree, cases=[*tree.cases, *unsettled])
     undivided: Sequence[UndividedSet] = ()
-    undivided = _guarded("the undivided cases", lambda: _undivided(chain, tree, found, work, left), undivided, left)
+    undivided = _guarded("the undivided cases", lambda: _undivided(chain, stated, found, work, left), undivided, left)
     not_real += unmet
     assumed: Sequence[Assumption] = ()
     assumed = _guarded(
@@ -301,10 +303,18 @@ def _why_numbers(tree: Tree, other: Tree, again: Work, *, optional: bool) -> str
 
 
 def _families(
-    chain: Chain, tree: Tree, work: Work, left: list[str]
+    chain: Chain, tree: Tree, work: Work, left: list[str], unsettled: list[OpenCase]
 ) -> tuple[list[ExactFamily], list[UnrealSet], list[str]]:
-    """(families, sets without real points, disagreements); what time did not allow is added to `left`."""
-    sets, not_real = real_sets(chain, tree.drops, work, left, work.seed)
+    """(families, sets without real points, disagreements).
+
+    Sets that are not finished become cases, which go to `unsettled`; in sentences they go to `left` where the tree does
+    not state all cases.
+    """
+    cases: list[Drop] | None = None
+    if tree.stated:
+        cases = []
+    sets, not_real = real_sets(chain, tree.drops, work, left, work.seed, cases)
+    unsettled += [OpenCase(drop.piece, drop.rank + 1) for drop in cases or ()]
     found = families(chain, sets, tree.generic_rank, work)
     left += _not_singular(chain, sets, found, tree.generic_rank)
     wrong = [
@@ -383,7 +393,11 @@ def _undivided(
     """The cases that were not taken apart; where the configuration on one is not singular with `DIGITS` digits a
     sentence goes to `left`.
     """
-    if not tree.stated or work.interrupted:
+    if not tree.stated:
+        return ()
+    if work.interrupted:
+        if tree.cases:
+            left.append("the cases that were not taken apart")
         return ()
 
     def off_families(q: Array, corank: int) -> NDArray[np.int64]:
@@ -452,7 +466,7 @@ def _cloud(
     for corank in range(1, generic_rank - lowest + 1):
         if not points or work.interrupted:
             break
-        if corank > 1 and work.time_left < 0:
+        if corank > 1 and work.time_left < -GRACE:  # a tenth of the points takes little time
             left.append(f"numeric configurations of corank {corank} and above: the processor's time ran out")
             break
         work.show("checks", corank - 1, generic_rank - lowest)
@@ -516,9 +530,15 @@ def _wanted(points: int, corank: int) -> int:
 
 
 def _sets_without_points(
-    chain: Chain, tree: Tree, families: Sequence[ExactFamily], seed: int
-) -> tuple[list[str], list[UnrealSet]]:
-    """What the tree leaves open for want of points, in a sentence, and the sets on which no real point was found.
+    chain: Chain,
+    tree: Tree,
+    families: Sequence[ExactFamily],
+    seed: int,
+    left: list[str],
+    unsettled: list[OpenCase],
+) -> list[UnrealSet]:
+    """The sets on which no real point was found. What the tree leaves open for want of points goes to `unsettled` as
+    cases; in a sentence it goes to `left` where the tree does not state all cases.
 
     A set is no loss where all real points found lie on the families of a rank as low, or where the rank is not lower
     there and no smaller set inside it is looked for. That none was found is no proof that there is none.
@@ -526,19 +546,23 @@ def _sets_without_points(
     The tree tells sets apart at random points modulo primes. With letters for lengths a set has such points for about
     every other value of them, with numbers modulo about every other prime; a few have none modulo all that are tried.
     """
-    lost: dict[str, ZeroSet] = {}
+    lost: dict[str, OpenCase] = {}
     unmet: dict[str, ZeroSet] = {}
     for piece, order, last in tree.without_points:
         theta = [point for point, _ in zip(round_points(piece, chain, seed=seed), range(_POINTS), strict=False)]
         if not theta:
             unmet[piece.key] = piece
         elif piece.key not in lost and not _settled(chain, tree, families, np.array(theta), order, last):
-            lost[piece.key] = piece
+            lost[piece.key] = OpenCase(piece, order)
     unreal = [UnrealSet(row.text, Unreal.NOR_MODULO_PRIMES, tried=len(PRIMES)) for row in merge(list(unmet.values()))]
-    return [_sentence(list(lost.values()), bool(chain.letters))] if lost else [], unreal
+    if tree.stated:
+        unsettled += lost.values()
+    elif lost:
+        left.append(_sentence([one.piece for one in lost.values()], letters=bool(chain.letters)))
+    return unreal
 
 
-def _sentence(lost: Sequence[ZeroSet], letters: bool) -> str:
+def _sentence(lost: Sequence[ZeroSet], *, letters: bool) -> str:
     sets = count(len(lost), "set of real configurations", "sets of real configurations")
     shortest = min(map(alone, lost), key=lambda row: row.terms)
     where = f" ({'' if len(lost) == 1 else 'one is '}{shortest.text})"

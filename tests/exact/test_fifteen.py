@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from reference.structured import fifteen
 
+from rankdrop.families.equation import System
+from rankdrop.robot.dh import from_dh
 from rankdrop.verbs.conditions import conditions
 
 
@@ -28,3 +31,19 @@ def test_minors_that_vanish_together_on_curves_are_taken_apart() -> None:
     found = conditions(robot, task, method="tree", points=0, seconds=60.0)
     assert found.in_families
     assert not found.undivided
+
+
+@pytest.mark.by_hand
+def test_a_rank_that_is_lost_for_these_lengths_only_is_found_with_numbers() -> None:
+    """For general lengths no corank 2 at θ2, θ4, θ5 = ±π/2: here a3 = 2 a1 = −2 d2."""
+    h = np.pi / 2
+    first = [(0.2, -h, -0.2, 0.0), (0.0, -h, -0.2, 0.0), (0.4, 0.0, -0.2, 0.0)]
+    last = [(0.2, -h, 0.0, 0.0), (0.4, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)]
+    robot = from_dh([*first, *last], convention="standard", name="lengths")
+    found = conditions(robot, "vx,vy,vz,wx,wy", method="tree", points=200, special=False)
+    assert found.verified, found.verdict.sentence
+    assert found.in_families
+    assert not found.letters
+    assert any("conditions for general lengths miss" in remark for remark in found.remarks)
+    q = np.array([[-0.2, h, np.pi, h, h, 3.0]])
+    assert any(System(one.equations).zero(q)[0] for one in found.of_corank(2))

@@ -138,6 +138,8 @@ def derived(
     if left:  # what is left over belongs to what was not derived
         left += over
         over = []
+    if over and chain.letters and asked.lengths == "auto" and not work.interrupted and work.time_left > 0:
+        return _derived_with_numbers(robot, task, asked, work, progress)
     return Conditions(
         robot=robot,
         task=chain.task,
@@ -163,6 +165,21 @@ def derived(
         settings=asked,
         undivided=tuple(undivided),
     )
+
+
+def _derived_with_numbers(
+    robot: Robot,
+    task: str | Task | None,
+    asked: ConditionsOptions,
+    work: Work,
+    progress: Callable[[str, int, int], None] | None,
+) -> Conditions:
+    """The conditions with numbers, in the time that is left: those with letters that nobody asked for miss singular
+    configurations, of a rank that is lost for these lengths only.
+    """
+    found = derived(robot, task, replace(asked, lengths="numbers", seconds=work.time_left), progress)
+    remark = "lengths are numbers: conditions for general lengths miss singular configurations of these"
+    return replace(found, remarks=(*found.remarks, remark), settings=asked)
 
 
 def _lowest_rank(chain: Chain, coranks: int | None) -> int:

@@ -327,14 +327,7 @@ def real_sets(
                 else:
                     thinner = _thinner(chain, piece, work)
         except (Exception, KeyboardInterrupt) as stop:
-            if isinstance(stop, Exception):
-                what = failure(stop)
-            else:
-                what = "interrupted"
-            if cases is not None and isinstance(stop, OutOfTime | TooLong):
-                cases += waiting
-            else:
-                left.append(f"{what}: {len(waiting)} of {len(drops)} sets were not searched for real points")
+            _keep_unsearched(stop, waiting, len(drops), left, cases)
             if isinstance(stop, KeyboardInterrupt):
                 work.interrupt()
             break
@@ -345,17 +338,38 @@ def real_sets(
             work.without_points.clear()
         elif thinner:
             open_ = ""
-        if open_ and cases is not None:
-            cases.append(drop)
-        elif open_:
-            left.append(f"{open_}: {alone(piece).text}")
-        if found.real and not (open_ and cases is not None):
+        is_case = _keep_open(open_, drop, piece, left, cases)
+        if found.real and not is_case:
             kept.append((Drop(piece, drop.rank), found))
         if why and not thinner and not open_:
             left_out.setdefault(why, []).append(piece)
     remaining = largest([drop for drop, _ in kept])
     unreal = [replace(why, conditions=row.text) for why, pieces in left_out.items() for row in merge(pieces)]
     return [one for one in kept if any(one[0] is drop for drop in remaining)], unreal
+
+
+def _keep_open(open_: str, drop: Drop, piece: ZeroSet, left: list[str], cases: list[Drop] | None) -> bool:
+    """Keep a set of which something remains open, "" for nothing: as a case, or in words; whether it is a case."""
+    if open_ and cases is not None:
+        cases.append(drop)
+        return True
+    if open_:
+        left.append(f"{open_}: {alone(piece).text}")
+    return False
+
+
+def _keep_unsearched(
+    stop: BaseException, waiting: Sequence[Drop], total: int, left: list[str], cases: list[Drop] | None
+) -> None:
+    """Keep the sets that wait where the search for real points ends: as cases where a limit ended it, else in words."""
+    if cases is not None and isinstance(stop, OutOfTime | TooLong):
+        cases += waiting
+        return
+    if isinstance(stop, Exception):
+        what = failure(stop)
+    else:
+        what = "interrupted"
+    left.append(f"{what}: {len(waiting)} of {total} sets were not searched for real points")
 
 
 def _verdict(piece: ZeroSet, found: Reality, rank: int) -> tuple[str, UnrealSet | None]:

@@ -138,9 +138,7 @@ def derived(
     if left:  # what is left over belongs to what was not derived
         left += over
         over = []
-    if over and chain.letters and asked.lengths == "auto" and not work.interrupted and work.time_left > 0:
-        return _derived_with_numbers(robot, task, asked, work, progress)
-    return Conditions(
+    result = Conditions(
         robot=robot,
         task=chain.task,
         generic_rank=tree.generic_rank,
@@ -165,19 +163,20 @@ def derived(
         settings=asked,
         undivided=tuple(undivided),
     )
+    return _with_numbers_where_missed(result, over, work, progress)
 
 
-def _derived_with_numbers(
-    robot: Robot,
-    task: str | Task | None,
-    asked: ConditionsOptions,
-    work: Work,
-    progress: Callable[[str, int, int], None] | None,
+def _with_numbers_where_missed(
+    result: Conditions, over: Sequence[str], work: Work, progress: Callable[[str, int, int], None] | None
 ) -> Conditions:
-    """The conditions with numbers, in the time that is left: those with letters that nobody asked for miss singular
-    configurations, of a rank that is lost for these lengths only.
+    """A result; derived with numbers, in the time that is left, where its letters, that nobody asked for, miss singular
+    configurations: a rank is lost for these lengths only.
     """
-    found = derived(robot, task, replace(asked, lengths="numbers", seconds=work.time_left), progress)
+    asked = result.settings
+    optional = bool(result.letters) and asked.lengths == "auto"
+    if not (over and optional) or work.interrupted or work.time_left <= 0:
+        return result
+    found = derived(result.robot, result.task, replace(asked, lengths="numbers", seconds=work.time_left), progress)
     remark = "lengths are numbers: conditions for general lengths miss singular configurations of these"
     return replace(found, remarks=(*found.remarks, remark), settings=asked)
 

@@ -9,8 +9,8 @@ import pytest
 
 from rankdrop.cli.analyze import corank_section
 from rankdrop.cli.terminal import screen, show
-from rankdrop.families.equation import Equation, Term
 from rankdrop.families.record import ExactConditions
+from rankdrop.formula.equation import Equation, Term
 from rankdrop.results.analysis import Analysis
 from rankdrop.text.families import conditions_of, coupled_conditions, exact_conditions, joint_cell
 from rankdrop.text.lost import lost_sentences

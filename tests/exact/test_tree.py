@@ -19,7 +19,7 @@ from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.verify import rank_modulo
 from rankdrop.exact.families import reality
 from rankdrop.exact.tree import Drop, _bending, largest, rank_tree
-from rankdrop.families.equation import System
+from rankdrop.formula.equation import System
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions

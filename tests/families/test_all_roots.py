@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rankdrop.families.equation import Equation, System, Term
 from rankdrop.families.row import on_row, row_of
+from rankdrop.formula.equation import Equation, System, Term
 from rankdrop.problem import Problem
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from rankdrop.exact.family import Assumption
-from rankdrop.families.equation import System
 from rankdrop.families.points import cloud, explained
+from rankdrop.formula.equation import System
 from rankdrop.local.block import singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot

@@ -26,11 +26,11 @@ from rankdrop.exact.arm.verify import rank_agreement
 from rankdrop.exact.family import ExactFamily, Pins, Row, Unreal, UnrealSet, alone, merge, tidy
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
-from rankdrop.families.equation import Equation, System
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import distinct_names, lost_motions, name_family
 from rankdrop.families.record import Check
+from rankdrop.formula.equation import Equation, System
 from rankdrop.formula.writing import RADIANS, AnglePin, Condition
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.problem import Problem, wrapped

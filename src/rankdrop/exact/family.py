@@ -24,10 +24,10 @@ from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
-from rankdrop.families.equation import Equation
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
 from rankdrop.families.record import Check, ExactConditions, Family, Order, Pin, place_of
+from rankdrop.formula.equation import Equation
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.robot.model import Robot
 from rankdrop.sections import words_of

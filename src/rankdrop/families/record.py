@@ -20,9 +20,9 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.families.equation import Equation, System
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
+from rankdrop.formula.equation import Equation, System
 from rankdrop.kinematics import one_configuration
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -361,7 +361,7 @@ def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
         power: of ten.
 
     Example:
-        >>> from rankdrop.families.equation import Term
+        >>> from rankdrop.formula.equation import Term
         >>> slide = Equation((Term(1.0, "cos", (0, 0), (0, 1)), Term(-0.3, "cos", (2, 0), (0, 0))))
         >>> print(slide, "|", rescaled(slide, [1], 3))
         q2 − 0.3 cos θ1 | 0.003333 q2 − cos θ1

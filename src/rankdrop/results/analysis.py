@@ -21,9 +21,9 @@ from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
 from rankdrop.distance.share import Near, SlowShare
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.families.equation import Equation
 from rankdrop.families.record import CorankSummary, Derivation, Family, SpeedDistances
 from rankdrop.families.summary import FamilySummary, Verdict
+from rankdrop.formula.equation import Equation
 from rankdrop.local.block import singular_values
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.names import name_of

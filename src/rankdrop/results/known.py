@@ -35,9 +35,9 @@ from rankdrop.codec import Record, restored
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import Assumption, ExactFamily, UnrealSet
-from rankdrop.families.equation import Equation
 from rankdrop.families.lost import LostFreedom, freedoms_at_witness
 from rankdrop.families.record import Check, Family, family_from_metres
+from rankdrop.formula.equation import Equation
 from rankdrop.formula.notation import Step
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.local.directions import lost_directions

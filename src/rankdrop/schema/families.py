@@ -16,7 +16,6 @@ from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
 from rankdrop.exact.lint import Difference, Example, LintResult
 from rankdrop.exact.signs import Between, Crossing, Flags
 from rankdrop.exact.undivided import PolynomialSize, UndividedSet
-from rankdrop.families.equation import Term
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import Detail, FamilyName, JointValues, LowRank, Shorter, Variable
 from rankdrop.families.record import (
@@ -30,6 +29,7 @@ from rankdrop.families.record import (
 )
 from rankdrop.families.searching import Outcome
 from rankdrop.families.summary import FamilySummary, RankSummary
+from rankdrop.formula.equation import Term
 from rankdrop.formula.notation import C, Python, Step
 from rankdrop.local.dependence import Dependence
 from rankdrop.results.aspect_summary import AspectSummary

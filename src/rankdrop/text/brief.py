@@ -12,10 +12,10 @@ from typing import Any
 
 from rankdrop.distance.share import Near
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.equation import pretty_angle
 from rankdrop.families.name import ArmPart
 from rankdrop.families.parts import FamilyParts
 from rankdrop.families.record import Family, Pin, SpeedDistance
+from rankdrop.formula.equation import pretty_angle
 from rankdrop.options import advised
 from rankdrop.results.names import name_of
 from rankdrop.robot.model import Robot

@@ -20,7 +20,6 @@ from typing import Any
 
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, EqualLengths, ExactFamily, SpecialFamily, Unreal, UnrealSet
-from rankdrop.families.equation import pretty_angle, share_of_pi
 from rankdrop.families.summary import (
     CONTRADICTED,
     INCOMPLETE,
@@ -35,6 +34,7 @@ from rankdrop.families.summary import (
     Verdict,
     summarised,
 )
+from rankdrop.formula.equation import pretty_angle, share_of_pi
 from rankdrop.formula.notation import typeset
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text

@@ -35,11 +35,11 @@ from rankdrop.exact.letters import (
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.tree import Drop, Tree, rank_tree
 from rankdrop.exact.undivided import UndividedSet, undivided_sets
-from rankdrop.families.equation import Equation
 from rankdrop.families.inspection import DIGITS, FOLLOWED, descents, near_misses
 from rankdrop.families.pictured import posed
 from rankdrop.families.points import Cloud, cloud, explained
 from rankdrop.families.record import Check
+from rankdrop.formula.equation import Equation
 from rankdrop.formula.notation import Step
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.problem import Problem

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from rankdrop.codec import Record, plain
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.equation import System
 from rankdrop.families.record import Family, rescaled, slides_of
+from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem, wrapped

@@ -295,9 +295,12 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
     directions, lost = lost_motions(problem, at, points)
     if known is None:
         name = name_family(robot, problem.task, points, [one.number for one in pinned], coupled=coupled)
+        exact = None
+    else:
+        name, exact = known.called, known.exact
     return Family(
         id="" if known is None else known.id,
-        called=name if known is None else known.called,
+        called=name,
         corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
@@ -310,6 +313,7 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
         evidence=row.evidence,
         soundness=sound,
         explained=explains,
+        exact=exact,
     )
 
 

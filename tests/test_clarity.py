@@ -23,7 +23,7 @@ CONDITIONAL, NESTED = 22, 8
 BOUNDS: dict[str, tuple[int, int, int, int]] = {
     ".": (36, 2, 4, 0), "algebra": (28, 59, 18, 1), "aspects": (10, 10, 1, 0), "cli": (78, 2, 11, 0),
     "cover": (30, 3, 6, 0), "designs": (56, 9, 2, 0), "distance": (20, 1, 0, 0), "exact": (94, 157, 40, 0),
-    "families": (93, 40, 10, 0), "formula": (44, 13, 9, 0), "jobs": (3, 0, 1, 0), "local": (61, 12, 10, 0),
+    "families": (83, 32, 10, 0), "formula": (54, 21, 9, 0), "jobs": (3, 0, 1, 0), "local": (61, 12, 10, 0),
     "path": (145, 11, 19, 0), "poses": (16, 1, 1, 0), "proof": (43, 18, 21, 0), "report": (68, 12, 7, 0),
     "results": (25, 9, 6, 0), "robot": (88, 8, 15, 0), "schema": (11, 1, 0, 0), "text": (182, 27, 7, 0),
     "verbs": (27, 6, 0, 0), "viewer": (38, 8, 4, 0),

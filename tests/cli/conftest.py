@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from rankdrop.cli import main
-from rankdrop.families.equation import Equation, Term
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.record import Check, CorankSummary, Family, Pin, Unseen
 from rankdrop.families.row import vanishing_on
+from rankdrop.formula.equation import Equation, Term
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.old_files import name_of_words
 from rankdrop.robot.open import open_robot

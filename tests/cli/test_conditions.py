@@ -21,6 +21,7 @@ from rankdrop.cli.terminal import formula
 from rankdrop.codec import json_text
 from rankdrop.errors import OptionError, ResultFileError, TaskError
 from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, Unreal, UnrealSet
+from rankdrop.families.record import exact_of
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import shipped_conditions
 from rankdrop.schema import load_schema
@@ -98,7 +99,7 @@ def test_an_angle_that_is_not_the_joint_variable_is_told(run) -> None:
 
 
 def test_a_printed_condition_can_be_pasted_back(z1: Conditions) -> None:
-    (shoulder,) = (one.texts[0] for one in z1.families if not one.pins)
+    (shoulder,) = (one.texts[0] for one in z1.families if not exact_of(one).pins)
     together = " ".join(f"({text.removesuffix(' = 0')})" for text in ("s3", "c5", shoulder))
     assert z1.test(together).verdict == "exact"
 
@@ -139,7 +140,7 @@ def test_formulas_are_broken_before_signs_outside_of_brackets() -> None:
 def test_simple_angles_stand_on_one_line_long_conditions_on_their_own(puma2: Conditions, pa10: Conditions) -> None:
     assert condition_lines(pa10.families[1]) == ["θ2 = 0 or π; θ3 = ±π/2"]
     long = puma2.of_corank(2)[-1]
-    assert len(condition_lines(long)) == 1 + len(long.conditions)
+    assert len(condition_lines(long)) == 1 + len(exact_of(long).polynomials)
 
 
 # the condition of a user, and aspects

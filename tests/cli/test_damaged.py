@@ -19,8 +19,8 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text
 from rankdrop.errors import ResultFileError
-from rankdrop.families.equation import Equation, Term
 from rankdrop.families.record import Family
+from rankdrop.formula.equation import Equation, Term
 from rankdrop.results import validate
 from rankdrop.results.analysis import Analysis, family_from_dict
 from rankdrop.results.known import known_names, shipped

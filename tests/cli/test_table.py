@@ -9,8 +9,8 @@ import pytest
 
 from rankdrop.cli.analyze import corank_section
 from rankdrop.cli.terminal import screen, show
-from rankdrop.families.equation import Equation, Term
-from rankdrop.families.record import ExactConditions
+from rankdrop.families.record import written_conditions
+from rankdrop.formula.equation import Equation, Term
 from rankdrop.results.analysis import Analysis
 from rankdrop.text.families import conditions_of, coupled_conditions, exact_conditions, joint_cell
 from rankdrop.text.lost import lost_sentences
@@ -87,7 +87,7 @@ def test_an_exact_condition_stands_in_place_of_a_fitted_one(shapes: Analysis) ->
     row = shapes.families[2]
     long = Equation(tuple(Term(1.0 + i, "cos", (0, 2 * i, 2, 0, 0, 0, 0), (0,) * 7) for i in range(26)))
     fitted = replace(row, equations=(long,))
-    exact = ExactConditions((), ("a2 c2 + a3 c23 = 0", "s4 = 0"), ("", ""), "real if a2 < a3")
+    exact = written_conditions((), ("a2 c2 + a3 c23 = 0", "s4 = 0"), ("", ""), "real if a2 < a3")
     derived = replace(fitted, exact=exact)
     assert conditions_of(derived) == [("exactly", "a2 c2 + a3 c23 = 0"), ("exactly", "s4 = 0; real if a2 < a3")]
     assert exact_conditions(derived) == "a2 c2 + a3 c23 = 0 and s4 = 0; real if a2 < a3"

@@ -26,6 +26,7 @@ from rankdrop.designs.spec import question_of, spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.distance.share import slower_than
 from rankdrop.errors import OptionError
+from rankdrop.families.record import exact_of
 from rankdrop.formula.writing import AnglePin
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
@@ -116,7 +117,11 @@ def test_nominal_conditions_that_do_not_hold_are_not_taken() -> None:
     effort: Any = {"starts": 200, "fresh": 200, "limits": False, "seed": 0}
     nominal = nominal_conditions(robot, task)
     assert nominal is not None
-    wrong = [replace(one, pins=tuple(AnglePin(pin.joint, ("pi/2",)) for pin in one.pins)) for one in nominal.families]
+    wrong = []
+    for one in nominal.families:
+        exact = exact_of(one)
+        pins = tuple(AnglePin(pin.joint, ("pi/2",)) for pin in exact.pins)
+        wrong.append(replace(one, exact=replace(exact, stated=(*pins, *exact.polynomials))))
     again = families_of(robot, task, replace(nominal, families=tuple(wrong)), **effort)
     plain = families_of(robot, task, nominal, **effort)
     assert [one.dimension for one in again.families] == [one.dimension for one in plain.families]

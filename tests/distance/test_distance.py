@@ -12,8 +12,8 @@ from known.truths import PA10_TABLES
 
 from rankdrop.distance.distance import FamilyDistance, family_distances, feet_on, walls_of
 from rankdrop.errors import ConfigurationError
-from rankdrop.families.equation import System
 from rankdrop.families.record import Family
+from rankdrop.formula.equation import System
 from rankdrop.local.block import joint_scale
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem

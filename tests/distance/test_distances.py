@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.distance.distance import Ruler, distances
-from rankdrop.families.equation import System
+from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.results.known import known_analysis

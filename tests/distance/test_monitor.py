@@ -12,8 +12,8 @@ from reference import arms
 from rankdrop.distance.distance import distances
 from rankdrop.distance.monitor import Monitor, compiled
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.equation import Equation, Term
 from rankdrop.families.record import Family
+from rankdrop.formula.equation import Equation, Term
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import block, joint_scale, sample, singular_values
 from rankdrop.results.known import shipped

@@ -11,6 +11,7 @@ import pytest
 
 from rankdrop.algebra.ring import Ring
 from rankdrop.errors import OptionError
+from rankdrop.families.record import ExactConditions
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.text.code import Code
 
@@ -20,16 +21,15 @@ LETTERS = {"a2": 0.4318, "lambda": -0.0203, "d4": 0.4331}
 
 
 @dataclass(frozen=True)
-class Family:
+class Stated:
     id: str
     name: str
     corank: int
-    pins: tuple
-    conditions: tuple
+    exact: ExactConditions
 
-    @property
-    def stated(self) -> tuple:
-        return (*self.pins, *self.conditions)
+
+def family(id: str, name: str, corank: int, pins: tuple, polynomials: tuple) -> Stated:
+    return Stated(id, name, corank, ExactConditions((), (*pins, *polynomials), ""))
 
 
 def families():
@@ -40,9 +40,9 @@ def families():
     half = ring.letter_half["d4"] * ring.t[5] * ring.t[2] - 3
     pins = (AnglePin(5, ("-pi/2",)), AnglePin(1, ("0", "pi/2")))
     return [
-        Family("k1.f1", "shoulder */ \\ \"θ2\"", 1, (), (Condition(ring, long),)),
-        Family("k1.f2", "elbow_3", 1, (AnglePin(3, ("0", "pi")),), ()),
-        Family("k2.f1", "both, θ3 = 90°", 2, pins, (Condition(ring, long), Condition(ring, half))),
+        family("k1.f1", "shoulder */ \\ \"θ2\"", 1, (), (Condition(ring, long),)),
+        family("k1.f2", "elbow_3", 1, (AnglePin(3, ("0", "pi")),), ()),
+        family("k2.f1", "both, θ3 = 90°", 2, pins, (Condition(ring, long), Condition(ring, half))),
     ]
 
 
@@ -53,7 +53,7 @@ def code():
 
 def expected(family, q):
     """Residuals by `Equation`, and by how much each may be scaled."""
-    equations = [one.equation(LETTERS, N, SHIFTS) for one in family.stated]
+    equations = [one.equation(LETTERS, N, SHIFTS) for one in family.exact.stated]
     return np.stack([equation(q) for equation in equations], axis=-1)
 
 
@@ -171,10 +171,10 @@ def test_latex_table_holds_every_condition_and_balances(code):
 
 def test_a_family_without_a_condition_is_refused():
     with pytest.raises(OptionError, match=r"k1\.f9"):
-        Code("arm", N, [Family("k1.f9", "x", 1, (), ())], {})
+        Code("arm", N, [family("k1.f9", "x", 1, (), ())], {})
 
 
 def test_marks_that_make_the_same_name_are_refused():
-    one, two = (Family(mark, "x", 1, (AnglePin(3, ("0",)),), ()) for mark in ("k1.f1", "k1-f1"))
+    one, two = (family(mark, "x", 1, (AnglePin(3, ("0",)),), ()) for mark in ("k1.f1", "k1-f1"))
     with pytest.raises(OptionError, match="same name"):
         Code("arm", N, [one, two], {})

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reference.structured import fifteen
 
-from rankdrop.families.equation import System
+from rankdrop.formula.equation import System
 from rankdrop.robot.dh import from_dh
 from rankdrop.verbs.conditions import conditions
 

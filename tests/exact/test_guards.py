@@ -17,7 +17,7 @@ from rankdrop.exact.families import Reality
 from rankdrop.exact.family import merge
 from rankdrop.exact.letters import covered_by_numeric_tree, decided_by_numbers, splits
 from rankdrop.exact.tree import Drop, rank_tree
-from rankdrop.families.record import DIFFERS
+from rankdrop.families.record import DIFFERS, exact_of
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
@@ -99,7 +99,7 @@ def test_a_family_that_is_not_singular_at_the_arms_own_lengths_is_no_exact_deriv
     chain = found.chain
     q = np.array([[0.3, 1e-7, 0.2, 0.1][: chain.n]])
     here = Reality(q, True, "", "", np.empty((0, chain.n)))
-    sets = [(Drop(piece, 0), here) for family in found.families for piece in family.pieces]
+    sets = [(Drop(piece, 0), here) for family in found.families for piece in exact_of(family).pieces]
     assert _not_singular(chain, sets, found.families, found.generic_rank) == []
     far = [(drop, replace(reality, points=reality.points + 1e-3)) for drop, reality in sets]
     (told,) = _not_singular(chain, far, found.families, found.generic_rank)

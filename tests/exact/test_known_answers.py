@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop import conditions, open_robot
+from rankdrop.families.record import exact_of
 from rankdrop.results.conditions import Conditions
 
 HALVES, QUARTERS = ("0", "pi"), ("pi/2", "-pi/2")
@@ -23,8 +24,8 @@ A, D = 0.635, 6.85  # KG's letters for the Canadarm2 [m]
 
 
 def rows(found: Conditions, corank: int) -> list[dict[int, tuple[str, ...]]]:
-    assert not any(family.conditions for family in found.of_corank(corank))
-    return [dict(family.pins) for family in found.of_corank(corank)]
+    assert not any(exact_of(family).polynomials for family in found.of_corank(corank))
+    return [dict(exact_of(family).pins) for family in found.of_corank(corank)]
 
 
 def in_order(table: list[dict[int, tuple[str, ...]]]) -> list[list[tuple[int, tuple[str, ...]]]]:
@@ -45,7 +46,7 @@ def test_pa10_has_the_tables_of_am_and_their_exception() -> None:
 @pytest.mark.slow
 def test_the_canadarm2_has_eq_26_as_two_relations() -> None:
     found = conditions(open_robot("canadarm2"), coranks=1, points=0)
-    (family,) = [one for one in found.families if not one.pins]
+    (family,) = [one for one in found.families if not exact_of(one).pins]
     assert "θ5 = θ3 + π" in family.texts
     rng = np.random.default_rng(0)
     theta4 = rng.uniform(np.pi - 0.1, np.pi + 0.1, 50)  # elsewhere d cos(θ4/2) is longer than a: not real
@@ -60,7 +61,7 @@ def test_the_canadarm2_has_eq_26_as_two_relations() -> None:
 @pytest.mark.by_hand
 def test_eq_15_splits_where_the_elbow_is_folded() -> None:
     found = conditions(open_robot("canadarm2"), coranks=1, points=0)
-    folded = [one.texts for one in found.families if dict(one.pins).get(4) == ("pi",)]
+    folded = [one.texts for one in found.families if dict(exact_of(one).pins).get(4) == ("pi",)]
     assert len(folded) == 2
     assert ("θ4 = π", "θ3 + θ5 = 0") in folded
 
@@ -68,8 +69,8 @@ def test_eq_15_splits_where_the_elbow_is_folded() -> None:
 @pytest.mark.by_hand
 def test_the_panda_says_when_its_wrist_is_singular() -> None:
     found = conditions(open_robot("panda"), coranks=1, points=0)
-    (family,) = [one for one in found.families if one.reality]
+    (family,) = [one for one in found.families if exact_of(one).reality]
     assert family.texts == ("θ4 = 0", "a6 + d3 s6 + d5 s6 = 0")
-    assert family.reality == "real if and only if (d3 + d5 − a6) (d3 + d5 + a6) ≥ 0"
+    assert exact_of(family).reality == "real if and only if (d3 + d5 − a6) (d3 + d5 + a6) ≥ 0"
     (unreal,) = found.not_real
     assert "(d3 − d5 − a6) (d3 − d5 + a6) ≥ 0 does not hold" in unreal.proof  # |d3 − d5| = 0.068 m, a6 = 0.088 m

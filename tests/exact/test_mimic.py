@@ -17,7 +17,7 @@ from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.determinants import decouple, why_not
 from rankdrop.exact.posture_changes import OPEN, decide_postures
-from rankdrop.families.equation import System
+from rankdrop.formula.equation import System
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array, Mimic, Robot
 from rankdrop.task import BODY, Task

@@ -15,7 +15,8 @@ from rankdrop.algebra.polynomial import FURTHER
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet
-from rankdrop.families.equation import System
+from rankdrop.families.record import exact_of
+from rankdrop.formula.equation import System
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions
 
@@ -74,7 +75,7 @@ def test_a_set_that_one_plane_in_five_has_points_of_is_found() -> None:
     assert found.verified
     q = np.array([-2.51423, 2.69649, 2.94178, -1.81141, np.pi / 2, -2.77153])
     (family,) = (one for one in found.of_corank(2) if all(abs(f(q[None])) < 1e-4 for f in one.equations))
-    assert family.rank_check.holds
+    assert exact_of(family).rank_check.holds
 
 
 @pytest.mark.by_hand

@@ -21,6 +21,7 @@ from rankdrop.exact.families import full_rank, real_points, real_sets, reality
 from rankdrop.exact.family import Unreal, alone, merge
 from rankdrop.exact.letters import sign_of
 from rankdrop.exact.tree import Drop
+from rankdrop.families.record import exact_of
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -248,7 +249,7 @@ def test_real_points_that_are_not_all_separated_are_reported(
 def test_random_points_of_a_set_satisfy_a_condition_that_was_added_to_it(seed: int) -> None:
     """Both tool translations across the flange are lost where θ2 = ±π/2; θ6 = const fulfils all conditions but one."""
     derived = conditions(open_robot("puma560"), "across-tool-axis", coranks=2, points=0, seed=seed)
-    added = [piece for family in derived.of_corank(2) for piece in family.pieces]
+    added = [piece for family in derived.of_corank(2) for piece in exact_of(family).pieces]
     points = [(piece, point) for piece in added for point in piece.points(random.Random(seed), 10)]
     assert len(points) == 10 * len(added) > 0
     assert all(piece.holds_at([point]) for piece, point in points)

@@ -19,7 +19,8 @@ from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.verify import rank_modulo
 from rankdrop.exact.families import reality
 from rankdrop.exact.tree import Drop, _bending, largest, rank_tree
-from rankdrop.families.equation import System
+from rankdrop.families.record import exact_of
+from rankdrop.formula.equation import System
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions
@@ -167,9 +168,9 @@ def test_strays_are_seen() -> None:
 
     found = conditions(open_robot("ur5"), points=0, special=False, coranks=2)
     chain = exact_chain(open_robot("ur5"))
-    long = [family for family in found.families if len(family.conditions) > 2]
+    long = [family for family in found.families if len(exact_of(family).polynomials) > 2]
     assert long
-    piece = long[0].pieces[0]
+    piece = exact_of(long[0]).pieces[0]
     met = reality(chain, replace(piece, equations=piece.equations[:2]), 4, np.random.default_rng(1))
     assert len(met.strays)
     assert not len(reality(chain, piece, 4, np.random.default_rng(1)).strays)
@@ -231,7 +232,8 @@ def test_base_tool_units_signs_and_direction_change_no_family(name: str) -> None
     for one in (robot, *others, remade(robot, length=1000.0), reversed_chain(robot)):
         found = conditions(one, points=50, special=False)
         assert found.verified, (found.left, found.disagreements)
-        kinds.append(sorted((family.corank, family.codimension, len(family.pieces)) for family in found.families))
+        own = [(family.corank, family.codimension, len(exact_of(family).pieces)) for family in found.families]
+        kinds.append(sorted(own))
     assert kinds[0]
     assert all(kind == kinds[0] for kind in kinds)
 

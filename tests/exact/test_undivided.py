@@ -13,7 +13,7 @@ from rankdrop.exact import families as real_families
 from rankdrop.exact import tree as rank_trees
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.tree import rank_tree
-from rankdrop.families.equation import System
+from rankdrop.formula.equation import System
 from rankdrop.local.block import singular_values
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import shipped_conditions, to_stored

@@ -12,12 +12,12 @@ import pytest
 from rankdrop.algebra.field import P, Point, complete, rank, value_at
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_agreement, rank_check, rank_modulo
-from rankdrop.families.equation import Equation, Term
 from rankdrop.families.points import cloud, explained
 from rankdrop.families.record import Check
 from rankdrop.families.row import vanishing_on
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
+from rankdrop.formula.equation import Equation, Term
 from rankdrop.local.block import singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

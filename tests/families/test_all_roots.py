@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rankdrop.families.equation import Equation, System, Term
+from rankdrop.exact.family import derived_in_units
 from rankdrop.families.row import on_row, row_of
+from rankdrop.formula.equation import Equation, System, Term
 from rankdrop.problem import Problem
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
@@ -57,7 +58,7 @@ def test_a_row_is_not_narrowed_where_a_further_root_has_dependent_gradients() ->
     robot = open_robot(ELBOW)
     derived = conditions(robot, points=0, special=False, method="tree", coranks=1)
     problem = Problem(in_units(robot), task_in_units(derived.task, robot), 1)
-    family = derived.families[0].in_units(robot).as_family(problem.robot)
+    family = derived_in_units(derived.families[0], robot)
     row = row_of(problem, family)
     there = np.tile([0.3, 0.0218134704363, -0.6, 3.1405020533736, 1.0, 0.5, 0.7], (1, 1))
     q, arrived = row.system.solve_flat(there, along=np.eye(7), iterations=60)

@@ -10,11 +10,11 @@ import pytest
 from known.truths import PA10_TABLES
 
 from rankdrop.families import fit as fit_module
-from rankdrop.families.equation import Equation, System
 from rankdrop.families.record import Check, Family
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
+from rankdrop.formula.equation import Equation, System
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
 from rankdrop.robot.dh import from_dh

@@ -7,7 +7,6 @@ from math import pi
 import numpy as np
 import pytest
 
-from rankdrop.families.equation import Equation, System, Term
 from rankdrop.families.library import (
     MOST_CIRCUITS,
     FitProblem,
@@ -19,6 +18,7 @@ from rankdrop.families.library import (
     sparse_basis,
     vanishing,
 )
+from rankdrop.formula.equation import Equation, System, Term
 from rankdrop.tolerances import DEFAULT
 
 N = 5

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rankdrop.exact.family import derived_in_units
 from rankdrop.families.inspection import descents, not_singular, task_jacobian_exactly
 from rankdrop.families.row import row_of
 from rankdrop.kinematics import task_jacobian
@@ -123,7 +124,7 @@ def test_a_pin_of_almost_flat_conditions_is_known_to_thirteen_digits(rng) -> Non
     robot = open_robot("xarm7")
     family = shipped_conditions("xarm7").families[0]
     at = problem(robot)
-    row = row_of(at, family.in_units(robot).as_family(at.robot))
+    row = row_of(at, derived_in_units(family, robot))
     assert row.sets[0] == pytest.approx([-3.0554984495581], abs=1e-13)
     q = row.linear.place(rng.uniform(-3, 3, (20, 7)), np.array([row.combinations[0]] * 20), rng)
     assert at.sigma(q)[:, at.rank].max() < 1e-13

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from rankdrop.families import table as families_module
-from rankdrop.families.equation import Equation, System, Term, normalised
 from rankdrop.families.inspection import Signature, inspect, verify_points
 from rankdrop.families.row import Linear, Row, membership, on_row, solve_at_special_values, soundness, verified
 from rankdrop.families.searching import search, unseen
+from rankdrop.formula.equation import Equation, System, Term, normalised
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
 from rankdrop.results.known import shipped

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.families.equation import System
 from rankdrop.families.points import Walk, in_slice, onto
+from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.problem import Problem
 from rankdrop.results.known import known_analysis

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rankdrop import _core
-from rankdrop.families.equation import SOLVED, Equation, System, Term
 from rankdrop.families.row import vanishing_on
+from rankdrop.formula.equation import SOLVED, Equation, System, Term
 from rankdrop.results.known import shipped
 from rankdrop.robot.files import MOST_JOINTS
 

@@ -15,6 +15,7 @@ import pytest
 from rankdrop.algebra.polynomial import number_value, reduced_roots
 from rankdrop.algebra.ring import Ring
 from rankdrop.exact.letters import letters_text
+from rankdrop.families.record import exact_of
 from rankdrop.formula.notation import SUPERSCRIPT, C, Python, half_of
 from rankdrop.formula.reading import read
 from rankdrop.formula.writing import Condition, Quotient, Value, ratio
@@ -112,8 +113,9 @@ def wrong(result):
     n = result.robot.n
     told = []
     for family in result.families:
-        letters, shifts = family.numbers, np.array(family.shifts)
-        for one in family.conditions:
+        exact = exact_of(family)
+        letters, shifts = exact.numbers, np.array(exact.shifts)
+        for one in exact.polynomials:
             if len(one.polynomial) > 400:
                 continue
             points = rng.uniform(-3.0, 3.0, (6, n))

@@ -13,8 +13,9 @@ from known.arms import FEW
 
 from rankdrop.codec import record_of
 from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.family import derived_in_units, polynomials_in_units
 from rankdrop.exact.letters import sign_of
-from rankdrop.families.record import NOT_DERIVED
+from rankdrop.families.record import NOT_DERIVED, exact_of
 from rankdrop.families.slices import telling_slices
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions import Conditions
@@ -132,9 +133,13 @@ def check_exact(name: str, unit: str) -> None:
     assert metres.verdict == other.verdict
     assert [one.id for one in metres.families] == [one.id for one in other.families]
     for mine, theirs in zip(metres.families, other.families, strict=True):
-        assert (mine.name, mine.dimension, mine.rank_check) == (theirs.name, theirs.dimension, theirs.rank_check)
-        assert mine.in_units(metres.robot).texts == theirs.in_units(other.robot).texts
-        assert mine.witness == pytest.approx(out_of_units(metres.robot, theirs.in_units(other.robot).witness), abs=1e-9)
+        exact, other_exact = exact_of(mine), exact_of(theirs)
+        assert (mine.name, mine.dimension, exact.rank_check) == (theirs.name, theirs.dimension, other_exact.rank_check)
+        polynomials = polynomials_in_units(exact, metres.robot), polynomials_in_units(other_exact, other.robot)
+        assert [one.text() for one in polynomials[0]] == [one.text() for one in polynomials[1]]
+        assert exact.pins == other_exact.pins
+        witness = derived_in_units(theirs, other.robot).witness
+        assert mine.witness == pytest.approx(out_of_units(metres.robot, witness), abs=1e-9)
         told, other_told = (lost_sentences(one.lost_freedoms) for one in (mine, theirs))
         assert list(told) == [in_metres(one, power) for one in other_told]
         if metres.letters:

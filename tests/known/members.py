@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.families.equation import System
 from rankdrop.families.record import Family
+from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

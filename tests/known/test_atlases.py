@@ -17,9 +17,9 @@ from scripts import tool
 from known.arms import KINDS, STRUCTURES, structures
 from rankdrop.distance.monitor import Monitor
 from rankdrop.errors import ResultFileError
-from rankdrop.families.equation import System
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
+from rankdrop.formula.equation import System
 from rankdrop.local.posture import fault
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import robot_to_dict

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 from rankdrop.exact.family import Assumption
-from rankdrop.families.equation import System
 from rankdrop.families.points import cloud, explained
+from rankdrop.families.record import exact_of
+from rankdrop.formula.equation import System
 from rankdrop.local.block import singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
@@ -91,11 +92,11 @@ def test_conditions_hold_where_the_rank_drops_and_nowhere_else(name: str) -> Non
 def test_equal_links_have_the_family_of_their_own() -> None:
     """θ2 = −θ3/2, θ5 = 0 or π, 2 a2 c2 c4 s2 + (d2 + d3) s4 = 0 has corank 2, and nothing at θ4 = 0 besides."""
     found = conditions(arm("equal links"), method="tree", points=0)
-    (family,) = [one for one in found.of_corank(2) if one.conditions]
-    assert [(pin.joint, pin.values) for pin in family.pins] == [(5, ("0", "pi"))]
-    assert [one.text() for one in family.conditions] == ["2θ2 + θ3 = 0", "2 a2 c2 c4 s2 + d2 s4 + d3 s4 = 0"]
+    (family,) = [one for one in found.of_corank(2) if exact_of(one).polynomials]
+    assert [(pin.joint, pin.values) for pin in exact_of(family).pins] == [(5, ("0", "pi"))]
+    assert [one.text() for one in exact_of(family).polynomials] == ["2θ2 + θ3 = 0", "2 a2 c2 c4 s2 + d2 s4 + d3 s4 = 0"]
     regular = np.array([[0.2, -0.3, 0.6, 0.0, 0.0, 0.4]])  # θ = q but for quarter turns: below in θ
-    q = regular - np.array(found.families[0].shifts)
+    q = regular - np.array(exact_of(found.families[0]).shifts)
     assert max(abs(float(one(q)[0])) for one in family.equations) > 1e-2
 
 
@@ -105,11 +106,11 @@ def test_equal_links_have_the_family_of_their_own() -> None:
 def test_a_forearm_as_long_as_the_upper_arm_is_singular_at_a_right_angle(name: str) -> None:
     """FANUC's CRX with a2 = −d4: θ3 = −90° alone lowers the rank, a family of dimension 5."""
     found = conditions(open_robot(name), method="tree", points=0, fresh=True)
-    (family,) = [one for one in found.of_corank(1) if one.pins]
-    assert [(pin.joint, pin.values) for pin in family.pins] == [(3, ("-pi/2",))]
+    (family,) = [one for one in found.of_corank(1) if exact_of(one).pins]
+    assert [(pin.joint, pin.values) for pin in exact_of(family).pins] == [(3, ("-pi/2",))]
     assert family.dimension == 5
     q = np.random.default_rng(0).uniform(-3, 3, (5, 6))
-    q[:, 2] = -np.pi / 2 - family.shifts[2]
+    q[:, 2] = -np.pi / 2 - exact_of(family).shifts[2]
     assert singular_values(found.robot, q, found.task)[:, 5].max() < 1e-12
 
 

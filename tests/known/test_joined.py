@@ -15,6 +15,8 @@ from jsonschema import Draft202012Validator
 from rankdrop.cli import exits, main
 from rankdrop.codec import json_text
 from rankdrop.errors import MissingExtraError, OptionError, RobotError
+from rankdrop.exact.family import pins_in_q
+from rankdrop.families.record import Family, exact_of
 from rankdrop.formula.writing import AnglePin
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions import Conditions
@@ -69,6 +71,13 @@ def meddle(monkeypatch: pytest.MonkeyPatch) -> Any:
     return with_change
 
 
+def pinned_at(family: Family, angles: tuple[str, ...]) -> Family:
+    """The family with joint 2 at other angles."""
+    exact, pins = exact_of(family), (AnglePin(2, angles),)
+    pinned = pins_in_q(open_robot("planar3r"), pins, exact.shifts)
+    return replace(family, pinned=pinned, exact=replace(exact, pinned=pinned, stated=pins))
+
+
 @pytest.mark.slow
 def test_points_on_no_derived_family_are_listed_without_a_name_and_end_with_code_3(
     meddle: Any, capsys: pytest.CaptureFixture[str], tmp_path: Path
@@ -86,7 +95,7 @@ def test_points_on_no_derived_family_are_listed_without_a_name_and_end_with_code
 
 @pytest.mark.slow
 def test_a_condition_with_a_value_too_few_leaves_points_over(meddle: Any) -> None:
-    meddle(lambda exact: [replace(one, pins=(AnglePin(2, ("0",)),)) for one in exact])
+    meddle(lambda derived: [pinned_at(one, ("0",)) for one in derived])
     half = analyze(open_robot("planar3r"), starts=200)
     share = half.coranks[0].completeness
     assert 0.2 * share.tested < share.agree < 0.8 * share.tested
@@ -95,7 +104,7 @@ def test_a_condition_with_a_value_too_few_leaves_points_over(meddle: Any) -> Non
 
 
 def test_a_condition_with_a_value_too_many_is_not_sound(meddle: Any) -> None:
-    meddle(lambda exact: [replace(one, pins=(AnglePin(2, ("0", "pi", "pi/2")),)) for one in exact])
+    meddle(lambda derived: [pinned_at(one, ("0", "pi", "pi/2")) for one in derived])
     found = analyze(open_robot("planar3r"), starts=200)
     (row,) = found.families
     assert 0 < row.soundness.agree < row.soundness.tested
@@ -127,7 +136,7 @@ def test_a_dimension_too_large_is_a_contradiction(meddle: Any) -> None:
 
 @pytest.mark.slow
 def test_conditions_that_no_configuration_satisfies_are_a_contradiction(meddle: Any) -> None:
-    meddle(lambda exact: [replace(one, pins=(AnglePin(2, ("pi/2",)),)) for one in exact])
+    meddle(lambda derived: [pinned_at(one, ("pi/2",)) for one in derived])
     found = analyze(open_robot("planar3r"), starts=200)
     assert found.exact is not None
     (said,) = found.exact.disagreements

@@ -11,8 +11,8 @@ import pytest
 from reference import region
 
 from rankdrop.cover.setting import settings_for
-from rankdrop.families.equation import Equation, System, Term
 from rankdrop.families.searching import Outcome, search
+from rankdrop.formula.equation import Equation, System, Term
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import block, generic_rank, singular_values
 from rankdrop.path.check.check import check_path

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from rankdrop.families.equation import Equation, Term
+from rankdrop.formula.equation import Equation, Term
 from rankdrop.results.known import shipped, shipped_conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.quantities import degrees_text

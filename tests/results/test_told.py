@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from rankdrop import analyze, conditions
-from rankdrop.exact.family import with_exact
+from rankdrop.families.record import with_exact
 from rankdrop.results.known import known_names, shipped, shipped_conditions
 from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
@@ -74,7 +74,7 @@ def test_no_line_is_longer_than_can_be_read(name: str) -> None:
 def test_the_report_shows_the_exact_conditions_in_place_of_the_fitted_ones() -> None:
     found, derived = shipped("panda"), shipped_conditions("panda")
     assert derived is not None
-    families = with_exact(found.families, derived.families, found.robot)
+    families = with_exact(found.families, derived.families)
     labels = {label for family in families for label, _ in conditions_of(family)}
     assert labels == {"exactly"}
     fifth = families[4]
@@ -84,7 +84,7 @@ def test_the_report_shows_the_exact_conditions_in_place_of_the_fitted_ones() -> 
     ]
     assert conditions_of(found.families[4])[0][0] != "exactly"
     other = replace(found.families[4], corank=2)
-    assert with_exact([other], derived.families, found.robot)[0].exact is None
+    assert with_exact([other], derived.families)[0].exact is None
 
 
 def bent() -> Robot:

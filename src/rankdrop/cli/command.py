@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType
 
     from rankdrop.cli.terminal import Block
-    from rankdrop.families import Verdict
+    from rankdrop.families import Family, Verdict
     from rankdrop.task import Task
 
 _WHOLE = re.compile(r"[+-]?\d+(_\d+)*", re.ASCII)
@@ -667,7 +667,7 @@ def near_line(robot: arms.Robot, made: verbs.Idealised | None) -> dict[str, str]
 
 
 def ideal_sections(
-    made: verbs.Idealised | None, task: Task, families: Sequence[verbs.Side], seed: int
+    made: verbs.Idealised | None, task: Task, families: Sequence[Family], seed: int
 ) -> tuple[Sequence[verbs.Nearby], tuple[Section, ...], tuple[Section, ...]]:
     """What the arm itself does on the families of the ideal one, and in words what was moved, and this.
 

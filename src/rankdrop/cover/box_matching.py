@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.cover.covering import Covering
-from rankdrop.families.equation import SOLVED, Equation, System
 from rankdrop.families.points import Rows, near_family
 from rankdrop.families.record import Family
 from rankdrop.families.searching import Progress, refine
+from rankdrop.formula.equation import SOLVED, Equation, System
 from rankdrop.local.block import singular_values
 from rankdrop.problem import wrap
 from rankdrop.proof.boxes import Cells, Flags

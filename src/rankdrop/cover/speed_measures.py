@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.families.equation import Equation
 from rankdrop.families.record import Family
+from rankdrop.formula.equation import Equation
 from rankdrop.kinematics import link_poses
 from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, JointKind, Robot

@@ -32,7 +32,8 @@ from rankdrop.designs.region import region_bounds
 from rankdrop.designs.spec import finite
 from rankdrop.distance.share import NearShare, near_shares, slow_share
 from rankdrop.errors import RankdropError
-from rankdrop.exact import ExactFamily, exact_chain
+from rankdrop.exact import exact_chain
+from rankdrop.exact.family import derived_in_units
 from rankdrop.families import CorankSummary, Family, search
 from rankdrop.families.parts import parts_of
 from rankdrop.families.record import CorankFamilies, family_out_of_units
@@ -73,8 +74,9 @@ def nominal_conditions(robot: Robot, task: Task) -> Conditions | None:
     return None
 
 
-def with_lengths_of(robot: Robot, task: Task, nominal: Conditions | None) -> tuple[ExactFamily, ...] | None:
-    """The families of a nominal arm with the lengths of another one; None where its screws are others in letters too.
+def with_lengths_of(robot: Robot, task: Task, nominal: Conditions | None) -> tuple[Family, ...] | None:
+    """The families of a nominal arm with the lengths of another one, as equations in its own unit of length; None
+    where its screws are others in letters too.
 
     Args:
         robot, task: the other arm.
@@ -90,7 +92,8 @@ def with_lengths_of(robot: Robot, task: Task, nominal: Conditions | None) -> tup
     same = set(chain.letters) == set(first.letters) and np.array_equal(chain.shifts, first.shifts)
     if not same or [list(map(str, x)) for x in chain.columns] != [list(map(str, x)) for x in first.columns]:
         return None
-    return tuple(replace(one, numbers=chain.numbers) for one in nominal.families)
+    own = [derived_in_units(one, robot, chain.numbers) for one in nominal.families]
+    return tuple(replace(one, exact=None) for one in own)  # what else is known exactly is of the nominal arm
 
 
 def families_of(
@@ -111,8 +114,7 @@ def families_of(
     """
     own, inner = in_units(robot), task_in_units(task, robot)
     rank = generic_rank(own, inner)
-    derived = with_lengths_of(robot, task, nominal)
-    known = None if derived is None else [one.in_units(robot).as_family(own) for one in derived]
+    known = with_lengths_of(robot, task, nominal)
     sampling = _Sampling(own, inner, starts, fresh, limits, seed)
     coranks: list[CorankFamilies] = []
     while len(coranks) < rank and (not coranks or coranks[-1].summary.converged):

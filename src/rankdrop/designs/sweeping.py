@@ -17,12 +17,13 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.codec import plain
+from rankdrop.codec import Record, plain
 from rankdrop.designs.measure import measured
 from rankdrop.designs.outcome import Designs, SideBySide
 from rankdrop.designs.ranking import structures
 from rankdrop.designs.spec import Asks, Spec, question_of, read_spec, spec_of
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
+from rankdrop.families import Family, exact_of
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.robot import Array, Drawing, reach
 from rankdrop.robot.drawing import Place
@@ -173,12 +174,16 @@ def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tu
             found.append({
                 "variant": number + 1,
                 "letters": {name: float(value) for name, value in derived.letters.items()},
-                "families": [{"id": family.id, "name": family.name, "corank": family.corank,
-                              "conditions": list(family.texts), "real": family.reality} for family in derived.families],
+                "families": [_exact_family(family) for family in derived.families],
                 "not_real": list(map(str, derived.not_real)),
             })  # fmt: skip
     tell("exact conditions", len(sets), len(sets))
     return tuple(found)
+
+
+def _exact_family(family: Family) -> Record:
+    return {"id": family.id, "name": family.name, "corank": family.corank, "conditions": list(family.texts),
+            "real": exact_of(family).reality}  # fmt: skip
 
 
 def variants_of(spec: Spec) -> Array:

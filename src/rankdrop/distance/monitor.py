@@ -20,8 +20,8 @@ from rankdrop import _core
 from rankdrop.cover.setting import Setting, settings_for
 from rankdrop.distance.distance import Distances, Ruler
 from rankdrop.errors import OptionError
-from rankdrop.families.equation import equation_tables
 from rankdrop.families.record import Family
+from rankdrop.formula.equation import equation_tables
 from rankdrop.kinematics import chain_of, check_robot, configurations, one_configuration, task_view
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.robot.model import Array, JointKind, Robot

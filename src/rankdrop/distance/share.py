@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.families.equation import REACHED, System
 from rankdrop.families.points import Rows, near_family
 from rankdrop.families.record import Family, family_in_units
 from rankdrop.families.searching import Progress
+from rankdrop.formula.equation import REACHED, System
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.local.rates import slowest_motions
 from rankdrop.problem import Mask, Problem

@@ -5,8 +5,6 @@ from .determinants import Decoupling as Decoupling
 from .determinants import Determinants as Determinants
 from .determinants import decouple as decouple
 from .determinants import determinants_of as determinants_of
-from .family import ExactFamily as ExactFamily
-from .family import with_exact as with_exact
 from .methods import METHODS as METHODS
 from .methods import derive as derive
 from .posture_changes import Decision as Decision

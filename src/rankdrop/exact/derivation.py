@@ -15,11 +15,11 @@ from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.conjunctions import Derivation
 from rankdrop.exact.determinants import Decoupling, decouple, why_not
 from rankdrop.exact.families import real_points
-from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import derive
 from rankdrop.exact.suppression import Suppression, suppress
 from rankdrop.exact.tree import Tree
+from rankdrop.families.record import Family
 from rankdrop.local.block import sample, singular_values
 from rankdrop.units import out_of_units
 
@@ -105,7 +105,7 @@ def corank_one(
     chain: Chain,
     method: str,
     tree: Tree,
-    families: Sequence[ExactFamily],
+    families: Sequence[Family],
     work: Work,
     *,
     chosen: Chosen = (None, None),
@@ -253,7 +253,7 @@ def _compared(
     chain: Chain,
     method: str,
     reason: Reason,
-    families: Sequence[ExactFamily],
+    families: Sequence[Family],
     work: Work,
     chosen: Chosen,
 ) -> CorankOne:

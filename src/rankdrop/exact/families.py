@@ -23,14 +23,26 @@ from rankdrop.algebra.work import OutOfTime, TooLong, Work, failure, watched
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
-from rankdrop.exact.family import ExactFamily, Pins, Row, Unreal, UnrealSet, alone, merge, tidy
+from rankdrop.exact.family import (
+    EVIDENCE,
+    Pins,
+    Row,
+    Unreal,
+    UnrealSet,
+    alone,
+    equations_of,
+    merge,
+    pins_in_q,
+    slides_at_zero,
+    tidy,
+)
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
-from rankdrop.families.equation import Equation, System
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import distinct_names, lost_motions, name_family
-from rankdrop.families.record import Check
+from rankdrop.families.record import Check, ExactConditions, Family, Order, exact_of, place_of
+from rankdrop.formula.equation import Equation, System
 from rankdrop.formula.writing import RADIANS, AnglePin, Condition
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.problem import Problem, wrapped
@@ -431,7 +443,7 @@ def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:
 
 def families(
     chain: Chain, sets: Sequence[tuple[Drop, Reality]], generic_rank: int, work: Work
-) -> list[ExactFamily]:
+) -> list[Family]:
     """Merge sets that differ in the simple angle of a joint only, and describe each family.
 
     Args:
@@ -443,7 +455,7 @@ def families(
     Returns:
         Families by corank, large ones first, with their numbers.
     """
-    result: list[ExactFamily] = []
+    result: list[Family] = []
     seen = {id(drop.piece): found for drop, found in sets}
     for corank in range(1, generic_rank + 1):
         rank = generic_rank - corank
@@ -452,7 +464,7 @@ def families(
             if drop.rank == rank:
                 by_reality.setdefault(found.condition, []).append(drop.piece)
         rows = [row for pieces in by_reality.values() for row in merge(pieces)]
-        here: list[ExactFamily] = []
+        here: list[Family] = []
         for row in rows:
             work.show("families described", len(result) + len(here), len(result) + len(rows))
             realities = [seen[id(piece)] for piece in row.pieces]
@@ -462,7 +474,7 @@ def families(
             tried = (piece.points(work.rng, _CHECKED) or piece.samples[:_CHECKED] for piece in row.pieces)
             check = rank_agreement(chain, chain_of.from_iterable(tried), rank)
             here.append(_family(chain, corank, row, realities[0].condition, told, check))
-        here.sort(key=lambda family: family.place(chain.robot))
+        here.sort(key=_place)
         names = distinct_names([one.called for one in here], [partial(_marks, one) for one in here])
         result += [
             replace(family, id=f"k{corank}.f{number}", called=name)
@@ -471,9 +483,18 @@ def families(
     return result
 
 
-def _marks(family: ExactFamily) -> list[str]:
+def _place(family: Family) -> Order:
+    """Place of a family among those of its corank."""
+    polynomials = [one.polynomial for one in exact_of(family).polynomials]
+    short_first = sorted(f"{len(one):06} {one}" for one in polynomials)
+    return place_of(family.dimension, family.pinned, family.coupled, short_first)
+
+
+def _marks(family: Family) -> list[str]:
     """The conditions that may tell a family from another one in a name: long ones take time to be written shortly."""
-    return [one.text() for one in family.stated if isinstance(one, AnglePin) or len(one.polynomial) <= _MARK]
+    exact = exact_of(family)
+    short = [one for one in exact.polynomials if len(one.polynomial) <= _MARK]
+    return [*(one.text() for one in exact.pins), *(one.text() for one in short)]
 
 
 def _family(
@@ -483,28 +504,37 @@ def _family(
     condition: str,
     told: tuple[FamilyName, tuple[LostFreedom, ...], tuple[float, ...]],
     check: Check,
-) -> ExactFamily:
+) -> Family:
     """One row of sets as a family, its number and final name still to come."""
-    piece = row.pieces[0]
-    conditions = tuple(Condition(chain.ring, f) for f in sorted(row.equations, key=len))
-    coupled = tuple(sorted({joint for one in conditions for joint in one.joints}))
-    return ExactFamily(
-        id="",
-        called=told[0],
-        corank=corank,
-        dimension=piece.dimension,
-        codimension=piece.codimension,
-        pins=tuple(AnglePin(*one) for one in sorted(row.pins.items())),
-        conditions=conditions,
-        free=tuple(j for j in range(1, chain.n + 1) if j not in row.pins and j not in coupled),
-        coupled=coupled,
+    name, lost, witness = told
+    pins = tuple(AnglePin(*one) for one in sorted(row.pins.items()))
+    polynomials = tuple(Condition(chain.ring, f) for f in sorted(row.equations, key=len))
+    coupled = tuple(sorted({joint for one in polynomials for joint in one.joints}))
+    shifts = tuple(float(x) for x in chain.shifts)
+    pinned = pins_in_q(chain.robot, pins, shifts)
+    exact = ExactConditions(
+        pinned=(*pinned, *slides_at_zero(chain.robot, polynomials)),
+        stated=(*pins, *polynomials),
         reality=condition,
-        witness=told[2],
-        lost_freedoms=told[1],
         rank_check=check,
         numbers=chain.numbers,
-        shifts=tuple(float(x) for x in chain.shifts),
+        shifts=shifts,
         pieces=row.pieces,
+    )
+    return Family(
+        id="",
+        called=name,
+        corank=corank,
+        dimension=row.pieces[0].dimension,
+        pinned=pinned,
+        free=tuple(j for j in range(1, chain.n + 1) if j not in row.pins and j not in coupled),
+        coupled=coupled,
+        equations=equations_of((*pins, *polynomials), chain.numbers, shifts),
+        witness=witness,
+        lost_directions=np.empty((0, 6)),
+        lost_freedoms=lost,
+        evidence=EVIDENCE,
+        exact=exact,
     )
 
 

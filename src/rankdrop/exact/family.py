@@ -1,4 +1,6 @@
-"""The records of exact conditions (a family, an assumption on the lengths), and irreducible sets put together in rows.
+"""Derived families in q and in the arm's unit, assumptions on the lengths, and irreducible sets put together in rows.
+
+A family is the record of `families/record.py`; `Family.exact` holds its polynomials.
 
 `tidy` shortens the conditions of a set by the sums of angles that are constant on it, which are found at random points:
 θ5 = θ3 + π is seen at once there, among resultants it is not. `merge` puts sets that differ in one simple angle, or in
@@ -7,15 +9,12 @@ one sum of angles by π, into one row.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cached_property
 from itertools import combinations, product
 from math import cos, pi, remainder
 from typing import TypeVar
-
-import numpy as np
 
 from rankdrop.algebra.decompose import decompose
 from rankdrop.algebra.field import Point
@@ -24,143 +23,67 @@ from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
-from rankdrop.families.equation import Equation
-from rankdrop.families.lost import LostFreedom
-from rankdrop.families.name import FamilyName
-from rankdrop.families.record import Check, ExactConditions, Family, Order, Pin, place_of
+from rankdrop.families.record import ExactConditions, Family, Pin, exact_of
+from rankdrop.formula.equation import Equation
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.robot.model import Robot
 from rankdrop.sections import words_of
 from rankdrop.units import exponent, into_units
 
+EVIDENCE = "exact condition"
+"""Of families that were derived."""
+Stated = AnglePin | Condition
+"""A condition that was derived."""
 
-@dataclass(frozen=True, eq=False)
-class ExactFamily:
-    """One family of singular configurations, exactly.
 
-    Attributes:
-        id: "k1.f1": corank 1, first family.
-        called: its name, the same in `analyze`.
-        corank: rank lost on the family.
-        dimension, codimension: of the family in joint space, and what it lacks of the number of joints.
-        pins: joints at simple angles: every combination belongs to the family.
-        conditions: what else has to hold, irreducible polynomials; all of them at once.
-        free, coupled: numbers of the joints that do not matter, and of those in `conditions`.
-        reality: "" where the family is real whatever the lengths are; else when it is, in words.
-        witness: a real configuration on it, of exactly this corank [rad, m].
-        lost_freedoms: what the tool cannot do, one for each freedom lost.
-        rank_check: exact rank modulo a prime at random points of the family: is it as claimed?
-        numbers: values of the letters [m].
-        shifts: θ = q + shift, per joint [rad].
-        pieces: its irreducible sets, one for each combination of pins.
+def pins_in_q(robot: Robot, pins: Iterable[AnglePin], shifts: Sequence[float]) -> tuple[Pin, ...]:
+    """Joints at simple angles θ as values of q = θ − shift in (−π, π], under the names of the arm's joints."""
+    found = []
+    for pin in pins:
+        values = tuple(_angle(angle - shifts[pin.joint - 1]) for angle in pin.angles)
+        found.append(Pin(robot.variables[pin.joint - 1].name, pin.joint, values))
+    return tuple(found)
+
+
+def slides_at_zero(robot: Robot, conditions: Iterable[Condition]) -> tuple[Pin, ...]:
+    """Sliding joints that a condition q = 0 of their own holds, under the names of the arm's joints."""
+    alone = [one for one in conditions if len(one.polynomial) == 1 and len(one.joints) == 1]
+    joints = [one.joints[0] for one in alone if one.joints[0] in one.ring.prismatic]
+    return tuple(Pin(robot.variables[joint - 1].name, joint, (0.0,)) for joint in joints)
+
+
+def equations_of(
+    stated: Iterable[Stated], numbers: Mapping[str, float], shifts: Sequence[float]
+) -> tuple[Equation, ...]:
+    """Conditions as equations in q with numbers for the lengths, as `analyze` has them."""
+    return tuple(one.equation(numbers, len(shifts), shifts) for one in stated)
+
+
+def polynomials_in_units(exact: ExactConditions, robot: Robot) -> tuple[Condition, ...]:
+    """The polynomials of a family's conditions for the arm in its own unit of length, `units.in_units(robot)`."""
+    power = exponent(robot)
+    return tuple(
+        Condition(one.ring, polynomial_in_units(one.polynomial, exact.numbers, power)) for one in exact.polynomials
+    )
+
+
+def derived_in_units(family: Family, robot: Robot, numbers: Mapping[str, float] | None = None) -> Family:
+    """A derived family of an arm as one of `units.in_units(robot)`, with equations made of its polynomials again.
+
+    Args:
+        family: with exact conditions, which stay those of the arm as given.
+        robot: the arm as given, or one of the same kind.
+        numbers: values of its letters [m]; None for those that the family was derived with.
     """
-
-    id: str
-    called: FamilyName
-    corank: int
-    dimension: int
-    codimension: int
-    pins: tuple[AnglePin, ...]
-    conditions: tuple[Condition, ...]
-    free: tuple[int, ...]
-    coupled: tuple[int, ...]
-    reality: str
-    witness: tuple[float, ...]
-    lost_freedoms: tuple[LostFreedom, ...]
-    rank_check: Check
-    numbers: dict[str, float]
-    shifts: tuple[float, ...]
-    pieces: tuple[ZeroSet, ...]
-
-    @cached_property
-    def name(self) -> str:
-        """Its name in words."""
-        return str(self.called)
-
-    def in_units(self, robot: Robot) -> ExactFamily:
-        """A family of an arm as one of `units.in_units(robot)`: its equations and its witness."""
-        power = exponent(robot)
-        return replace(
-            self,
-            conditions=tuple(
-                Condition(one.ring, polynomial_in_units(one.polynomial, self.numbers, power)) for one in self.conditions
-            ),
-            witness=tuple(float(x) for x in into_units(robot, self.witness)),
-            numbers=numbers_in_units(self.numbers, power),
-        )
-
-    def pinned(self, robot: Robot) -> tuple[Pin, ...]:
-        """Its pins as values of q in (−π, π], under the names of the arm's joints."""
-        return tuple(
-            Pin(
-                robot.variables[pin.joint - 1].name, pin.joint,
-                tuple(_angle(angle - self.shifts[pin.joint - 1]) for angle in pin.angles),
-            )
-            for pin in self.pins
-        )  # fmt: skip
-
-    @cached_property
-    def slides(self) -> tuple[int, ...]:
-        """Numbers of the sliding joints at rest by a condition q = 0 of their own, the first of `conditions`."""
-        alone = (one.joints[0] for one in self.conditions if len(one.polynomial) == 1 and len(one.joints) == 1)
-        return tuple(joint for joint in alone if joint in self.conditions[0].ring.prismatic)
-
-    def held(self, robot: Robot) -> tuple[Pin, ...]:
-        """`pinned`, then the slides that are held: in the order of `stated`."""
-        slides = (Pin(robot.variables[joint - 1].name, joint, (self.witness[joint - 1],)) for joint in self.slides)
-        return (*self.pinned(robot), *slides)
-
-    def as_family(self, robot: Robot) -> Family:
-        """The family as `analyze` lists it, before any test: `robot` is the arm whose units it is in."""
-        return Family(
-            id=self.id, called=self.called, corank=self.corank, dimension=self.dimension, pinned=self.pinned(robot),
-            free=self.free, coupled=self.coupled, equations=self.equations, witness=self.witness,
-            lost_directions=np.empty((0, 6)), lost_freedoms=self.lost_freedoms,
-            evidence="exact condition",
-        )  # fmt: skip
-
-    def exact_conditions(self, robot: Robot) -> ExactConditions:
-        """Its conditions as `Family.exact` holds them, under the names of the arm's joints."""
-        return ExactConditions(self.held(robot), self.texts, self.latex, self.reality)
-
-    def place(self, robot: Robot) -> Order:
-        """Its place among the families of its corank."""
-        short_first = sorted(f"{len(one.polynomial):06} {one.polynomial}" for one in self.conditions)
-        return place_of(self.dimension, self.pinned(robot), self.coupled, short_first)
-
-    @property
-    def stated(self) -> tuple[AnglePin | Condition, ...]:
-        """Every condition, those of pinned joints first."""
-        return (*self.pins, *self.conditions)
-
-    @cached_property
-    def texts(self) -> tuple[str, ...]:
-        """Every condition for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0"."""
-        return tuple(one.text() for one in self.stated)
-
-    @cached_property
-    def latex(self) -> tuple[str, ...]:
-        """Every condition as LaTeX mathematics."""
-        return tuple(one.latex() for one in self.stated)
-
-    @cached_property
-    def equations(self) -> tuple[Equation, ...]:
-        """Every condition as an equation in q with numbers for the lengths, as `analyze` has them."""
-        n = len(self.shifts)
-        return tuple(one.equation(self.numbers, n, self.shifts) for one in self.stated)
-
-
-def with_exact(families: Iterable[Family], derived: Iterable[ExactFamily], robot: Robot) -> tuple[Family, ...]:
-    """Families of an analysis with the exact conditions of those derived: the same id, name and corank."""
-    by_name = {(one.id, one.name, one.corank): one for one in derived}
-    result = []
-    for family in families:
-        same = by_name.get((family.id, family.name, family.corank))
-        if same is None:
-            result.append(replace(family, exact=None))
-        else:
-            result.append(replace(family, exact=same.exact_conditions(robot)))
-    return tuple(result)
+    exact = exact_of(family)
+    if numbers is None:
+        numbers = exact.numbers
+    stated: tuple[Stated, ...] = (*exact.pins, *polynomials_in_units(exact, robot))
+    return replace(
+        family,
+        equations=equations_of(stated, numbers_in_units(numbers, exponent(robot)), exact.shifts),
+        witness=tuple(float(x) for x in into_units(robot, family.witness)),
+    )
 
 
 def _angle(value: float) -> float:

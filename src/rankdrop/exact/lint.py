@@ -22,7 +22,7 @@ from rankdrop.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.family import alone, merge
 from rankdrop.exact.tree import rank_on
-from rankdrop.families.equation import System
+from rankdrop.formula.equation import System
 from rankdrop.formula.reading import Parsed, parse_conditions
 from rankdrop.formula.writing import RADIANS, Condition
 from rankdrop.local.block import generic_rank, sampling_box, singular_values

@@ -19,7 +19,7 @@ from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.tree import OpenCase, Tree
-from rankdrop.families.equation import Equation, System
+from rankdrop.formula.equation import Equation, System
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array

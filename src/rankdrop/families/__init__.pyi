@@ -17,6 +17,9 @@ from .record import CorankSummary as CorankSummary
 from .record import Derivation as Derivation
 from .record import ExactConditions as ExactConditions
 from .record import Family as Family
+from .record import WrittenCondition as WrittenCondition
+from .record import exact_of as exact_of
+from .record import with_exact as with_exact
 from .searching import MOST_STARTS as MOST_STARTS
 from .searching import Outcome as Outcome
 from .searching import Search as Search

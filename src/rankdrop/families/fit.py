@@ -16,7 +16,6 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.equation import Equation, Mask, System, Term, normalised
 from rankdrop.families.inspection import (
     Covector,
     Inspection,
@@ -48,6 +47,7 @@ from rankdrop.families.row import (
     solve_at_special_values,
 )
 from rankdrop.families.searching import refine
+from rankdrop.formula.equation import Equation, Mask, System, Term, normalised
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, JointKind

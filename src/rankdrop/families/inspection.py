@@ -31,9 +31,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop.families.equation import Equation
 from rankdrop.families.points import Cloud, explained
 from rankdrop.families.searching import refine
+from rankdrop.formula.equation import Equation
 from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, link_index

@@ -29,7 +29,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.equation import Equation, Term, normalised
+from rankdrop.formula.equation import Equation, Term, normalised
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import Tolerances
 

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.equation import Equation, pretty_angle
 from rankdrop.families.fit import FamilyPoints, fitted_equations, grouped, recognised, smooth
 from rankdrop.families.inspection import Covector, Inspection, Signature, inspect
 from rankdrop.families.name import FamilyName
@@ -25,6 +24,7 @@ from rankdrop.families.naming import name_family, shortened
 from rankdrop.families.record import Family, Pin, rescaled, rescaled_pin, slides_of
 from rankdrop.families.row import Linear, Row, Values, canonical
 from rankdrop.families.searching import refine
+from rankdrop.formula.equation import Equation, pretty_angle
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank
 from rankdrop.problem import Problem, wrap

@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.families.equation import System
 from rankdrop.families.naming import lost_motions
 from rankdrop.families.record import Family, family_in_metres
+from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.local.posture import candidates, fault, spine, start_posture
 from rankdrop.problem import Problem, into_limits, wrapped

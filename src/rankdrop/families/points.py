@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.families.equation import REACHED, Equation, Mask, System, normalised
 from rankdrop.families.record import Check, Family, family_in_metres, rescaled, slides_of, ways_to
 from rankdrop.families.searching import refine, search
+from rankdrop.formula.equation import REACHED, Equation, Mask, System, normalised
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank
 from rankdrop.problem import Problem, wrap, wrapped

@@ -5,7 +5,8 @@ do the coefficients of equations in which slides stand. Lost directions are in `
 `lost_freedoms` have the given unit from the start.
 
 The conditions of a family are `Pin`s and `Equation`s, and where they were derived exactly `ExactConditions`; its
-evidence says how it was found: from a sample of the whole joint space, or from the neighbourhood of one configuration.
+evidence says how it was found: exactly, from a sample of the whole joint space, or from the neighbourhood of one
+configuration. Exact conditions are those of the arm in its given unit from the start, and stay.
 `Derivation` is the exact derivation that an analysis rests on; its printed form is made in `text/families.py`.
 `families_at` says on which families a configuration lies.
 """
@@ -16,13 +17,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.families.equation import Equation, System
+from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
+from rankdrop.formula.equation import Equation, System
 from rankdrop.kinematics import one_configuration
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -30,6 +33,10 @@ from rankdrop.sections import Section, html, words_of
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import exponent, in_metres, into_metres, metre_exponent, shifted, task_in_metres
+
+if TYPE_CHECKING:
+    from rankdrop.algebra.zeroset import ZeroSet
+    from rankdrop.formula.writing import AnglePin, Condition
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,23 +56,6 @@ class Pin:
 
 
 @dataclass(frozen=True, slots=True)
-class ExactConditions:
-    """The conditions of one family as they were derived exactly, ready to be shown.
-
-    Attributes:
-        pinned: joints at fixed values of q; their conditions are the first of `conditions`.
-        conditions: for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0".
-        latex: the same as LaTeX mathematics.
-        reality: "" where the family is real whatever the lengths are; else when it is.
-    """
-
-    pinned: tuple[Pin, ...]
-    conditions: tuple[str, ...]
-    latex: tuple[str, ...]
-    reality: str
-
-
-@dataclass(frozen=True, slots=True)
 class Check:
     """Of `tested` points that were tried, `agree` are as claimed: singular, on the family, of the rank expected."""
 
@@ -76,6 +66,98 @@ class Check:
     def holds(self) -> bool:
         """All of them, and there was at least one."""
         return 0 < self.tested == self.agree
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenCondition:
+    """A condition as a file of `analyze` holds it: its words, without the polynomial.
+
+    Attributes:
+        words: for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0".
+        mathematics: the same as LaTeX.
+    """
+
+    words: str
+    mathematics: str
+
+    def text(self) -> str:
+        """For people."""
+        return self.words
+
+    def latex(self) -> str:
+        """The same in LaTeX, without delimiters."""
+        return self.mathematics
+
+
+@dataclass(frozen=True, eq=False)
+class ExactConditions:
+    """The conditions of one family as they were derived exactly.
+
+    Attributes:
+        pinned: joints at fixed values of q; their conditions are the first of `stated`.
+        stated: every condition: joints at simple angles, every combination of which belongs to the family, then
+            irreducible polynomials, all of which vanish; read from a file of `analyze` the words of these.
+        reality: "" where the family is real whatever the lengths are; else when it is.
+        rank_check: exact rank modulo a prime at random points of the family: is it as claimed? None read from a file
+            of `analyze`, which has none of what follows either.
+        numbers: values of the letters [m].
+        shifts: θ = q + shift, per joint [rad].
+        pieces: its irreducible sets, one for each combination of pins; none of shipped conditions.
+    """
+
+    pinned: tuple[Pin, ...]
+    stated: tuple[AnglePin | Condition | WrittenCondition, ...]
+    reality: str
+    rank_check: Check = Check(0, 0)
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    shifts: tuple[float, ...] = ()
+    pieces: tuple[ZeroSet, ...] = ()
+
+    @cached_property
+    def conditions(self) -> tuple[str, ...]:
+        """Every condition for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0"."""
+        return tuple(one.text() for one in self.stated)
+
+    @cached_property
+    def latex(self) -> tuple[str, ...]:
+        """Every condition as LaTeX mathematics."""
+        return tuple(one.latex() for one in self.stated)
+
+    @property
+    def pins(self) -> tuple[AnglePin, ...]:
+        """The joints at simple angles; none read from a file of `analyze`."""
+        from rankdrop.formula.writing import AnglePin  # who shows words does without
+
+        return tuple(one for one in self.stated if isinstance(one, AnglePin))
+
+    @property
+    def polynomials(self) -> tuple[Condition, ...]:
+        """The conditions that are irreducible polynomials; none read from a file of `analyze`."""
+        from rankdrop.formula.writing import Condition
+
+        return tuple(one for one in self.stated if isinstance(one, Condition))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy for another process has the words: polynomials belong to the ring of this one."""
+        return written_conditions, (self.pinned, self.conditions, self.latex, self.reality)
+
+
+def written_conditions(
+    pinned: tuple[Pin, ...], texts: Sequence[str], latex: Sequence[str], reality: str
+) -> ExactConditions:
+    """Exact conditions as a file of `analyze` holds them.
+
+    Args:
+        pinned, reality: as of `ExactConditions`.
+        texts: every condition for people.
+        latex: the same as LaTeX mathematics.
+
+    Raises:
+        ResultFileError: other numbers of texts.
+    """
+    if len(latex) != len(texts):
+        raise ResultFileError("one LaTeX text for each condition", got=str(len(latex)), allowed=str(len(texts)))
+    return ExactConditions(pinned, tuple(map(WrittenCondition, texts, latex)), reality)
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +251,8 @@ class Family:
         equations: every condition, those of the pinned joints included; the family is their common zero set.
             Empty where not all of them are known.
         witness: a configuration on the family, of exactly this corank.
-        lost_directions: (k, 6) rows (v; ω), orthonormal, at the witness; none from a neighbourhood.
+        lost_directions: (k, 6) rows (v; ω), orthonormal, at the witness; none from a neighbourhood, nor where the
+            derivation alone knows the family.
         lost_freedoms: what the tool cannot do, one for each freedom lost; none from a neighbourhood.
         evidence: how the conditions were obtained: from a sample of the whole joint space, exactly, or from the
             neighbourhood of one configuration.
@@ -214,6 +297,25 @@ class Family:
         """Its name in words: "wrist: axes 4 and 6 aligned"."""
         return str(self.called)
 
+    @property
+    def codimension(self) -> int:
+        """Number of joints less the dimension."""
+        return len(self.witness) - self.dimension
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """Every condition for people: exactly where it was derived, else with decimals."""
+        if self.exact is None:
+            return tuple(f"{equation} = 0" for equation in self.equations)
+        return self.exact.conditions
+
+    @property
+    def latex(self) -> tuple[str, ...]:
+        """The same as LaTeX mathematics."""
+        if self.exact is None:
+            return tuple(f"{equation.latex()} = 0" for equation in self.equations)
+        return self.exact.latex
+
     @cached_property
     def system(self) -> System:
         """The equations, as they are solved: made once."""
@@ -223,6 +325,23 @@ class Family:
         """For notebooks: what the family asks, what is lost, how it was tested."""
         sections: tuple[Section, ...] = words_of(self).sections_of(self)
         return html(sections)
+
+
+def exact_of(family: Family) -> ExactConditions:
+    """The exact conditions of a derived family.
+
+    Raises:
+        OptionError: it was not derived exactly.
+    """
+    if family.exact is None:
+        raise OptionError("the family was not derived exactly", where=f"family {family.id}")
+    return family.exact
+
+
+def with_exact(families: Iterable[Family], derived: Iterable[Family]) -> tuple[Family, ...]:
+    """Families of an analysis with the exact conditions of those derived later: the same id, name and corank."""
+    by_name = {(one.id, one.name, one.corank): one.exact for one in derived}
+    return tuple(replace(one, exact=by_name.get((one.id, one.name, one.corank))) for one in families)
 
 
 @dataclass(frozen=True, slots=True)
@@ -363,7 +482,7 @@ def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
         power: of ten.
 
     Example:
-        >>> from rankdrop.families.equation import Term
+        >>> from rankdrop.formula.equation import Term
         >>> slide = Equation((Term(1.0, "cos", (0, 0), (0, 1)), Term(-0.3, "cos", (2, 0), (0, 0))))
         >>> print(slide, "|", rescaled(slide, [1], 3))
         q2 − 0.3 cos θ1 | 0.003333 q2 − cos θ1

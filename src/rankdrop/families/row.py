@@ -25,9 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.families.equation import Equation, Mask, System, Term, normalised
 from rankdrop.families.inspection import HIGHER, ROUNDING, Covector, Signature, descents
 from rankdrop.families.record import Check, Family, ways_to
+from rankdrop.formula.equation import Equation, Mask, System, Term, normalised
 from rankdrop.problem import Problem, into_limits, wrap, wrapped
 from rankdrop.robot.model import Array, Robot
 

@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.families.equation import SOLVED, System
 from rankdrop.families.points import general_member, lifted
 from rankdrop.families.record import Family, family_in_metres
 from rankdrop.families.searching import search
+from rankdrop.formula.equation import SOLVED, System
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import Mask, Problem, wrapped

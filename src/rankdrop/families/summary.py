@@ -14,8 +14,8 @@ from typing import Protocol
 
 import numpy as np
 
-from rankdrop.families.equation import Equation
 from rankdrop.families.name import FamilyName
+from rankdrop.formula.equation import Equation
 
 _ON = 1e-6  # |f| / Σ|coefficients| up to which a witness lies on a family: the gap is from 1e-8 to 1e-3
 

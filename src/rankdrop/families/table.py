@@ -23,7 +23,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.equation import SOLVED, Mask, pretty_angle
 from rankdrop.families.fit import find_rows
 from rankdrop.families.inspection import HIGHER, Inspection, inspect, not_singular, verify_points
 from rankdrop.families.name import FamilyName
@@ -51,6 +50,7 @@ from rankdrop.families.row import (
     witness,
 )
 from rankdrop.families.searching import Outcome, Progress, Search, none_found, search, unseen
+from rankdrop.formula.equation import SOLVED, Mask, pretty_angle
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.units import in_units, into_units, task_in_units
@@ -295,9 +295,12 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
     directions, lost = lost_motions(problem, at, points)
     if known is None:
         name = name_family(robot, problem.task, points, [one.number for one in pinned], coupled=coupled)
+        exact = None
+    else:
+        name, exact = known.called, known.exact
     return Family(
         id="" if known is None else known.id,
-        called=name if known is None else known.called,
+        called=name,
         corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
@@ -310,6 +313,7 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
         evidence=row.evidence,
         soundness=sound,
         explained=explains,
+        exact=exact,
     )
 
 

@@ -29,7 +29,7 @@ from typing import Any, TypeAlias
 
 from rankdrop.algebra.polynomial import ROOTS, WRITTEN, Polynomial, approximation, flint, rational_square, reduced_roots
 from rankdrop.algebra.ring import Form, Ring
-from rankdrop.families.equation import pretty_angle, share_of_pi
+from rankdrop.formula.equation import pretty_angle, share_of_pi
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,7 +40,7 @@ from rankdrop.algebra.polynomial import (
 )
 from rankdrop.algebra.ring import Form, Ring, polynomial_of
 from rankdrop.errors import OptionError
-from rankdrop.families.equation import Equation, Term, normalised
+from rankdrop.formula.equation import Equation, Term, normalised
 from rankdrop.formula.notation import (
     Factor,
     Latex,

@@ -25,7 +25,6 @@ import numpy as np
 from rankdrop import conditions
 from rankdrop.distance import NearShare, Workspace, slow_share, workspace
 from rankdrop.errors import MissingExtraError, RobotError
-from rankdrop.exact import with_exact
 from rankdrop.families import (
     VIEW,
     Family,
@@ -38,6 +37,7 @@ from rankdrop.families import (
     telling_slices,
     upright,
     upright_start,
+    with_exact,
 )
 from rankdrop.local import (
     LARGEST_CHAIN,
@@ -154,7 +154,7 @@ class Content:
         """The analysis as tables show it: its families have the exact conditions that were derived apart from it."""
         if self.exact is None:
             return self.analysis
-        families = with_exact(self.analysis.families, self.exact.families, self.analysis.robot)
+        families = with_exact(self.analysis.families, self.exact.families)
         return replace(self.analysis, families=families)
 
     @cached_property

@@ -13,8 +13,7 @@ from math import degrees
 import numpy as np
 
 from rankdrop.distance import Workspace
-from rankdrop.exact import ExactFamily
-from rankdrop.families import CorankSummary, ExactConditions, Family, Slice
+from rankdrop.families import CorankSummary, Family, Slice, exact_of
 from rankdrop.formula import typeset
 from rankdrop.report.chart import look_of, projections, slice_chart, sweep_chart, workspace_chart
 from rankdrop.report.content import Content
@@ -57,7 +56,7 @@ def exact_section(content: Content) -> str:
     """The conditions, exactly, typeset."""
     head = '<section id="exact"><h2>Exact conditions</h2>'
     joined, derived = content.analysis.exact, content.exact
-    shown = [_exact_family(one, one.exact) for one in content.analysis.families if one.exact is not None]
+    shown = [_exact_family(one) for one in content.analysis.families if one.exact is not None]
     if joined is not None and shown:
         letters = letters_text(joined.letters)
         told = _paragraphs(["The families are derived exactly." + escape(f" Lengths: {letters}." if letters else "")])
@@ -65,7 +64,7 @@ def exact_section(content: Content) -> str:
     elif derived is None:
         return f"{head}<p>Not derived: {escape(content.exact_missing)}</p></section>"
     else:
-        shown = [_exact_family(one, one.exact_conditions(derived.robot)) for one in derived.families]
+        shown = [_exact_family(one) for one in derived.families]
         after = _open_ends(derived)
         told = _paragraphs(_derivation(derived))
     return f'{head}{told}<div class="exacts">{"".join(shown)}</div>{after}</section>'
@@ -120,7 +119,8 @@ def _cut(text: str) -> str:
     return escape(text if len(text) < _LONG else text[:_LONG] + " …")
 
 
-def _exact_family(family: Family | ExactFamily, exact: ExactConditions) -> str:
+def _exact_family(family: Family) -> str:
+    exact = exact_of(family)
     side_by_side = [f"<span>{typeset(one)}</span>" for one in exact.latex if len(one) <= _SHORT]
     short = '<span class="comma">,</span> '.join(side_by_side)
     if short:
@@ -452,8 +452,8 @@ def _drawn(content: Content) -> Iterator[str]:
 
 
 def _rank_checks(derived: Conditions) -> str:
-    agree = sum(family.rank_check.agree for family in derived.families)
-    tested = sum(family.rank_check.tested for family in derived.families)
+    checks = [exact_of(family).rank_check for family in derived.families]
+    agree, tested = sum(check.agree for check in checks), sum(check.tested for check in checks)
     if derived.in_families:
         word = "nothing was left unfinished"
     else:

@@ -21,13 +21,13 @@ from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
 from rankdrop.distance.share import Near, SlowShare
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.families.equation import Equation
 from rankdrop.families.record import CorankSummary, Derivation, Family, SpeedDistances
 from rankdrop.families.summary import FamilySummary, Verdict
+from rankdrop.formula.equation import Equation
 from rankdrop.local.block import singular_values
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.names import name_of
-from rankdrop.results.old_files import conditions_of_derivation, freedoms_of_sentences
+from rankdrop.results.old_files import conditions_of_derivation, exact_from_dict, freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
 from rankdrop.results.settings import Settings as Settings
 from rankdrop.results.validate import at, check_analysis
@@ -290,13 +290,15 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
         ResultFileError: an equation whose text and terms say different things.
     """
     checks = {name: _check(record[name], agree) for name, agree in (("soundness", "singular"), ("explained",) * 2)}
-    kinds, own = _family_types(), record.keys() - {"called", "equations"}
+    kinds, own = _family_types(), record.keys() - {"called", "equations", "exact"}
     given = {name: restored(kind, (record | checks)[name]) for name, kind in kinds.items() if name in own}
     if "lost_freedoms" not in own:
         given["lost_freedoms"] = freedoms_of_sentences(
             record["lost_words"], robot, task, record["corank"], record["witness"]
         )
     given["called"] = name_of(record)
+    if "exact" in record:
+        given["exact"] = exact_from_dict(record["exact"])
     family = Family(**given, equations=tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]))
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")

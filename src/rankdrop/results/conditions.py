@@ -16,9 +16,9 @@ from rankdrop.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.codec import Result
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.family import Assumption, ExactFamily, UnrealSet
+from rankdrop.exact.family import Assumption, UnrealSet
 from rankdrop.exact.undivided import UndividedSet
-from rankdrop.families.record import Check
+from rankdrop.families.record import Check, Family, exact_of
 from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.formula.notation import Step
 from rankdrop.questions import ConditionsOptions
@@ -49,7 +49,7 @@ class Conditions(Result):
         remarks: what was rounded, or is nearly so.
         method, reason: how the conditions of corank 1 were derived, and why so.
         steps: that derivation, step by step.
-        families: of every corank that was derived, large ones first.
+        families: of every corank that was derived, large ones first, each with its exact conditions.
         lowest: rank down to which drops were looked for.
         assumptions: lengths for which more happens.
         not_real: sets without a real point for the arm's lengths, and why.
@@ -75,7 +75,7 @@ class Conditions(Result):
     method: str
     reason: str
     steps: tuple[Step, ...]
-    families: tuple[ExactFamily, ...]
+    families: tuple[Family, ...]
     lowest: int
     assumptions: tuple[Assumption, ...]
     not_real: tuple[UnrealSet, ...]
@@ -126,7 +126,7 @@ class Conditions(Result):
         answer: str = words_of(self).answer_of(self)
         return answer
 
-    def of_corank(self, corank: int) -> tuple[ExactFamily, ...]:
+    def of_corank(self, corank: int) -> tuple[Family, ...]:
         """The families of one corank."""
         return tuple(family for family in self.families if family.corank == corank)
 
@@ -156,7 +156,7 @@ class Conditions(Result):
                 got=words_of(self).unfinished_text(whole),
                 mend="allow more time: seconds=…", typed="allow more time: --time-limit",
             )  # fmt: skip
-        pieces = [piece for family in whole.families for piece in family.pieces]
+        pieces = [piece for family in whole.families for piece in exact_of(family).pieces]
         try:
             return lint(condition, pieces, whole.chain, work=Work(seconds / SLOWER, self.settings.seed))
         except OutOfTime as end:

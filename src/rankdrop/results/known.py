@@ -34,10 +34,10 @@ from rankdrop.algebra.ring import Ring
 from rankdrop.codec import Record, restored
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import ring_of
-from rankdrop.exact.family import Assumption, ExactFamily, UnrealSet
-from rankdrop.families.equation import Equation
+from rankdrop.exact.family import EVIDENCE, Assumption, UnrealSet, pins_in_q, slides_at_zero
 from rankdrop.families.lost import LostFreedom, freedoms_at_witness
-from rankdrop.families.record import Check, Family, family_from_metres
+from rankdrop.families.record import Check, ExactConditions, Family, exact_of, family_from_metres
+from rankdrop.formula.equation import Equation
 from rankdrop.formula.notation import Step
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.local.directions import lost_directions
@@ -321,9 +321,9 @@ def to_stored(conditions: Conditions) -> Record:
     record["generic_rank"] = conditions.generic_rank
     record["families"] = [
         {key: value for key, value in written.items() if key not in _AGAIN}
-        | {"pins": [[joint, list(values)] for joint, values in family.pins]}
-        | {"polynomials": [_terms(one.polynomial) for one in family.conditions]}
-        for written, family in zip(record["families"], conditions.families, strict=True)
+        | {"pins": [[joint, list(values)] for joint, values in exact.pins]}
+        | {"polynomials": [_terms(one.polynomial) for one in exact.polynomials]}
+        for written, exact in zip(record["families"], map(exact_of, conditions.families), strict=True)
     ]
     return record
 
@@ -424,33 +424,37 @@ def _freedoms(record: Record, robot: Robot, task: Task) -> tuple[LostFreedom, ..
 
 def _family(
     record: Record, ring: Callable[[], Ring], whole: Record, roots: Mapping[str, float], robot: Robot, task: Task
-) -> ExactFamily:
+) -> Family:
     """A family with what was written of it: it need not be put shortly once more, which takes the longest."""
-    found = ExactFamily(
+    pins = tuple(AnglePin(joint, tuple(values)) for joint, values in record["pins"])
+    polynomials = tuple(Condition(ring(), _polynomial(ring(), terms)) for terms in record["polynomials"])
+    shifts = tuple(whole["shifts"])
+    pinned = pins_in_q(robot, pins, shifts)
+    exact = ExactConditions(
+        pinned=(*pinned, *slides_at_zero(robot, polynomials)),
+        stated=(*pins, *polynomials),
+        reality=record["reality"],
+        rank_check=restored(Check, record["rank_check"]),
+        numbers={**whole["letters"], **roots},
+        shifts=shifts,
+    )
+    written = {"conditions": tuple(record["conditions"]), "latex": tuple(record["latex"])}
+    vars(exact).update(written)  # where functools.cached_property keeps them
+    return Family(
         id=record["id"],
         called=name_of(record),
         corank=record["corank"],
         dimension=record["dimension"],
-        codimension=record["codimension"],
-        pins=tuple(AnglePin(joint, tuple(values)) for joint, values in record["pins"]),
-        conditions=tuple(Condition(ring(), _polynomial(ring(), terms)) for terms in record["polynomials"]),
+        pinned=pinned,
         free=tuple(record["free"]),
         coupled=tuple(record["coupled"]),
-        reality=record["reality"],
+        equations=tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]),
         witness=tuple(record["witness"]),
+        lost_directions=np.empty((0, 6)),
         lost_freedoms=_freedoms(record, robot, task),
-        rank_check=restored(Check, record["rank_check"]),
-        numbers={**whole["letters"], **roots},
-        shifts=tuple(whole["shifts"]),
-        pieces=(),
+        evidence=EVIDENCE,
+        exact=exact,
     )
-    written: dict[str, Any] = {
-        "texts": tuple(record["conditions"]),
-        "latex": tuple(record["latex"]),
-        "equations": tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]),
-    }
-    vars(found).update(written)  # where functools.cached_property keeps them
-    return found
 
 
 def _terms(f: Polynomial) -> list[list[Any]]:

@@ -22,7 +22,7 @@ from rankdrop.codec import Record, restored
 from rankdrop.errors import ResultFileError
 from rankdrop.families.lost import LostFreedom, freedoms_of
 from rankdrop.families.name import ArmPart, FamilyName
-from rankdrop.families.record import NOT_DERIVED, ExactConditions, Family
+from rankdrop.families.record import NOT_DERIVED, ExactConditions, Family, Pin, written_conditions
 from rankdrop.local.directions import every_frame, frame_name, lost_in_frame, lost_over_family
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
@@ -99,6 +99,19 @@ def _frame_told(sentence: str) -> str:
     return sentence.partition(" of ")[2]
 
 
+def exact_from_dict(record: Record) -> ExactConditions:
+    """The exact conditions of a family of a file: their words.
+
+    Raises:
+        ResultFileError: another number of LaTeX texts than of conditions.
+        ValueError: an entry is missing, or is something else.
+    """
+    texts: tuple[str, ...] = restored(tuple[str, ...], record["conditions"])
+    latex: tuple[str, ...] = restored(tuple[str, ...], record["latex"])
+    pinned: tuple[Pin, ...] = restored(tuple[Pin, ...], record["pinned"])
+    return written_conditions(pinned, texts, latex, restored(str, record["reality"]))
+
+
 def conditions_of_derivation(families: Sequence[Family], record: Record) -> tuple[Family, ...]:
     """Families with the exact conditions that a file up to version 0.2 lists in its entry `exact`.
 
@@ -120,7 +133,7 @@ def conditions_of_derivation(families: Sequence[Family], record: Record) -> tupl
     if "matches" in exact:
         same = {one["row"] for one in exact["matches"] if one["families"] == [one["row"]] and not one["parts"]}
         listed = [one for one in listed if one["id"] in same]
-    conditions = {one["id"]: restored(ExactConditions, one) for one in listed}
+    conditions = {one["id"]: exact_from_dict(one) for one in listed}
     ids = [family.id for family in families]
     for unknown in conditions.keys() - set(ids):
         raise ResultFileError("there is no such family", got=unknown, allowed=", ".join(ids))

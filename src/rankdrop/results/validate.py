@@ -342,17 +342,16 @@ def _check_exact(analysis: _Analysed, exact: Derivation) -> None:
 
 
 def _check_exact_conditions(analysis: _Analysed) -> None:
-    """Families have exact conditions only of a derivation, each once in words and in LaTeX, of the arm's joints."""
+    """Families have exact conditions only of a derivation, of the arm's joints."""
     names = [joint.name for joint in analysis.robot.variables]
     derived = analysis.exact is not None and analysis.exact.derived
     for i, family in enumerate(analysis.families):
         where, exact = f"$.families[{i}].exact", family.exact
         if exact is None:
             continue
-        texts = len(exact.conditions)
+        texts = len(exact.stated)
         require(
             (derived, "there are exact conditions, and nothing was derived", where, None, None),
-            (len(exact.latex) == texts, "one LaTeX text for each condition", f"{where}.latex", len(exact.latex), texts),
             (len(exact.pinned) <= texts, "one condition for each joint", f"{where}.pinned", len(exact.pinned), texts),
             *((names[pin.number - 1 : pin.number] == [pin.joint], "the joint is another one", f"{where}.pinned",
                pin.joint, None) for pin in exact.pinned),

@@ -16,20 +16,21 @@ from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
 from rankdrop.exact.lint import Difference, Example, LintResult
 from rankdrop.exact.signs import Between, Crossing, Flags
 from rankdrop.exact.undivided import PolynomialSize, UndividedSet
-from rankdrop.families.equation import Term
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import Detail, FamilyName, JointValues, LowRank, Shorter, Variable
 from rankdrop.families.record import (
     Check,
     CorankSummary,
     Derivation,
-    ExactConditions,
+    Family,
+    Pin,
     SpeedDistance,
     SpeedDistances,
     Unseen,
 )
 from rankdrop.families.searching import Outcome
 from rankdrop.families.summary import FamilySummary, RankSummary
+from rankdrop.formula.equation import Term
 from rankdrop.formula.notation import C, Python, Step
 from rankdrop.local.dependence import Dependence
 from rankdrop.results.aspect_summary import AspectSummary
@@ -86,6 +87,11 @@ def _absent(_: Any) -> UnsetType:
 
 def _terms(family: Any) -> list[Any]:
     return [equation.to_dict()["terms"] for equation in family.equations]
+
+
+def _sorted_pins(family: Family) -> list[Pin]:
+    """The pinned joints, each with its values in order."""
+    return [replace(pin, values=tuple(sorted(pin.values))) for pin in family.pinned]
 
 
 LOST_FREEDOM = table(
@@ -164,7 +170,13 @@ CALLED = table(
     given=(optional(str), "words of a name without facts, kept as they are", _unless_default("given")),
 )
 NAME_FACTS = (optional(CALLED), "the name as facts, from which it is worded; since 0.3")
-EXACT_CONDITIONS = table("exact_conditions", of=ExactConditions, pinned=many(PINNED))
+_EXACT: dict[str, Any] = {
+    "pinned": (many(PINNED), "joints at fixed values of q; their conditions are the first of `conditions`."),
+    "conditions": (many(str), 'for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0".'),
+    "latex": (many(str), "the same as LaTeX mathematics."),
+    "reality": (str, '"" where the family is real whatever the lengths are; else when it is.'),
+}
+EXACT_CONDITIONS = table("exact_conditions", **_EXACT)
 FAMILY = table(
     "family",
     id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),
@@ -193,7 +205,7 @@ FAMILY = table(
     exact=(optional(EXACT_CONDITIONS), "its exact conditions; absent where the families were not derived; since 0.3",
         lambda one: one.exact or UNSET),
 )
-OLD_EXACT_FAMILIES = table("old_exact_families", of=ExactConditions, id=str, pinned=many(PINNED))
+OLD_EXACT_FAMILIES = table("old_exact_families", **_EXACT, id=str)
 EXACT = table(
     "exact",
     of=Derivation,
@@ -366,21 +378,24 @@ CONDITIONS_FAMILY = table(
     corank=whole(ge=1, le=6),
     dimension=(Count, "of the family in joint space"),
     codimension=(Positive, "number of joints less the dimension"),
-    pinned=(many(PINNED), "joints at fixed values; every combination belongs to the family"),
+    pinned=(many(PINNED), "joints at fixed values; every combination belongs to the family", _sorted_pins),
     free=(many(Positive), "numbers of the joints that do not matter"),
     coupled=(many(Positive), "numbers of the joints tied together by the remaining equations"),
     conditions=(some(text(min_length=1)),
-        "every condition for people, in θ = q + shift: s_i is sin θi, c_ij is cos(θi + θj)"),
+        "every condition for people, in θ = q + shift: s_i is sin θi, c_ij is cos(θi + θj)", attrgetter("texts")),
     latex=(some(text(min_length=1)), "the same conditions as LaTeX mathematics"),
     equations=(some(text(min_length=1)),
         "expressions in q1 … qn, sin, cos, pi (Python) that vanish on the family; all conditions, those of "
         "pinned joints included"),
-    terms=(some(some(TERMS)), "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers"),
-    reality=(str, "when the family has real points, in words; empty: nothing is known to stand against it"),
+    terms=(some(some(TERMS)), "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers",
+        _terms),
+    reality=(str, "when the family has real points, in words; empty: nothing is known to stand against it",
+        attrgetter("exact.reality")),
     witness=(some(num("joint")), "a configuration on the family [rad, m]"),
     lost_freedoms=(optional(many(LOST_FREEDOM)), "what the tool cannot do on the family; since 0.3"),
-    lost_words=(many(str), "the same in words, one sentence each"),
-    rank_check=(RANK_CHECK, "rank modulo the prime 2^61 − 1 at random points of the family"),
+    lost_words=(many(str), "the same in words, one sentence each", lambda one: lost_sentences(one.lost_freedoms)),
+    rank_check=(RANK_CHECK, "rank modulo the prime 2^61 − 1 at random points of the family",
+        attrgetter("exact.rank_check")),
 )
 ASSUMPTIONS = table(
     "assumptions",
@@ -449,17 +464,6 @@ CROSSINGS = table(
 BETWEEN = table("between", of=Between, parting=many(Count), equal=many(Count), open=many(Count))
 
 
-def _exact_families(conditions: Any) -> list[dict[str, Any]]:
-    """The entries of a family of an analysis that make sense here, and what is known exactly."""
-    return [
-        {**vars(family), "name": family.name, "conditions": family.texts, "latex": family.latex,
-         "equations": family.equations, "lost_words": lost_sentences(family.lost_freedoms),
-         "terms": _terms(family),
-         "pinned": [replace(pin, values=tuple(sorted(pin.values))) for pin in family.pinned(conditions.robot)]}
-        for family in conditions.families
-    ]  # fmt: skip
-
-
 CONDITIONS_FILE = file(
     "conditions",
     "The singularity conditions of an arm, derived exactly: written by `rankdrop conditions --json` and "
@@ -490,7 +494,7 @@ CONDITIONS_FILE = file(
     disagreements=(many(str),
         "what two methods, or the derivation and a check, say differently; empty when all is well"),
     lowest=(whole(ge=0, le=6), "rank down to which drops were looked for"),
-    families=(many(CONDITIONS_FAMILY), "of all coranks, by corank", _exact_families),
+    families=(many(CONDITIONS_FAMILY), "of all coranks, by corank"),
     assumptions=(many(ASSUMPTIONS), "lengths for which more happens"),
     not_real=(many(str), "sets on which no real point is known, and why", lambda one: list(map(str, one.not_real))),
     unreal=(optional(many(UNREAL)), "the same as facts; since 0.3", attrgetter("not_real")),

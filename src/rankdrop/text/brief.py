@@ -11,11 +11,10 @@ from math import ceil, degrees, floor
 from typing import Any
 
 from rankdrop.distance.share import Near
-from rankdrop.exact.family import ExactFamily
-from rankdrop.families.equation import pretty_angle
 from rankdrop.families.name import ArmPart
 from rankdrop.families.parts import FamilyParts
-from rankdrop.families.record import Family, Pin, SpeedDistance
+from rankdrop.families.record import Family, Pin, SpeedDistance, exact_of
+from rankdrop.formula.equation import pretty_angle
 from rankdrop.options import advised
 from rankdrop.results.names import name_of
 from rankdrop.robot.model import Robot
@@ -100,7 +99,7 @@ def conditions_table(conditions: Any) -> Section:
     for family in conditions.families:
         text = "; ".join(condition_lines(family))
         short = len(text) <= _SHORT
-        letters |= short and bool(family.conditions)
+        letters |= short and bool(exact_of(family).polynomials)
         rank = str(conditions.generic_rank - family.corank)
         name = family_title(conditions.robot, conditions.task, family)
         rows.append((rank, name, text if short else _of_joints(conditions.robot, family)))
@@ -153,17 +152,16 @@ def _values(robot: Robot, pin: Pin) -> str:
     return values_in_degrees(robot, pin.number, pin.values)
 
 
-def _of_joints(robot: Robot, family: ExactFamily) -> str:
+def _of_joints(robot: Robot, family: Family) -> str:
     names = symbols(robot)
-    parts = [pin.text() for pin in family.pins]
-    coupled = set[int]().union(*(one.joints for one in family.conditions))
-    if coupled:
-        parts.append(_function(names[joint - 1] for joint in sorted(coupled)))
+    parts = [pin.text() for pin in exact_of(family).pins]
+    if family.coupled:
+        parts.append(_function(names[joint - 1] for joint in family.coupled))
     return "; ".join(parts)
 
 
 def lost_section(
-    robot: Robot, task: Task, generic_rank: int, families: Sequence[Family | ExactFamily]
+    robot: Robot, task: Task, generic_rank: int, families: Sequence[Family]
 ) -> Section | None:
     """What is lost on the families of the highest rank; None where there is none."""
     first = min((one.corank for one in families), default=0)

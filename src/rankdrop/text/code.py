@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.errors import OptionError
+from rankdrop.families.record import Family, exact_of
 from rankdrop.formula.notation import C, Latex, Python, functions_of, joints_of, latex_name
+from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.text.latex import as_text
 
 if TYPE_CHECKING:
     from rankdrop.exact.determinants import Minor
-    from rankdrop.exact.family import ExactFamily
 
 TAKEN = frozenset({"q", "np", "sin", "cos", "pi", "FAMILIES"})
 """Names that the Python module uses itself."""
@@ -125,7 +126,7 @@ class Code:
     Attributes:
         robot: name of the arm.
         n: number of joints.
-        families: at least one condition each.
+        families: derived exactly, at least one condition each.
         letters: value of each length that is a symbol [m].
         shifts: θ_j = q_j + shifts[j − 1] [rad]; empty for none.
         determinants: to be written, too.
@@ -136,14 +137,14 @@ class Code:
 
     robot: str
     n: int
-    families: Sequence[ExactFamily]
+    families: Sequence[Family]
     letters: Mapping[str, float]
     shifts: Sequence[float] = ()
     determinants: Sequence[Minor] = ()
 
     def __post_init__(self) -> None:
         for family in self.families:
-            if not family.stated:
+            if not exact_of(family).stated:
                 raise OptionError("a family without a condition has no residual", where=f"family {family.id}")
         marks = [_function(family.id) for family in self.families]
         if len(set(marks)) < len(marks):
@@ -152,7 +153,7 @@ class Code:
     def python(self) -> str:
         """A Python module: one function per family, q (..., n) -> residuals (..., m), lengths as keyword arguments."""
         functions = [*map(self._python_family, self.families), *map(self._python_minor, self.determinants)]
-        forms = [one.form for family in self.families for one in family.stated]
+        forms = [one.form for family in self.families for one in _stated(family)]
         needed = functions_of([*forms, *(one.value.form for one in self.determinants)])
         minors = "".join(f'    "{one.mark}": {one.mark},\n' for one in self.determinants)
         return _PYTHON.format(
@@ -162,13 +163,14 @@ class Code:
             names="".join(f'    "{family.id}": "{_plain(family.name)}",\n' for family in self.families),
         ) + (_PYTHON_MINORS.format(minors) if minors else "")  # fmt: skip
 
-    def _python_family(self, family: ExactFamily) -> str:
-        residuals = [one.code(self._python_notation) for one in family.stated]
-        said = [f"{_plain(family.name)}, corank {family.corank}.", "", *(one.text() for one in family.stated)]
+    def _python_family(self, family: Family) -> str:
+        stated = _stated(family)
+        residuals = [one.code(self._python_notation) for one in stated]
+        said = [f"{_plain(family.name)}, corank {family.corank}.", "", *(one.text() for one in stated)]
         return self._python_function(
-            _function(family.id), "\n".join(said), [one.polynomial for one in family.conditions],
+            _function(family.id), "\n".join(said), [one.polynomial for one in exact_of(family).polynomials],
             f"(..., {len(residuals)}) residuals, all zero exactly on the family.",
-            {joint for one in family.stated for joint in one.joints},
+            {joint for one in stated for joint in one.joints},
             _RESIDUALS.format(",\n        ".join(residuals)),
         )  # fmt: skip
 
@@ -219,8 +221,8 @@ class Code:
             *(self._c_minor(one, f"{mark}_{one.mark}", notation) for one in self.determinants), "\n#endif\n",
         ])  # fmt: skip
 
-    def _c_family(self, family: ExactFamily, mark: str, notation: C) -> str:
-        stated = family.stated
+    def _c_family(self, family: Family, mark: str, notation: C) -> str:
+        stated = _stated(family)
         slopes = [
             f"    gradient[{i}][{j - 1}] = {text};"
             for i, one in enumerate(stated) for j, text in one.gradient(notation).items()
@@ -230,13 +232,13 @@ class Code:
             conditions="\n".join(f" * {_comment(one.text())}" for one in stated), n=self.n, m=len(stated),
             residuals="\n".join(f"    residual[{i}] = {one.code(notation)};" for i, one in enumerate(stated)),
             unused="" if any("q[" in line for line in slopes) else _UNUSED, slopes="\n".join(slopes),
-            way=", way" * bool(family.pins), distance=self._c_distance(family, mark),
+            way=", way" * bool(exact_of(family).pins), distance=self._c_distance(family, mark),
         )  # fmt: skip
 
-    def _c_distance(self, family: ExactFamily, mark: str) -> str:
+    def _c_distance(self, family: Family, mark: str) -> str:
         """Pinned joints to their nearest values, exactly; of the other conditions the largest |f|/|∇f|."""
-        body = ""
-        for pin in family.pins:
+        body, exact = "", exact_of(family)
+        for pin in exact.pins:
             if len(self.shifts):
                 shift = self.shifts[pin.joint - 1]
             else:
@@ -245,7 +247,7 @@ class Code:
                 gap = f"fabs(remainder(q[{pin.joint - 1}] - ({float(angle - shift)!r}), {2 * pi!r}))"
                 body += f"    way = {gap if place == 0 else f'fmin(way, {gap})'};\n"
             body += "    square += way * way;\n"
-        if not family.conditions:
+        if not exact.polynomials:
             return body
         scale = f" * {mark.upper().removesuffix(f'_{_mark(family.id).upper()}')}_LENGTH"
         squares = "\n".join(
@@ -253,7 +255,7 @@ class Code:
             for j in range(1, self.n + 1)
         )
         return body + _C_NEWTON.format(
-            m=len(family.stated), n=self.n, mark=mark, first=len(family.pins), squares=squares
+            m=len(exact.stated), n=self.n, mark=mark, first=len(exact.pins), squares=squares
         )
 
     def _c_minor(self, minor: Minor, mark: str, notation: C) -> str:
@@ -263,7 +265,11 @@ class Code:
 
     @property
     def _slides(self) -> frozenset[int]:
-        return frozenset(j for family in self.families for one in family.conditions for j in one.ring.prismatic)
+        slides: set[int] = set()
+        for family in self.families:
+            for one in exact_of(family).polynomials:
+                slides.update(one.ring.prismatic)
+        return frozenset(slides)
 
     def latex(self) -> str:
         """A table: mark, name, corank, conditions; below it the lengths, shifted angles and what s and c stand for.
@@ -310,7 +316,7 @@ class Code:
         rows: list[str] = []
         long: list[str] = []
         for family in self.families:
-            told = [f"${one.latex()}$" for one in family.stated]
+            told = [f"${one.latex()}$" for one in _stated(family)]
             if sum(map(len, told)) > _LONG_CELL:
                 long.append(rf"\par\smallskip\noindent {family.id}: {'; '.join(told)}\par")
                 told = ["see below"]
@@ -331,6 +337,12 @@ class Code:
         if shifted:
             return [*lines, f"In the words on a condition {', '.join(shifted)}."]
         return lines
+
+
+def _stated(family: Family) -> tuple[AnglePin | Condition, ...]:
+    """Every condition of a derived family, those of pinned joints first."""
+    exact = exact_of(family)
+    return (*exact.pins, *exact.polynomials)
 
 
 def _shift_latex(shift: float) -> str:

@@ -19,8 +19,8 @@ from math import degrees
 from typing import Any
 
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.family import Assumption, EqualLengths, ExactFamily, SpecialFamily, Unreal, UnrealSet
-from rankdrop.families.equation import pretty_angle, share_of_pi
+from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, Unreal, UnrealSet
+from rankdrop.families.record import Family, exact_of
 from rankdrop.families.summary import (
     CONTRADICTED,
     INCOMPLETE,
@@ -35,6 +35,7 @@ from rankdrop.families.summary import (
     Verdict,
     summarised,
 )
+from rankdrop.formula.equation import pretty_angle, share_of_pi
 from rankdrop.formula.notation import typeset
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text
@@ -127,7 +128,7 @@ def conditions_html(conditions: Any) -> str:
     return html(conditions.sections()[:1]) + table + html(condition_sections(conditions, families=False))
 
 
-def _row_html(family: ExactFamily, robot: Robot) -> str:
+def _row_html(family: Family, robot: Robot) -> str:
     lost = [*lost_sentences(family.lost_freedoms), *_witness(family, robot)]
     return (
         f"<tr><td>{family.id}</td><td>{family.corank}</td><td>{escape(family.name)}</td>"
@@ -268,7 +269,8 @@ def unfinished_text(conditions: Any) -> str:
 def _condition_notes(conditions: Any) -> Iterator[str]:
     """What letters in the conditions and in lost motions mean, and where all digits stand."""
     families = conditions.families
-    texts = [*chain.from_iterable(family.texts[len(family.pins) :] for family in families)]
+    exact = [*map(exact_of, families)]
+    texts = [*chain.from_iterable(one.conditions[len(one.pins) :] for one in exact)]
     if texts:
         yield _LEGEND
     lost = lost_note(conditions.robot, chain.from_iterable(family.lost_freedoms for family in families))
@@ -288,15 +290,15 @@ def _none(conditions: Any) -> str:
     return "none derived, and a check says otherwise: see the first line"
 
 
-def _family(family: ExactFamily, robot: Robot) -> Iterator[str]:
-    lines = [*condition_lines(family)]
-    shifted = {pin.joint for pin in family.pins if family.shifts[pin.joint - 1]}
+def _family(family: Family, robot: Robot) -> Iterator[str]:
+    lines, exact = [*condition_lines(family)], exact_of(family)
+    shifted = {pin.joint for pin in exact.pins if exact.shifts[pin.joint - 1]}
     if shifted:
-        own = [one for one in family.pinned(robot) if one.number in shifted]
+        own = [one for one in family.pinned if one.number in shifted]
         values = (f"q{one.number} = {values_in_degrees(robot, one.number, one.values)}" for one in own)
         lines.append(f"the joint's own value: {'; '.join(values)}")
-    if family.reality:
-        lines += [f"{family.reality}; here it is"]
+    if exact.reality:
+        lines += [f"{exact.reality}; here it is"]
     lines.append(f"dimension {family.dimension}, codimension {family.codimension}")
     lines += map(lost_line, family.lost_freedoms)
     yield f"{family.id}  {family.name}"
@@ -304,7 +306,7 @@ def _family(family: ExactFamily, robot: Robot) -> Iterator[str]:
         yield Formula(f"{_INSET}{line}") if isinstance(line, Formula) else f"{_INSET}{line}"
 
 
-def _witness(family: ExactFamily, robot: Robot) -> list[str]:
+def _witness(family: Family, robot: Robot) -> list[str]:
     """The witness, where what is lost there is reported."""
     if all(one.everywhere for one in family.lost_freedoms):
         return []
@@ -325,13 +327,15 @@ def _in_degrees(value: float) -> str:
     return f"{degrees(value):.2f}°".replace("-", "−")
 
 
-def condition_lines(family: ExactFamily) -> list[str]:
+def condition_lines(family: Family) -> list[str]:
     """The conditions: simple angles together, then one equation after the other; all on one line where they fit."""
-    if family.pins:
-        parts = ["; ".join(pin.text() for pin in family.pins)]
+    exact = exact_of(family)
+    pins = exact.pins
+    if pins:
+        parts = ["; ".join(pin.text() for pin in pins)]
     else:
         parts = []
-    for text, condition in zip(family.texts[len(family.pins) :], family.conditions, strict=True):
+    for text, condition in zip(exact.conditions[len(pins) :], exact.polynomials, strict=True):
         on = ", ".join(f"{'θ' if j in condition.ring.revolute else 'q'}{j}" for j in condition.joints)
         whole = f"whole with {advised('latex', python='latex()')}, {advised('json', python='to_dict()')}"
         parts.append(text if len(text) <= _LONGEST else f"a condition on {on}, {len(text):,} characters long ({whole})")
@@ -456,8 +460,8 @@ def _checks(conditions: Any) -> Iterator[Section]:
 
 def _tested_lines(conditions: Any) -> Iterator[str]:
     """At how many random points of the families the rank is as claimed, and what the numeric search says."""
-    tested = sum(family.rank_check.tested for family in conditions.families)
-    agree = sum(family.rank_check.agree for family in conditions.families)
+    tested = sum(exact_of(family).rank_check.tested for family in conditions.families)
+    agree = sum(exact_of(family).rank_check.agree for family in conditions.families)
     cloud = conditions.explained
     if tested:
         yield f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 11913"
@@ -734,7 +738,7 @@ def _derived(derived: Any, claims: tuple[str, ...]) -> Verdict:
     if points:
         return Verdict(VERIFIED, claims, f"Verified by {how} and {count(points, 'random test')}{end}")
     untested = f"not tested on singular configurations found numerically{end}"
-    ranks = sum(family.rank_check.tested for family in derived.families)
+    ranks = sum(exact_of(family).rank_check.tested for family in derived.families)
     if ranks:
         on = f"the rank is as derived at {count(ranks, 'random point')} of the families"
         return Verdict(VERIFIED, claims, f"Verified by {how}: {on}; {untested}")
@@ -746,7 +750,7 @@ def _contradictions(derived: Any) -> Iterator[Failure]:
     yield from (("disagreement", text) for text in derived.disagreements)
     if lie_on < points and not derived.disagreements and derived.complete:
         yield "cloud", points - lie_on
-    yield from (("no rank", row.id) for row in derived.families if not row.rank_check.tested)
+    yield from (("no rank", row.id) for row in derived.families if not exact_of(row).rank_check.tested)
     if derived.complete:  # else what is left says so
         yield from (("assumption", one.text) for one in derived.assumptions if not one.holds)
     else:

@@ -23,8 +23,8 @@ import numpy as np
 
 from rankdrop.distance.distance import nearest_turns
 from rankdrop.distance.share import Near, NearShare, SlowShare
-from rankdrop.families.equation import Equation, pretty_angle, share_of_pi
 from rankdrop.families.record import Check, CorankSummary, Derivation, Family, Pin
+from rankdrop.formula.equation import Equation, pretty_angle, share_of_pi
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import degrees, pi, radians
 
-from rankdrop.families.equation import pretty_angle
 from rankdrop.families.name import (
     Centre,
     Detail,
@@ -19,6 +18,7 @@ from rankdrop.families.name import (
     Variable,
     is_right,
 )
+from rankdrop.formula.equation import pretty_angle
 from rankdrop.local.axes import numbers
 from rankdrop.local.dependence import Common, Dependence, SlideWay
 from rankdrop.text.words import listing, plural

@@ -7,7 +7,6 @@ from math import degrees, radians
 
 import numpy as np
 
-from rankdrop.exact.family import ExactFamily
 from rankdrop.families.name import FamilyName
 from rankdrop.families.parts import FamilyParts, parts_of
 from rankdrop.families.record import Family
@@ -93,12 +92,12 @@ def place_parts(robot: Robot, task: Task, q: Array, corank: int) -> str:
     return parts_words(specials_at(robot, task, q, corank))
 
 
-def family_label(robot: Robot, task: Task, family: Family | ExactFamily) -> str:
+def family_label(robot: Robot, task: Task, family: Family) -> str:
     """A family in a word or two: the parts of the arm, else its short name.
 
     "shoulder and elbow", "base and wrist", or for one condition near several places "shoulder, elbow or wrist".
     """
-    return label_words(_parts_of(robot, task, family), family.called)
+    return label_words(parts_of(robot, task, family), family.called)
 
 
 def label_words(parts: FamilyParts, name: FamilyName) -> str:
@@ -106,16 +105,12 @@ def label_words(parts: FamilyParts, name: FamilyName) -> str:
     return _words_of_parts(parts) or name.short
 
 
-def family_title(robot: Robot, task: Task, family: Family | ExactFamily) -> str:
+def family_title(robot: Robot, task: Task, family: Family) -> str:
     """The name of a family with the parts of the arm in front: "elbow: axes 3 and 5 aligned"."""
-    parts = "" if family.called.parts else _words_of_parts(_parts_of(robot, task, family))
+    parts = "" if family.called.parts else _words_of_parts(parts_of(robot, task, family))
     if not parts:
         return family.name
     return f"{parts}: {family.name}"
-
-
-def _parts_of(robot: Robot, task: Task, family: Family | ExactFamily) -> FamilyParts:
-    return parts_of(robot, task, family.as_family(robot) if isinstance(family, ExactFamily) else family)
 
 
 def _words_of_parts(found: FamilyParts) -> str:

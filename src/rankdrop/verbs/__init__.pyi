@@ -3,7 +3,6 @@ from .covering import how_far as how_far
 from .ideal_vs_actual import Here as Here
 from .ideal_vs_actual import Idealised as Idealised
 from .ideal_vs_actual import Nearby as Nearby
-from .ideal_vs_actual import Side as Side
 from .ideal_vs_actual import here as here
 from .ideal_vs_actual import here_section as here_section
 from .ideal_vs_actual import idealised as idealised

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rankdrop.distance.share import Near, SlowShare, check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
-from rankdrop.exact.family import with_exact
+from rankdrop.exact.family import derived_in_units
 from rankdrop.families.inspection import DIGITS, FOLLOWED
 from rankdrop.families.pictured import posed
 from rankdrop.families.record import (
@@ -126,14 +126,13 @@ def _shipped_or_made(
 
 
 def _compared(
-    problem: Problem, derivation: Derivation | None, derived: Conditions | None, rank: int,
-    tables: Sequence[CorankFamilies], rows: tuple[Family, ...],
-) -> tuple[Derivation | None, tuple[Family, ...]]:  # fmt: skip
-    """The derivation tested against the tables, and the families with their exact conditions, where there are any."""
+    derivation: Derivation | None, derived: Conditions | None, rank: int, tables: Sequence[CorankFamilies], *,
+    limits: bool,
+) -> Derivation | None:  # fmt: skip
+    """The derivation tested against the tables, where anything was derived."""
     if derivation is None or derived is None:
-        return derivation, rows
-    tested = _tested(derivation, derived, rank, tables, limits=problem.limits)
-    return tested, with_exact(rows, derived.families, problem.robot)
+        return derivation
+    return _tested(derivation, derived, rank, tables, limits=limits)
 
 
 def _tested(
@@ -231,8 +230,10 @@ def analyze(
     near = None
     if complete:
         problem = Problem(robot, resolved, limits=how.limits)
-        derivation, rows = _compared(problem, derivation, derived, rank, tables, rows)
+        derivation = _compared(derivation, derived, rank, tables, limits=how.limits)
         near = _near(problem, rows, how, report)
+    else:
+        rows = _without_exact(rows)  # nothing is said about the derivation
     speeds, slow, unmade = _speeds(region, rows, how.seed, report, complete=complete)
     return Analysis(
         robot=robot,
@@ -252,6 +253,10 @@ def analyze(
     )
 
 
+def _without_exact(families: Sequence[Family]) -> tuple[Family, ...]:
+    return tuple(replace(one, exact=None) for one in families)
+
+
 def _near(problem: Problem, families: Sequence[Family], how: AnalyzeOptions, report: Progress) -> Near | None:
     """Shares of the joint space near the families, where they are asked for."""
     if how.within is None:
@@ -263,8 +268,7 @@ def _known(derived: Conditions | None, robot: Robot) -> list[Family] | None:
     """The derived families in the arm's own unit of length; None where nothing was derived."""
     if derived is None:
         return None
-    own = in_units(robot)
-    return [one.in_units(robot).as_family(own) for one in derived.families]
+    return [derived_in_units(one, robot) for one in derived.families]
 
 
 def _starts(how: AnalyzeOptions, known: Sequence[Family] | None) -> int:

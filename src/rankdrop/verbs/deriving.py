@@ -23,7 +23,7 @@ from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.derivation import CorankOne, Reason, check_method, corank_one
 from rankdrop.exact.determinants import Determinants, determinants_of
 from rankdrop.exact.families import Reality, families, real_sets
-from rankdrop.exact.family import Assumption, ExactFamily, Unreal, UnrealSet, alone, merge
+from rankdrop.exact.family import Assumption, Unreal, UnrealSet, alone, derived_in_units, merge
 from rankdrop.exact.letters import (
     assumptions,
     decided_by_numbers,
@@ -35,11 +35,11 @@ from rankdrop.exact.letters import (
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.tree import Drop, OpenCase, Tree, rank_tree
 from rankdrop.exact.undivided import UndividedSet, undivided_sets
-from rankdrop.families.equation import Equation
 from rankdrop.families.inspection import DIGITS, FOLLOWED, descents, near_misses
 from rankdrop.families.pictured import posed
 from rankdrop.families.points import Cloud, cloud, explained
-from rankdrop.families.record import Check
+from rankdrop.families.record import Check, Family, exact_of
+from rankdrop.formula.equation import Equation
 from rankdrop.formula.notation import Step
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.problem import Problem
@@ -93,7 +93,7 @@ def derived(
         "the rank tree", lambda: _tree(given, lowest, optional=asked.lengths == "auto", work=work), underived, left
     )
     left += _unstated(tree)
-    found: list[ExactFamily] = []
+    found: list[Family] = []
     not_real: list[UnrealSet] = []
     wrong: list[str] = []
     unsettled: list[OpenCase] = []
@@ -198,14 +198,9 @@ def _near_structures(chain: Chain) -> list[str]:
     return [one.text for one in structure_of(chain).near]
 
 
-def posed_exactly(robot: Robot, task: Task, families: Sequence[ExactFamily]) -> tuple[ExactFamily, ...]:
+def posed_exactly(robot: Robot, task: Task, families: Sequence[Family]) -> tuple[Family, ...]:
     """Families with the witnesses that `analyze` shows: in good postures, see `rankdrop.families.posed`."""
-    sampled = [one.as_family(robot) for one in families]
-    shown = [posed(robot, task, one, sampled) for one in sampled]
-    return tuple(
-        replace(family, witness=one.witness, lost_freedoms=one.lost_freedoms)
-        for family, one in zip(families, shown, strict=True)
-    )
+    return tuple(posed(robot, task, one, families) for one in families)
 
 
 def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
@@ -320,7 +315,7 @@ def _why_numbers(tree: Tree, other: Tree, again: Work, *, optional: bool) -> str
 
 def _families(
     chain: Chain, tree: Tree, work: Work, left: list[str], unsettled: list[OpenCase]
-) -> tuple[list[ExactFamily], list[UnrealSet], list[str]]:
+) -> tuple[list[Family], list[UnrealSet], list[str]]:
     """(families, sets without real points, disagreements).
 
     Sets that are not finished become cases, which go to `unsettled`; in sentences they go to `left` where the tree does
@@ -333,17 +328,19 @@ def _families(
     unsettled += [OpenCase(drop.piece, drop.rank + 1) for drop in cases or ()]
     found = families(chain, sets, tree.generic_rank, work)
     left += _not_singular(chain, sets, found, tree.generic_rank)
-    wrong = [
-        f"{family.id}: the rank modulo a prime is not {tree.generic_rank - family.corank} at "
-        f"{family.rank_check.tested - family.rank_check.agree} of {family.rank_check.tested} random points"
-        for family in found
-        if not family.rank_check.holds
-    ]
+    wrong = []
+    for family in found:
+        check = exact_of(family).rank_check
+        if not check.holds:
+            wrong.append(
+                f"{family.id}: the rank modulo a prime is not {tree.generic_rank - family.corank} at "
+                f"{check.tested - check.agree} of {check.tested} random points"
+            )
     return found, not_real, wrong
 
 
 def _not_singular(
-    chain: Chain, sets: Sequence[tuple[Drop, Reality]], families: Sequence[ExactFamily], generic_rank: int
+    chain: Chain, sets: Sequence[tuple[Drop, Reality]], families: Sequence[Family], generic_rank: int
 ) -> list[str]:
     """Sentences on the families that have random real points at which σ does not vanish with `DIGITS` digits.
 
@@ -353,7 +350,7 @@ def _not_singular(
     told = []
     for family in families:
         problem = Problem(chain.own, chain.own_task, family.corank)
-        points = np.concatenate([met[id(piece)][:_OWN] for piece in family.pieces])[:_OWN_ALL]
+        points = np.concatenate([met[id(piece)][:_OWN] for piece in exact_of(family).pieces])[:_OWN_ALL]
         wrong = sum(not _vanishes(problem, q) for q in points)
         if wrong:
             told.append(not_singular_text(family.id, generic_rank - family.corank + 1, wrong, len(points), DIGITS))
@@ -404,7 +401,7 @@ def _stated_rank(tree: Tree, lowest: int) -> int:
 
 
 def _undivided(
-    chain: Chain, tree: Tree, families: Sequence[ExactFamily], work: Work, left: list[str]
+    chain: Chain, tree: Tree, families: Sequence[Family], work: Work, left: list[str]
 ) -> tuple[UndividedSet, ...]:
     """The cases that were not taken apart; where the configuration on one is not singular with `DIGITS` digits a
     sentence goes to `left`.
@@ -417,7 +414,7 @@ def _undivided(
         return ()
 
     def off_families(q: Array, corank: int) -> NDArray[np.int64]:
-        known = [one.in_units(chain.robot).equations for one in families if one.corank >= corank]
+        known = [_own_equations(chain, one) for one in families if one.corank >= corank]
         return explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)[1]
 
     cases = undivided_sets(chain, tree, off_families, work.seed)
@@ -466,7 +463,7 @@ def _cloud(
     chain: Chain,
     generic_rank: int,
     lowest: int,
-    families: Sequence[ExactFamily | UndividedSet],
+    families: Sequence[Family | UndividedSet],
     points: int,
     work: Work,
     left: list[str],
@@ -519,7 +516,7 @@ class _OnFamilies(NamedTuple):
 
 
 def _on_families(
-    chain: Chain, met: Cloud, corank: int, families: Sequence[ExactFamily | UndividedSet]
+    chain: Chain, met: Cloud, corank: int, families: Sequence[Family | UndividedSet]
 ) -> _OnFamilies:
     """Points of a cloud on the families of a corank or a larger one, or on cases of these that were not taken apart;
     those on none are followed with 50 digits.
@@ -531,11 +528,11 @@ def _on_families(
     return _OnFamilies(Check(check.tested - len(wrong), check.agree), off, len(wrong), sigma)
 
 
-def _own_equations(chain: Chain, family: ExactFamily | UndividedSet) -> tuple[Equation, ...]:
+def _own_equations(chain: Chain, family: Family | UndividedSet) -> tuple[Equation, ...]:
     """The conditions for the arm in its own unit of length."""
     if isinstance(family, UndividedSet):
         return family.equations
-    return family.in_units(chain.robot).equations
+    return derived_in_units(family, chain.robot).equations
 
 
 def _wanted(points: int, corank: int) -> int:
@@ -548,7 +545,7 @@ def _wanted(points: int, corank: int) -> int:
 def _sets_without_points(
     chain: Chain,
     tree: Tree,
-    families: Sequence[ExactFamily],
+    families: Sequence[Family],
     seed: int,
     left: list[str],
     unsettled: list[OpenCase],
@@ -592,7 +589,7 @@ def _sentence(lost: Sequence[ZeroSet], *, letters: bool) -> str:
 def _settled(
     chain: Chain,
     tree: Tree,
-    families: Sequence[ExactFamily],
+    families: Sequence[Family],
     theta: Array,
     order: int,
     last: bool,
@@ -605,7 +602,7 @@ def _settled(
     corank = tree.generic_rank - rank
     for k in sorted(set(corank[low].tolist())):
         here = q[low & (corank == k)]
-        known = [family.in_units(chain.robot).equations for family in families if family.corank >= k]
+        known = [_own_equations(chain, family) for family in families if family.corank >= k]
         _, over = explained(Cloud(chain.own, chain.own_task, here, np.full(len(here), k)), known)
         if len(over):
             return False

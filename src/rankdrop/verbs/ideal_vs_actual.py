@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.codec import Record, plain
-from rankdrop.exact.family import ExactFamily
-from rankdrop.families.equation import System
 from rankdrop.families.record import Family, rescaled, slides_of
+from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem, wrapped
@@ -31,8 +30,6 @@ from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
-
-Side = Family | ExactFamily
 
 POINTS = 200
 """Of each family, at most: σ is known to a few percent by then."""
@@ -166,7 +163,7 @@ def _note(tolerance: Tolerance, changes: Sequence[Change]) -> str:
     )
 
 
-def nearby(arm: Idealised, task: Task, families: Sequence[Side], *, seed: int = 0) -> tuple[Nearby, ...]:
+def nearby(arm: Idealised, task: Task, families: Sequence[Family], *, seed: int = 0) -> tuple[Nearby, ...]:
     """What the arm itself does on each family of the ideal one; some seconds at most.
 
     Args:
@@ -192,7 +189,7 @@ def nearby(arm: Idealised, task: Task, families: Sequence[Side], *, seed: int = 
     )
 
 
-def _points(given: Robot, model: Robot, task: Task, family: Side, seed: int) -> Array:
+def _points(given: Robot, model: Robot, task: Task, family: Family, seed: int) -> Array:
     """(≤ POINTS, n) random configurations of `model`, the arm in metres, on a family of the arm as given."""
     power = -metre_exponent(given)
     equations = tuple(rescaled(one, slides_of(given), power) for one in family.equations)
@@ -206,7 +203,7 @@ def _points(given: Robot, model: Robot, task: Task, family: Side, seed: int) -> 
     return into_metres(given, [family.witness])
 
 
-def _nearby(real: Robot, task: Task, rank: int, family: Side, q: Array, seed: int) -> Nearby:
+def _nearby(real: Robot, task: Task, rank: int, family: Family, q: Array, seed: int) -> Nearby:
     kept = rank - family.corank
     sigma = singular_values(real, q, task)[:, kept]
     searched = min(SEARCHED, len(q))

@@ -10,8 +10,8 @@ import pytest
 
 from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.equation import Equation, System, Term, normalised, pretty_angle
 from rankdrop.families.row import vanishing_on
+from rankdrop.formula.equation import Equation, System, Term, normalised, pretty_angle
 
 N = 4
 

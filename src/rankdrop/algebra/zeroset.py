@@ -24,6 +24,7 @@ from rankdrop.algebra.field import (
     complete,
     half_angle_value,
     holds,
+    residue,
     roots,
     roots_at,
     slice_at,
@@ -32,7 +33,7 @@ from rankdrop.algebra.field import (
     value_at,
     zeros_in_space,
 )
-from rankdrop.algebra.polynomial import FURTHER, ROOTS, TANGENT, Atom, Polynomial, primes_with, used
+from rankdrop.algebra.polynomial import FURTHER, ROOTS, TANGENT, Atom, Number, Polynomial, primes_with, used
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.solving import Solved
 
@@ -57,6 +58,7 @@ class ZeroSet:
         zero: trigonometric polynomials that vanish on it besides.
         nonzero: atoms and trigonometric polynomials that vanish nowhere on it: an open part of what the others hold on.
         equations: irreducible half-angle polynomials that vanish on the set; with the pins they are its conditions.
+        lengths: values of letters at its points; letters that are not named have random ones.
         known: more half-angle polynomials that vanish on it. Where the denominator of a solution vanishes the equations
             may say nothing of a variable, on sets as large as this one; these, which they were made from, still do.
     """
@@ -69,6 +71,7 @@ class ZeroSet:
     nonzero: tuple[Atom | Polynomial, ...] = ()
     equations: tuple[Polynomial, ...] = ()
     known: tuple[Polynomial, ...] = ()
+    lengths: tuple[tuple[str, Number], ...] = ()
 
     @classmethod
     def whole(cls, ring: Ring) -> ZeroSet:
@@ -115,6 +118,7 @@ class ZeroSet:
     def _start(self, rng: random.Random, prime: int) -> Point:
         values = Point({name: rng.randrange(2, prime) for name in self.ring.names}, prime)
         values.update(roots_at(self.ring, prime))
+        values.update((name, residue(value, prime)) for name, value in self.lengths)
         values.update((f"t{j}", TANGENT[value] % prime) for j, value in self.pins.items() if value != "pi")
         return values
 

@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache
 from itertools import combinations, islice
@@ -423,6 +423,7 @@ def _explore(
     bending = _bending(columns, waiting[0].ring)
     bound = min((m - order + 1) * (n - order + 1), bending)
     seen: list[ZeroSet] = []
+    ended: list[ZeroSet] = []
     too_long: list[tuple[ZeroSet, TooLong]] = []
     while True:
         stuck = {id(piece) for piece, _ in too_long}  # these stay among the sets that wait: no limit may lose them
@@ -448,14 +449,37 @@ def _explore(
             ):
                 seen.append(part)
                 waiting.append(part)
+            elif part.codimension >= bound:
+                ended.append(part)
         tree.without_points += [(part, order, part.codimension >= bound) for part in work.without_points.values()]
         work.without_points.clear()
         waiting.remove(piece)
         tree.visited += 1
         if unwanted():
             raise Unwanted
+    work.special = work.special or _lower_for_these_lengths(columns, order, ended, drops, work)
     if too_long:
         raise too_long[0][1]
+
+
+def _lower_for_these_lengths(
+    columns: list[list[Polynomial]], order: int, ended: Sequence[ZeroSet], drops: Sequence[Drop], work: Work
+) -> bool:
+    """Whether the rank of this arm is lower than `order` on a set where it is not for general lengths, off all drops.
+
+    Where all joints are bound no minor is factored any more: a relation of lengths under which one vanishes is met
+    nowhere else.
+    """
+    if not work.lengths:
+        return False
+    lower = [drop.piece for drop in drops if drop.rank < order]
+    for piece in ended:
+        work.check()
+        own = replace(piece, lengths=tuple(work.lengths.items()))
+        for point, here in zip(own.samples, _ranks(columns, own), strict=True):
+            if here < order and not any(one.holds_at([point]) for one in lower):
+                return True
+    return False
 
 
 def _cut(

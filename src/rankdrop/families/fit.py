@@ -55,7 +55,7 @@ from rankdrop.robot.model import Array, JointKind
 FITS = 16  # combinations of values of one signature that are fitted on their own, at most
 WORK = 6e9  # of the fits for one group, in floating-point operations
 MOST_GROUPS = 8  # that are fitted: more would take minutes
-_MANY = 12  # joints; of arms with more, one combination of values of one group is fitted: each takes half a minute
+_MANY = 9  # joints; of arms with more, one combination of values of one group is fitted: each takes half a minute
 FEW = 3  # points from which a fit is tried
 BADLY = 0.1  # share of the points left out of fits: those that are known worst
 

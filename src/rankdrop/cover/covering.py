@@ -197,7 +197,7 @@ def estimate(robot: Robot, task: Task, plan: Plan, *, ways: int = 512, seed: int
     """About how many enclosures a covering takes, from random ways down its tree (Knuth 1975): two digits.
 
     At each level all children of the boxes of the ways are tested, and each way goes on to one of its children that are
-    not free: a way stands for the product of the numbers of such children met so far. Without bias; the split
+    not free: a way stands for the product of the numbers of such children so far. Without bias; the split
     determinant needs no enclosures.
     """
     if plan.method == SPLIT:

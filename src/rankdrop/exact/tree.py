@@ -467,7 +467,7 @@ def _lower_for_these_lengths(
 ) -> bool:
     """Whether the rank of this arm is lower than `order` on a set where it is not for general lengths, off all drops.
 
-    Where all joints are bound no minor is factored any more: a relation of lengths under which one vanishes is met
+    Where all joints are bound no minor is factored any more: a relation of lengths under which one vanishes is seen
     nowhere else.
     """
     if not work.lengths:

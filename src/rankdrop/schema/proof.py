@@ -6,6 +6,7 @@ from operator import attrgetter
 from typing import Any, Literal
 
 import numpy as np
+from msgspec import UNSET
 
 from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table, text, whole
 from rankdrop.cover.box_matching import Spot
@@ -150,8 +151,8 @@ COVER_FILE = file(
     sentence=str,
     complete=(bool, "the whole joint space was covered; else nothing is said of the rest"),
     stopped=(str | None, "", lambda one: one.covering.stopped or None),
-    needed=(Count, "enclosures that all of it takes, estimated from random ways down its tree; 0: not asked",
-        attrgetter("covering.needed")),
+    needed=(optional(Count), "enclosures that all of it takes, estimated from random ways down its tree; since 0.3",
+        lambda one: one.covering.needed or UNSET),
     joints=(many(Positive), "", attrgetter("covering.plan.variables")),
     ranges=(many(row(num("joint"), 2)), "",
         lambda one: list(zip(one.covering.plan.lower, one.covering.plan.upper, strict=True))),

@@ -216,7 +216,7 @@ def _undivided(conditions: Any) -> Iterator[Section]:
 
 def _case_notes(conditions: Any) -> tuple[str, ...]:
     """What sines and cosines in the conditions of cases are called, where no family's conditions say so."""
-    of_families = any(len(family.texts) > len(family.pins) for family in conditions.families)
+    of_families = any(len(family.texts) > len(exact_of(family).pins) for family in conditions.families)
     of_cases = any(len(one.texts) > len(one.pins) for one in conditions.undivided)
     if of_cases and not of_families:
         return (_LEGEND,)

@@ -554,6 +554,9 @@ def _corank_section(
     )  # fmt: skip
 
 
+MISSED_BY_LETTERS = "lengths are numbers: conditions for general lengths miss singular configurations of these"
+
+
 def near_misses_text(corank: int, many: int, followed: int, sigma: float, digits: int) -> str:
     """Configurations with a small σ that many digits show not to be singular; `sigma` is inf where no minimum was met.
     """

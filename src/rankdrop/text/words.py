@@ -504,6 +504,13 @@ def cover_sentence(covered: Any) -> str:
     )
 
 
+def covering_label(needed: int) -> str:
+    """What the progress of a covering counts, with all its enclosures where they were estimated."""
+    if needed:
+        return f"parts covered (about {needed:,} enclosures in all)"
+    return "parts covered"
+
+
 def _why_not_complete(stopped: str, needed: int) -> str:
     """In brackets: why a covering ended early, and the work that all of it takes."""
     if not stopped:

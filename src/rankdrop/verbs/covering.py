@@ -46,6 +46,7 @@ from rankdrop.results.covered import Account, Covered
 from rankdrop.results.explanation import known_families
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
+from rankdrop.text.words import covering_label
 from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.analyze import analyze
 
@@ -53,7 +54,6 @@ Report = Callable[[str, int, int], None]
 """report(label, done, total)"""
 
 _STARTS = 1_000  # of an analysis that is made here, for each corank
-_LABEL = "parts covered"
 _FAR = 3  # times the budget that an estimate says: it is off by a tenth or so, at times by a half
 _QUICK, _QUICK_BY_ENCLOSURES = 1 << 22, 1 << 16  # leaves below which processes take longer to begin than the work
 
@@ -184,9 +184,7 @@ def covering(
         needed = estimate(robot, task, plan)
     if needed > _FAR * budget:
         return put_together(plan, batches, TOO_FEW, needed)
-    label = _LABEL
-    if needed:
-        label = f"{_LABEL} (about {needed:,} enclosures in all)"
+    label = covering_label(needed)
 
     def each(chunk: int, content: bytes) -> None:
         nonlocal spent

@@ -50,6 +50,7 @@ from rankdrop.robot.quantities import count, read_joints
 from rankdrop.task import Task
 from rankdrop.text.by_hand import reason_text, steps_of
 from rankdrop.text.families import (
+    MISSED_BY_LETTERS,
     assumption_text,
     equal_lengths_text,
     following_texts,
@@ -177,8 +178,7 @@ def _with_numbers_where_missed(
     if not (over and optional) or work.interrupted or work.time_left <= 0:
         return result
     found = derived(result.robot, result.task, replace(asked, lengths="numbers", seconds=work.time_left), progress)
-    remark = "lengths are numbers: conditions for general lengths miss singular configurations of these"
-    return replace(found, remarks=(*found.remarks, remark), settings=asked)
+    return replace(found, remarks=(*found.remarks, MISSED_BY_LETTERS), settings=asked)
 
 
 def _lowest_rank(chain: Chain, coranks: int | None) -> int:

@@ -16,7 +16,7 @@ import pytest
 from rankdrop.algebra.field import P, Point, bivariate, common_zeros, complete, holds, roots, univariate
 from rankdrop.algebra.polynomial import SIMPLE, Equality
 from rankdrop.algebra.ring import Ring
-from rankdrop.algebra.work import spent
+from rankdrop.algebra.work import Work, spent
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
@@ -25,13 +25,14 @@ from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.conjunctions import Conjunction, Derivation, columns_on, values_of
 from rankdrop.exact.derivation import Reason, _too_long
 from rankdrop.exact.methods import METHODS, _choices, derive, zero_of
+from rankdrop.exact.tree import rank_tree
 from rankdrop.families.points import cloud
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.text.by_hand import Words, notes_of, reason_text
+from rankdrop.text.by_hand import Words, notes_of, reason_text, steps_of
 from rankdrop.units import out_of_units
 from rankdrop.verbs.conditions import conditions
 
@@ -257,6 +258,92 @@ def test_without_the_exceptional_cases_reciprocity_misses_singularities() -> Non
     points, singular = strata("canadarm2")
     alone = [holds_at(found.conditions[0], found.ring, point) for point in points]
     assert sum(alone) < sum(singular)
+
+
+CORANKS = [
+    (name, corank) for name, last in [
+        ("planar3r", 2), ("scara", 2), ("anthropomorphic", 3), ("puma560", 2), ("ur5", 3), ("stanford", 2), ("pa10", 3)
+    ] for corank in range(2, last + 1)
+]  # fmt: skip
+
+
+@cache
+def reciprocal(name: str, corank: int) -> Derivation:
+    return derive(chain_of(name), "reciprocity", 60.0, corank=corank)
+
+
+@cache
+def ranked(name: str) -> tuple[tuple[Point, ...], tuple[int, ...]]:
+    """Points modulo P on every set of the rank tree and on other strata, and their ranks."""
+    chain, rng = chain_of(name), random.Random(3)
+    found = [drop.piece.point(rng) for drop in rank_tree(chain, Work(60.0)).drops]
+    points = (*(point for point in found if point is not None), *strata(name, 120)[0])
+    return points, rank_check(chain, points)
+
+
+@pytest.mark.spread(4)
+@pytest.mark.slow
+@pytest.mark.by_hand_at("pa10-2", "pa10-3")
+@pytest.mark.parametrize(("name", "corank"), CORANKS)
+def test_reciprocal_screws_hold_exactly_where_the_corank_is_reached_modulo_p(name: str, corank: int) -> None:
+    found = reciprocal(name, corank)
+    assert found.complete
+    assert not found.generic
+    points, ranks = ranked(name)
+    reached = tuple(rank <= found.chain.task.m - corank for rank in ranks)
+    assert any(reached) == bool(found.conditions)
+    assert holds_modulo(found, points) == reached
+
+
+@pytest.mark.spread(3)
+@pytest.mark.slow
+@pytest.mark.by_hand_at("pa10-2", "pa10-3")
+@pytest.mark.parametrize(("name", "corank"), CORANKS)
+def test_reciprocal_screws_hold_at_configurations_found_of_their_corank_alone(name: str, corank: int) -> None:
+    found = reciprocal(name, corank)
+    robot, task = found.chain.robot, found.chain.task
+    met, lower = cloud(robot, task, corank, 40), cloud(robot, task, corank - 1, 40)
+    assert bool(len(met.q)) == bool(found.conditions)
+    if len(met.q):
+        assert found.holds(met.q).all()
+    q = np.concatenate([np.random.default_rng(2).uniform(-3, 3, (50, found.chain.n)), lower.q])
+    clear = singular_values(robot, q, task)[:, task.m - corank] > 0.02
+    assert clear.sum() > 60
+    assert not found.holds(q[clear]).any()
+
+
+def test_without_the_exceptional_cases_reciprocal_screws_miss_configurations(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The planted fault: nothing follows where the chosen minor vanishes, θ2 = ±π/2 of PUMA's first joints."""
+    monkeypatch.setattr(Derivation, "branches", lambda *_: [])
+    found = derive(chain_of("puma560"), "reciprocity", corank=2)
+    met = cloud(found.chain.robot, found.chain.task, 2, 40)
+    assert 0 < found.holds(met.q).sum() < len(met.q)
+
+
+def test_reciprocal_screws_of_corank_two_are_written_with_the_minor_that_makes_them_independent() -> None:
+    (step,) = steps_of(chain_of("scara"), reciprocal("scara", 2))
+    assert step.title == "Method: reciprocity, corank 2"
+    assert step.lines[1:] == (
+        "in general: screws reciprocal to joints 1, 2:",
+        "  (a1, 0, 0, a1 a2 s2)",
+        "  (0, 0, −a1, 0)",
+        "  independent where |$1 $2| of rows vy wz is not zero: a1",
+    )
+
+
+@pytest.mark.parametrize(("method", "corank"), [("reciprocity", 0), ("reciprocity", 5), ("cofactors", 2)])
+def test_a_corank_that_a_method_does_not_derive_is_refused(method: str, corank: int) -> None:
+    with pytest.raises(OptionError, match="corank"):
+        derive(chain_of("scara"), method, corank=corank)
+
+
+def test_the_corank_of_all_rows_is_that_of_no_motion_at_all() -> None:
+    """No joint is chosen: every screw is reciprocal to none, and all entries have to vanish."""
+    found = derive(exact_chain(open_robot("planar3r"), "vx"), "reciprocity")
+    assert found.holds([[0.0, 0.0, 0.0], [0.0, np.pi, 0.0], [0.3, 0.0, 0.0]]).tolist() == [True, True, False]
+    deeper = derive(chain_of("planar3r"), "reciprocity", corank=3)
+    assert deeper.complete
+    assert deeper.conditions == []
 
 
 @pytest.mark.parametrize("method", METHODS)

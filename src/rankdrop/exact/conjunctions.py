@@ -137,6 +137,10 @@ class Conjunction:
 
 Columns = Sequence[Sequence[Polynomial]]
 """Columns of a matrix over the trigonometric ring."""
+TOLD = 1
+"""Pinned joints of a case up to which its screw, and where that vanishes, is told."""
+Pins = tuple[tuple[int, str], ...]
+"""Pinned joints of a case: its columns depend on nothing else."""
 Note = tuple[str, dict[str, Any]]
 """What a method notes on the way, and its figures."""
 
@@ -150,6 +154,7 @@ class Derivation:
         seconds: of work.
         frame: link in whose frame the screws of a pose are taken; None for the one where they are shortest.
         basic: numbers of the joints whose screws are taken first, where the method chooses some; None for no wish.
+        corank: k of the configurations that are derived, of rank m − k or less.
 
     Attributes:
         columns: of the Jacobian.
@@ -168,9 +173,10 @@ class Derivation:
         *,
         frame: int | None = None,
         basic: tuple[int, ...] | None = None,
+        corank: int = 1,
     ) -> None:
         self.chain, self.ring, self.method = chain, chain.ring, method
-        self.basic = basic
+        self.basic, self.corank = basic, corank
         self.columns: Columns = chain.columns if frame is None else chain.screws(frame)
         self.conditions: list[Conjunction] = []
         self.notes: list[Note] = []

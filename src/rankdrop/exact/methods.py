@@ -37,7 +37,7 @@ than the task has rows, five of six, one screw w is reciprocal: its components a
 w ≠ 0 they are independent, and the configuration is singular where the remaining joint screws are reciprocal to w, too:
 their reciprocal products with it are maximal minors of J. Where every component of w vanishes the expression says
 nothing (KG section 1): the five are dependent, which for a redundant arm need not be a singularity. This exceptional
-locus is treated apart, by another choice of five.
+locus is treated apart, by another choice of five. For coranks above 1 see `rankdrop.exact.reciprocal`.
 
 The singular vector: Jᵀ u = 0 solved by elimination, without fractions, in every case of a pivot. After k steps the
 entries that are left are, up to the pivots before, minors of order k + 1 that border the pivot's minor: they are
@@ -69,10 +69,12 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.conjunctions import (
+    TOLD,
     Atoms,
     Columns,
     Conjunction,
     Derivation,
+    Pins,
     columns_on,
     conditions_on,
     conjunctions,
@@ -83,6 +85,7 @@ from rankdrop.exact.conjunctions import (
 )
 from rankdrop.exact.determinants import MinorChoice, maximal_minors
 from rankdrop.exact.family import merge_pairs
+from rankdrop.exact.reciprocal import reciprocal_screws
 from rankdrop.exact.stratum import meet
 from rankdrop.local.block import sample
 from rankdrop.robot.model import JointKind
@@ -354,18 +357,14 @@ def _merge_equalities(one: frozenset[Equality], other: frozenset[Equality]) -> f
     return (one & other) | {equality_of(frozenset(atoms))}
 
 
-TOLD = 1
-"""Pinned joints of a case up to which its screw, and where that vanishes, is told."""
-Pins = tuple[tuple[int, str], ...]
-"""Pinned joints of a case: its columns depend on nothing else."""
-
-
 _Choice = tuple[tuple[int, ...], tuple[Polynomial, ...]]
 """Joints (from 0), and the screw that is reciprocal to theirs: one component per row of the task."""
 
 
 def reciprocity(builder: Derivation) -> None:
     """Conditions case by case: a choice of five with its screw w ≠ 0, then the locus where w vanishes.
+
+    Of corank 1; of a higher one the conditions are those of `reciprocal_screws`.
 
     Args:
         builder: filled in. Sizes: "cases", "choices" of five that were made, "terms" of the longest screw,
@@ -382,10 +381,13 @@ def reciprocity(builder: Derivation) -> None:
             where=f"robot {builder.chain.robot.name!r}", got=f"{builder.chain.n} joints, {builder.chain.task.m} rows",
             mend="use the method cofactors or singular_vector",
         )  # fmt: skip
-    builder.sizes |= {"cases": 0, "choices": 0, "terms": 0}
-    builder.generic = True
     if builder.basic is not None:
         builder.note("basic", joints=", ".join(map(str, builder.basic)))
+    if builder.corank > 1:
+        reciprocal_screws(builder)
+        return
+    builder.sizes |= {"cases": 0, "choices": 0, "terms": 0}
+    builder.generic = True
     waiting = [ZeroSet.whole(builder.ring)]
     made: set[tuple[int, ...]] = set()
     choices: dict[Pins, list[_Choice]] = {}
@@ -658,8 +660,9 @@ def derive(
     *,
     frame: int | None = None,
     basic: tuple[int, ...] | None = None,
+    corank: int = 1,
 ) -> Derivation:
-    """Derive the singular set by one of the methods.
+    """Derive the singular set, or the set of a higher corank, by one of the methods.
 
     Args:
         chain: the arm and its task.
@@ -667,19 +670,29 @@ def derive(
         seconds: wall time that may be spent; what is not done by then is told in `Derivation.left`.
         frame: for reciprocity: link 1 … n − 1 in whose frame the screws are taken; None for the shortest one.
         basic: for reciprocity: the reciprocal screw is that of five of these joints, as far as that goes.
+        corank: k of the configurations of rank m − k or less; above 1 for reciprocity alone.
 
     Returns:
         The conditions, and what they cost.
 
     Raises:
-        OptionError: no such method; a rank that is not full anywhere; for decomposition no spherical wrist.
+        OptionError: no such method; a rank that is not full anywhere; for decomposition no spherical wrist; a corank
+            that the task or the method does not have.
     """
     if method not in _METHODS:
         raise OptionError("there is no such method", got=repr(method), allowed=", ".join(METHODS))
     if (frame is not None or basic is not None) and method != "reciprocity":
         raise OptionError("frame and basic screws are chosen for another method", got=method, allowed="reciprocity")
+    if not 1 <= corank <= chain.task.m:
+        raise OptionError(
+            "the corank is no number of freedoms of the task", where="corank", got=corank, allowed=f"1 … {chain.task.m}"
+        )
+    if corank > 1 and method != "reciprocity":
+        raise OptionError(
+            "this method derives corank 1 only", where="corank", got=f"{corank}, {method}", allowed="reciprocity"
+        )
     check_basic(chain, basic, frame)
-    builder = Derivation(chain, method, seconds, frame=frame, basic=basic)
+    builder = Derivation(chain, method, seconds, frame=frame, basic=basic, corank=corank)
     try:
         _METHODS[method](builder)
     except OutOfTime as error:

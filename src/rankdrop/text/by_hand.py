@@ -8,6 +8,7 @@ from itertools import combinations, product
 
 from rankdrop.algebra.polynomial import Equality, Polynomial
 from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import listed, structure_of, triples
 from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, conditions_on
@@ -301,7 +302,8 @@ def _method(found: Derivation) -> Step:
     more = len(found.conditions) - _SHOWN
     lines = (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *notes)
     complete = (figures, *every, *notes)
-    return Step(f"Method: {found.method.replace('_', '-')}", lines, () if complete == lines else complete)
+    title = f"Method: {found.method.replace('_', '-')}{f', corank {found.corank}' if found.corank > 1 else ''}"
+    return Step(title, lines, () if complete == lines else complete)
 
 
 _NOTES = {
@@ -317,6 +319,8 @@ _NOTES = {
     "basic": "joints {joints} are taken first, as asked for",
     "choices": "the exceptional loci are treated apart, by {further} further choices of joints, {different} different "
     "ones in all",
+    "cases": "where these minors vanish other ones are taken, in {further} further cases, of {different} choices of "
+    "joints in all",
     "square": "where it vanishes det J does, too: nothing is left out",
     "pivots": "{cases} cases of pivots, {conditions} of them with singular configurations; some may be empty, and "
     "where a case holds no more than another one it is not left out",
@@ -339,28 +343,64 @@ def _note(words: Words, note: Note) -> Iterator[str]:
     if what == "unfactored":
         yield _unfactored(**facts)
         return
+    if what == "screws":
+        yield from _screws(words, **facts)
+        return
     if what != "screw":
         yield _NOTES[what].format(**facts)
         return
-    case, elements, ring = facts["case"], facts["elements"], facts["case"].ring
-    if case.pins:
-        there = words.conjunction(Conjunction(conditions_on(case)))
+    case, elements = facts["case"], facts["elements"]
+    if len(elements) == 6:
+        screw = _written(case.ring, elements)
     else:
-        there = "in general"
-    terms = sum(map(len, elements))
-    if terms <= WRITTEN:
-        written = [text_of(ring, x) for x in elements]
-    else:
-        written = []
-    if len(written) == 6:
-        screw = f"({', '.join(written[:3])}; {', '.join(written[3:])})"
-    else:
-        screw = f"of {terms} terms"
-    yield Formula(f"{there}: the screw reciprocal to joints {_joints(facts['joints'])} is {screw}")
+        screw = _size(elements)
+    yield Formula(f"{_there(words, case)}: the screw reciprocal to joints {_joints(facts['joints'])} is {screw}")
     known = list(dict.fromkeys(words.conjunction(one) for one in facts["vanishes"]))
     count = {6: "six", 3: "three"}.get(len(elements), str(len(elements)))
     said = f"all {count} elements vanish, and it says nothing, where {', or where '.join(known)}"
     yield f"  {said if known else 'it never vanishes there'}"
+
+
+def _there(words: Words, case: ZeroSet) -> str:
+    """Where a case is: its pinned joints, or "in general"."""
+    if case.pins:
+        return words.conjunction(Conjunction(conditions_on(case)))
+    return "in general"
+
+
+def _written(ring: Ring, elements: Sequence[Polynomial]) -> str:
+    """A screw by its elements, a long one by its number of terms."""
+    if sum(map(len, elements)) > WRITTEN:
+        return _size(elements)
+    written = [text_of(ring, x) for x in elements]
+    if len(written) == 6:
+        return f"({', '.join(written[:3])}; {', '.join(written[3:])})"
+    return f"({', '.join(written)})"
+
+
+def _size(elements: Sequence[Polynomial]) -> str:
+    return f"of {sum(map(len, elements))} terms"
+
+
+def _screws(
+    words: Words,
+    case: ZeroSet,
+    joints: Sequence[int],
+    rows: Sequence[int],
+    minor: Polynomial,
+    screws: Sequence[Sequence[Polynomial]],
+) -> Iterator[str]:
+    """The k screws that a case rests on, and the minor that makes them independent."""
+    ring = case.ring
+    yield Formula(f"{_there(words, case)}: screws reciprocal to joints {_joints(joints) or 'none'}:")
+    yield from (Formula(f"  {_written(ring, screw)}") for screw in screws)
+    if len(minor) > WRITTEN:
+        value = f"of {len(minor)} terms"
+    else:
+        value = text_of(ring, minor)
+    if joints:
+        names = " ".join(ROWS[row] for row in rows)
+        yield Formula(f"  independent where |{_names(joints)}| of rows {names} is not zero: {value}")
 
 
 def _unfactored(choice: MinorChoice, terms: int, degree: int, zero: tuple[float, ...] | None) -> str:

@@ -149,7 +149,8 @@ class ConditionsOptions(Options):
             "auto", "decoupling", "suppression", "tree", "determinant", "cofactors", "decomposition", "reciprocity",
             "singular-vector", "elementary",
         ],
-        option("How corank 1 is derived; all methods give the same set, and auto says which it took and why"),
+        option("How corank 1 is derived (reciprocity: every corank up to --coranks); all methods give the same set, "
+               "and auto says which it took and why"),
     ] = "auto"  # fmt: skip
     lengths: Annotated[
         str | Mapping[str, float],

@@ -22,7 +22,7 @@ PLACES = [
     (deriving, "real_sets"),
     (deriving, "families"),
     (deriving, "corank_one"),
-    (deriving, "steps_of"),
+    (deriving, "every_step"),
     (deriving, "assumptions"),
 ]
 

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop.algebra.field import Point, holds
 from rankdrop.algebra.polynomial import Atom, Equality, Polynomial, order
-from rankdrop.algebra.ring import add_terms, numeric_terms
+from rankdrop.algebra.ring import Ring, add_terms, numeric_terms
 from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
@@ -134,6 +135,18 @@ class Conjunction:
             met &= np.max([_distance(equality, distances) for equality in group], axis=0) > CLEAR
         return met
 
+    def holds_at(self, ring: Ring, point: Point) -> bool:
+        """Whether it holds at a point modulo a prime, exactly."""
+        if not all(_vanishes(equality, ring, point) for equality in self.equal):
+            return False
+        return not any(all(_vanishes(equality, ring, point) for equality in group) for group in self.unequal)
+
+
+def _vanishes(equality: Equality, ring: Ring, point: Point) -> bool:
+    if equality.whole is None:
+        return any(holds(ring, atom, point) for atom in equality.atoms)
+    return holds(ring, equality.whole, point)
+
 
 Columns = Sequence[Sequence[Polynomial]]
 """Columns of a matrix over the trigonometric ring."""
@@ -222,6 +235,10 @@ class Derivation:
         distances = Distances(self.chain, q)
         none = np.zeros(len(distances), dtype=np.bool_)
         return np.asarray(np.logical_or.reduce([none, *(one.holds(distances) for one in self.conditions)]))
+
+    def holds_at(self, point: Point) -> bool:
+        """Whether one of the conditions holds at a point modulo a prime, exactly."""
+        return any(one.holds_at(self.ring, point) for one in self.conditions)
 
     def finish(self) -> None:
         """Name the factors that were not found, and the lengths assumed ≠ 0 that are 0 for this arm."""

@@ -15,6 +15,7 @@ from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.conjunctions import Derivation
 from rankdrop.exact.determinants import Decoupling, decouple, why_not
 from rankdrop.exact.families import real_points
+from rankdrop.exact.higher_coranks import HigherCorank, higher_coranks
 from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import derive
 from rankdrop.exact.suppression import Suppression, suppress
@@ -57,13 +58,14 @@ class Reason:
 
 @dataclass(frozen=True)
 class CorankOne:
-    """A derivation of corank 1.
+    """A derivation of corank 1, and of higher ones where the method has them and they were asked for.
 
     Attributes:
         method, reason: which, and why.
         derived: what was derived; None where nothing was.
         left: what was not finished.
         disagreements: what it says that the rank tree does not, and the other way round.
+        higher: coranks above 1.
     """
 
     method: str
@@ -71,6 +73,7 @@ class CorankOne:
     derived: Decoupling | Suppression | Derivation | Tree | None
     left: tuple[str, ...] = ()
     disagreements: tuple[str, ...] = ()
+    higher: tuple[HigherCorank, ...] = ()
 
 
 def check_method(
@@ -109,6 +112,7 @@ def corank_one(
     work: Work,
     *,
     chosen: Chosen = (None, None),
+    highest: int | None = None,
 ) -> CorankOne:
     """Derive corank 1 by one method, and compare with what the rank tree has found.
 
@@ -123,6 +127,7 @@ def corank_one(
         work: deadline and random points.
         chosen: for suppression and reciprocity: numbers of the six basic screws, None for the method's own rules; link
             in whose frame the screws are, None for the one where they are shortest.
+        highest: corank up to which reciprocity derives; None for 1.
 
     Raises:
         OptionError: a method that is not for this arm; says why.
@@ -146,6 +151,10 @@ def corank_one(
         derived = _suppressed(chain, reason, tree, work, chosen)
     else:
         derived = _compared(chain, name, reason, families, work, chosen)
+    if name == "reciprocity" and highest is not None:
+        basic, frame = chosen
+        higher = higher_coranks(chain, highest, tree, work, basic=basic, frame=frame)
+        derived = replace(derived, higher=higher)
     return _by_tree_if_open(derived, method, tree)
 
 

@@ -47,7 +47,7 @@ class Conditions(Result):
         letters: the lengths that are symbols, and their values [m].
         shifts: θ = q + shift, per joint: conditions speak of θ [rad, m].
         remarks: what was rounded, or is nearly so.
-        method, reason: how the conditions of corank 1 were derived, and why so.
+        method, reason: how the conditions of corank 1 were derived, and why so; by reciprocity higher coranks as well.
         steps: that derivation, step by step.
         families: of every corank that was derived, large ones first, each with its exact conditions.
         lowest: rank down to which drops were looked for.

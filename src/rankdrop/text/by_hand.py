@@ -12,11 +12,13 @@ from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import listed, structure_of, triples
 from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, conditions_on
-from rankdrop.exact.derivation import Reason
+from rankdrop.exact.derivation import CorankOne, Reason
 from rankdrop.exact.determinants import Decoupling, MinorChoice, minor_name
+from rankdrop.exact.higher_coranks import HigherCorank
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.suppression import Case, Dependence, Proof, Suppression
 from rankdrop.exact.tree import Tree
+from rankdrop.families.record import Check
 from rankdrop.formula.notation import Step, Text, fourier
 from rankdrop.formula.writing import (
     Condition,
@@ -52,6 +54,14 @@ def steps_of(chain: Chain, derived: Decoupling | Suppression | Derivation | Tree
     return (Step("Rank tree", lines),) if lines else ()
 
 
+def every_step(chain: Chain, derivation: CorankOne) -> tuple[Step, ...]:
+    """The steps of corank 1, and of the higher coranks that were derived like it."""
+    steps = [*steps_of(chain, derivation.derived)]
+    for one in derivation.higher:
+        steps += steps_of(chain, one.derived)
+    return tuple(steps)
+
+
 def reason_text(reason: Reason) -> str:
     """Why corank 1 was derived by its method, and which methods were not run."""
     if reason.interrupted:
@@ -69,6 +79,31 @@ def reason_text(reason: Reason) -> str:
     if reason.unfinished:
         parts.append(f"the method {reason.unfinished} was tried and did not finish")
     return "; ".join(parts)
+
+
+def higher_left_texts(higher: Sequence[HigherCorank]) -> list[str]:
+    """What was not finished of coranks above 1."""
+    return [f"reciprocity, corank {one.corank}: {left}" for one in higher for left in one.derived.left]
+
+
+_COMPARED = {
+    "sets": "on {wrong} of {tested} sets of the rank tree",
+    "singular": "at {wrong} of {tested} configurations of this corank found numerically, where they do not hold",
+    "regular": "at {wrong} of {tested} configurations of a lower corank, where they hold",
+}
+"""Where conditions of a corank above 1 are wrong, by what they were compared with."""
+
+
+def higher_differences_texts(higher: Sequence[HigherCorank]) -> list[str]:
+    """What conditions of coranks above 1 say that the rank tree or numeric configurations do not."""
+    texts = []
+    for one in higher:
+        for what, words in _COMPARED.items():
+            check: Check = getattr(one, what)
+            if check.agree < check.tested:
+                where = words.format(wrong=check.tested - check.agree, tested=check.tested)
+                texts.append(f"the conditions of the method reciprocity for corank {one.corank} are wrong {where}")
+    return texts
 
 
 def _decoupling(found: Decoupling) -> Iterator[str]:
@@ -302,7 +337,9 @@ def _method(found: Derivation) -> Step:
     more = len(found.conditions) - _SHOWN
     lines = (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *notes)
     complete = (figures, *every, *notes)
-    title = f"Method: {found.method.replace('_', '-')}{f', corank {found.corank}' if found.corank > 1 else ''}"
+    title = f"Method: {found.method.replace('_', '-')}"
+    if found.corank > 1:
+        title += f", corank {found.corank}"
     return Step(title, lines, () if complete == lines else complete)
 
 

@@ -75,7 +75,7 @@ def arm_lines(conditions: Any) -> dict[str, str]:
         "angles": angles_text(conditions.robot, conditions.shifts),
         "always": always if rank < rows else "",
         "remarks": "\n".join(conditions.remarks),
-        "method": f"rank tree{'' if method == 'tree' else f'; corank 1 also by {method}'}",
+        "method": f"rank tree{'' if method == 'tree' else f'; {_twice(conditions)} also by {method}'}",
         "reason": "; ".join(reasons),
     }
     return {label: text for label, text in lines.items() if text}
@@ -103,6 +103,19 @@ def angles_text(robot: Robot, shifts: Sequence[float]) -> str:
 def _method(conditions: Any) -> str:
     name: str = conditions.method
     return _METHOD.get(name, name)
+
+
+def _twice(conditions: Any) -> str:
+    """The coranks that another method than the rank tree derived: "corank 1", "coranks 1 to 3"."""
+    highest = min(conditions.settings.coranks or 1, conditions.generic_rank)
+    if conditions.method != "reciprocity" or highest == 1:
+        return "corank 1"
+    between = "to" if highest > 2 else "and"
+    return f"coranks 1 {between} {highest}"
+
+
+def _derivation(conditions: Any) -> str:
+    return f"derivation of {_twice(conditions)}, {conditions.method}"
 
 
 def condition_sections(conditions: Any, *, families: bool = True) -> tuple[Section, ...]:
@@ -139,7 +152,7 @@ def _row_html(family: Family, robot: Robot) -> str:
 
 def _steps(conditions: Any) -> Iterator[Section]:
     for number, step in enumerate(conditions.steps if conditions.settings.steps else ()):
-        yield Section(step.title, "" if number else f"derivation of corank 1, {conditions.method}", step.lines)
+        yield Section(step.title, "" if number else _derivation(conditions), step.lines)
 
 
 def _determinants(conditions: Any) -> Iterator[Section]:
@@ -159,7 +172,7 @@ def steps_text(conditions: Any) -> str:
     blocks = [[step.title, *(f"  {line}" for line in step.whole or step.lines)] for step in conditions.steps]
     if conditions.determinants is not None:
         blocks.append(["Determinants", *(f"  {line}" for line in conditions.determinants.lines(None))])
-    head = [f"{conditions.robot.name}: derivation of corank 1, {conditions.method}", _LEGEND]
+    head = [f"{conditions.robot.name}: {_derivation(conditions)}", _LEGEND]
     return "\n\n".join("\n".join(block) for block in [head, *blocks]) + "\n"
 
 
@@ -452,7 +465,7 @@ def _not_real(conditions: Any) -> Iterator[Section]:
 def _checks(conditions: Any) -> Iterator[Section]:
     lines = [*_tested_lines(conditions)]
     if conditions.method != "tree" and not conditions.disagreements and not conditions.left:
-        lines.append(f"corank 1 derived twice: rank tree and {_method(conditions)} agree")
+        lines.append(f"{_twice(conditions)} derived twice: rank tree and {_method(conditions)} agree")
     lines += [f"DISAGREEMENT: {one}" for one in conditions.disagreements]
     lines.append(shipped_line() if conditions.anew else f"Time taken: {conditions.seconds:.1f} s.")
     yield Section("Checks", "", tuple(lines))

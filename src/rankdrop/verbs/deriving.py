@@ -48,7 +48,7 @@ from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import count, read_joints
 from rankdrop.task import Task
-from rankdrop.text.by_hand import reason_text, steps_of
+from rankdrop.text.by_hand import every_step, higher_differences_texts, higher_left_texts, reason_text
 from rankdrop.text.families import (
     MISSED_BY_LETTERS,
     assumption_text,
@@ -60,6 +60,7 @@ from rankdrop.text.families import (
 )
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units
+from rankdrop.verbs.found_coranks import tried_numerically
 
 Made = TypeVar("Made")
 _Derived = tuple[Chain, Tree, Work, tuple[str, ...]]
@@ -105,13 +106,16 @@ def derived(
     first = _unless_interrupted(
         work, left, "the method for corank 1",
         lambda own: corank_one(
-            chain, asked.method, tree, found, own, chosen=(basic, asked.frame)
+            chain, asked.method, tree, found, own, chosen=(basic, asked.frame), highest=asked.coranks
         ),
         CorankOne("tree", Reason(interrupted=True), None, ("the method for corank 1",)),
     )  # fmt: skip
+    higher = _unless_interrupted(
+        work, left, "coranks above 1", lambda _: tried_numerically(first.higher, asked.seed), first.higher
+    )
     steps: tuple[Step, ...] = ()
     if asked.steps or isinstance(first.derived, Tree):
-        steps = _unless_interrupted(work, left, "the steps", lambda _: steps_of(chain, first.derived), ())
+        steps = _unless_interrupted(work, left, "the steps", lambda _: every_step(chain, first), ())
     determinants: Determinants | None = None
     if asked.steps:
         determinants = _unless_interrupted(work, left, "the determinant", lambda own: determinants_of(chain, own), None)
@@ -120,7 +124,7 @@ def derived(
         "sets without points",
         lambda: _sets_without_points(chain, tree, found, asked.seed, left, unsettled), unmet, left,
     )  # fmt: skip
-    left += first.left
+    left += [*first.left, *higher_left_texts(higher)]
     lowest = _stated_rank(tree, lowest)
     stated = replace(tree, cases=[*tree.cases, *unsettled])
     undivided: Sequence[UndividedSet] = ()
@@ -132,7 +136,7 @@ def derived(
     )
     left += _not_holding(assumed)
     check, over, misses = _cloud(chain, tree.generic_rank, lowest, (*found, *undivided), asked.points, work, left)
-    differing = list(first.disagreements)
+    differing = [*first.disagreements, *higher_differences_texts(higher)]
     if not tree.divided:  # another method may have what the tree has not come to
         left += differing
         differing = []

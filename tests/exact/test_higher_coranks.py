@@ -1,0 +1,56 @@
+"""Coranks above 1 by reciprocal screws, as `conditions` derives them beside the rank tree; faults are found."""
+
+from __future__ import annotations
+
+import pytest
+
+from rankdrop.exact import higher_coranks, reciprocal
+from rankdrop.exact.conjunctions import Conjunction, Derivation
+from rankdrop.robot.open import open_robot
+from rankdrop.verbs.conditions import conditions
+
+
+def derived(arm: str, coranks: int = 2, **given):
+    return conditions(open_robot(arm), method="reciprocity", coranks=coranks, points=20, **given)
+
+
+@pytest.mark.slow
+def test_higher_coranks_are_derived_by_reciprocity_and_agree_with_the_tree() -> None:
+    found = derived("puma560", steps=True)
+    assert found.verified
+    assert [step.title for step in found.steps] == ["Method: reciprocity", "Method: reciprocity, corank 2"]
+    assert "coranks 1 and 2 derived twice: rank tree and the reciprocity method agree" in str(found)
+
+
+def test_one_corank_is_derived_as_before() -> None:
+    found = derived("scara", 1, steps=True)
+    assert [step.title for step in found.steps] == ["Method: reciprocity"]
+    assert "corank 1 derived twice: rank tree and the reciprocity method agree" in str(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [([], "found numerically, where they do not hold"), ([Conjunction(())], "of a lower corank, where they hold")],
+    ids=["too few", "too many"],
+)
+def test_wrong_conditions_of_a_higher_corank_are_disagreements(
+    fault: list[Conjunction], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(reciprocal, "_products_vanish", lambda *_: fault)
+    found = derived("stanford")
+    assert found.verdict.word == "contradicted"
+    assert "for corank 2 are wrong on " in found.disagreements[0]
+    assert any(one.endswith(said) for one in found.disagreements)
+
+
+def test_what_is_not_finished_of_a_higher_corank_is_stated(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(*given, corank: int, **options) -> Derivation:
+        found = Derivation(given[0], "reciprocity", 1.0, corank=corank)
+        found.left.append("7 exceptional cases")
+        return found
+
+    monkeypatch.setattr(higher_coranks, "derive", stopped)
+    found = derived("scara")
+    assert "reciprocity, corank 2: 7 exceptional cases" in found.left
+    assert found.verdict.word == "incomplete"

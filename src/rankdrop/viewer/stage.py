@@ -35,6 +35,7 @@ FREE = {True: (0.64, 1.0), False: (1.0, 0.5)}
 _ASPECT = 1.55  # of a window that is wide, until it is known
 _FILLED = 0.92  # of that part that the arm takes at the start; the rest is for its arrows
 _NEAREST = 1e-3  # of the camera to a point [m]
+_NOTHING = np.zeros((0, 3))
 _STEEP = 0.05  # sine of the angle between the view and the upright from which the camera is moved
 TOWARD = np.array([np.cos(VIEW) * np.cos(0.38), np.sin(VIEW) * np.cos(0.38), np.sin(0.38)])
 """(3,) from the arm to the camera."""
@@ -212,9 +213,15 @@ class Stage:
         if aspect < 1.0:
             client.camera.position, client.camera.look_at = camera_for(self._seen, wide=False, aspect=aspect)
 
-    def keep_in_view(self, q: Array) -> None:
-        """Move the cameras that do not see the whole arm at q (n,), each along its own direction of view."""
-        ends, seen = spine(self.live.robot, q[None])[0], extent(self.live.robot, q)
+    def keep_in_view(self, q: Array, beside: Array = _NOTHING) -> None:
+        """Move the cameras that do not see the whole arm at q (n,), each along its own direction of view.
+
+        Args:
+            q: (n,) of the arm [rad, m].
+            beside: (N, 3) points that are to be seen as well [m].
+        """
+        ends = np.vstack([spine(self.live.robot, q[None])[0], beside])
+        seen = np.vstack([extent(self.live.robot, q), beside])
         for client in self.server.get_clients().values():
             camera = client.camera
             toward = camera.position - camera.look_at

@@ -344,6 +344,10 @@ class SliceBox:
         edges = [[a, b] for i, a in enumerate(corners) for b in corners[i + 1 :] if np.abs(a - b).sum() == 1.0]
         return np.asarray(self.corner + self.edge * np.array(edges) @ AXES[: len(self.joints)])
 
+    def ends(self, robot: Robot) -> Array:
+        """(N, 3) corners, and places of labels [m]."""
+        return np.vstack([self.lines().reshape(-1, 3), [place for _, place in self.labels(robot)]])
+
     def labels(self, robot: Robot) -> list[tuple[str, Array]]:
         """What to write where: the joints at the middles of their edges, the ends of their ranges at the corners."""
         found = []
@@ -398,9 +402,12 @@ class SliceTab:
             )
 
     def draw(self) -> None:
-        """Find the points and put them into the scene."""
+        """Find the points and put them into the scene, where every camera sees them."""
         with self._busy:
-            self._draw(self.controls.session.q, None)
+            q = self.controls.session.q
+            self._draw(q, None)
+            if self._drawn is not None:
+                self.controls.stage.keep_in_view(q, self._drawn[0].ends(self.controls.robot))
 
     def _draw(self, q: Array, starts: int | None) -> None:
         joints = tuple(int(one.value.split()[0]) for one in self.ui.axes if one.value != _NONE)

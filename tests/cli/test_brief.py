@@ -67,6 +67,7 @@ def begins(found: Analysis) -> str:
     return f"{found.robot.name} has {count} famil{'y' if count == 1 else 'ies'} of singularities: "
 
 
+@pytest.mark.slow_at("yumi")
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", DOZEN)
 def test_analyze_has_at_most_forty_lines_and_begins_with_the_answer(

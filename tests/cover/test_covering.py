@@ -440,6 +440,8 @@ def test_boxes_are_the_same_however_few_are_halved_at_one_go(monkeypatch):
     assert largest <= max(7, -(-plan.shape.trees // module.chunks_of(plan)))
 
 
+@pytest.mark.slow_at("ur5-0.4-2")
+@pytest.mark.slow_at("stanford-0.3-1")
 @pytest.mark.parametrize(("name", "width", "corank"), [("scara", 0.05, 1), ("stanford", 0.3, 1), ("ur5", 0.4, 2)])
 def test_the_work_is_estimated_before_it_is_done(name, width, corank):
     robot = open_robot(name)

@@ -232,6 +232,7 @@ def changed_tool(how: str, points: list[list[float]]) -> list[list[float]]:
     return rows
 
 
+@pytest.mark.slow_at("last joint off")
 @pytest.mark.slow_at("one row off")
 @pytest.mark.parametrize("how", ["one row off", "last joint off", "a detour between rows", "rows left out",
                                  "the end is missing", "the beginning is missing", "backwards"])  # fmt: skip

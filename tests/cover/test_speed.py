@@ -36,6 +36,7 @@ def speeds(robot, q: np.ndarray) -> np.ndarray:
     return (rate_limits(robot) / np.linalg.norm(inverse, axis=2)).min(axis=1)
 
 
+@pytest.mark.slow_at("kr6r900-5-values2")
 @pytest.mark.parametrize(("name", "number", "values"), WRISTS)
 def test_no_configuration_of_the_region_is_slower_and_some_just_nearer_is(name, number, values, rng) -> None:
     region, j = region_of(name, span=FEW), number - 1

@@ -76,6 +76,7 @@ def test_the_nearest_family_is_what_the_search_finds(name: str, rng: np.random.G
         assert nearest.distance == pytest.approx(records[0].distance, abs=1e-6)
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.spread(1)
 @pytest.mark.slow_at("ur5")
 @pytest.mark.slow_at("canadarm2", "panda")
@@ -158,6 +159,7 @@ def test_families_without_conditions_are_reported_as_not_asked(rng: np.random.Ge
     assert (records[1].distance, records[1].q, records[1].exact) == (inf, (), False)
 
 
+@pytest.mark.slow
 def test_a_family_that_is_not_singular_is_not_near(rng: np.random.Generator) -> None:
     """Conditions of another arm: solved, but σ does not vanish."""
     found, other = analysed("pa10"), open_robot("panda")

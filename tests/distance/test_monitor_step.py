@@ -50,6 +50,7 @@ def by_hand(monitor: Monitor, q: Array, velocity: Array) -> float:
     return least
 
 
+@pytest.mark.slow_at("almarkhi4")
 @pytest.mark.by_hand_at("hc10", "sawyer")
 @pytest.mark.slow_at("sawyer", "hc10")
 @pytest.mark.parametrize("name", ARMS)
@@ -83,6 +84,7 @@ def test_the_distance_grows_along_its_gradient(name: str, rng: np.random.Generat
     assert tried or all(family.coupled for family in monitor.families)
 
 
+@pytest.mark.slow_at("hc10")
 @pytest.mark.slow_at("sawyer")
 @pytest.mark.parametrize("name", ["hc10", "ur5e", "sawyer", "puma560"])
 def test_near_a_coupled_family_its_gradient_is_that_of_the_distance(name: str, rng: np.random.Generator) -> None:
@@ -102,6 +104,7 @@ def test_near_a_coupled_family_its_gradient_is_that_of_the_distance(name: str, r
     assert tried >= 4
 
 
+@pytest.mark.slow_at("sawyer")
 @pytest.mark.parametrize("name", ARMS)
 def test_motion_away_from_all_families_is_never_slowed(name: str, rng: np.random.Generator) -> None:
     """At every corank, with fewer than six joints, redundant: what leaves goes at full speed."""

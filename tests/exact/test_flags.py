@@ -19,6 +19,7 @@ from rankdrop.robot.open import open_robot
 SIMPLE = ("anthropomorphic", "puma560", "ur5", "irb140", "z1", "scara", "planar2r", "planar3r", "xarm6")
 
 
+@pytest.mark.slow_at("xarm6")
 @pytest.mark.parametrize("name", SIMPLE)
 def test_product_of_the_flags_is_the_sign_of_the_determinant(name, rng):
     chain = exact_chain(open_robot(name))

@@ -143,6 +143,7 @@ def test_every_numerically_found_singular_configuration_satisfies_a_condition(na
     assert found.holds(points.q).all()
 
 
+@pytest.mark.slow_at("pa10-reciprocity")
 @pytest.mark.by_hand_at(
     "canadarm2-determinant", "canadarm2-reciprocity", "canadarm2-singular_vector", "ur5-singular_vector"
 )

@@ -40,6 +40,7 @@ def tree_of(robot, task=None, seconds: float = 60.0, **options):
     return chain, rank_tree(chain, Work(seconds))
 
 
+@pytest.mark.slow_at("almarkhi4")
 @pytest.mark.spread(2)
 @pytest.mark.slow_at("irb140", "anthropomorphic")
 @pytest.mark.parametrize("name", [*FAST[:7], *slow(*FAST[7:])])
@@ -51,6 +52,7 @@ def test_the_rank_is_as_claimed_at_random_points_of_every_set(name: str) -> None
         assert {rank_modulo(chain, point) for point in drop.piece.samples} == {drop.rank}
 
 
+@pytest.mark.slow_at("anthropomorphic")
 @pytest.mark.spread(2)
 @pytest.mark.by_hand_at(
     "panda", "gen3", "fetch8", "almarkhi4", "fetch", "iiwa14", "pa10", "puma560", "ur10e", "xarm6", "z1",

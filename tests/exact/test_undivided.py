@@ -61,6 +61,7 @@ def test_cases_hold_every_singularity_and_the_verdict_counts_them() -> None:
         assert singular_values(found.robot, np.array(one.witness), found.task)[found.generic_rank - 1] < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undividable")
 def test_a_case_that_is_missing_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     keep = deriving.undivided_sets

@@ -24,6 +24,7 @@ def test_am_figure_5_is_four_closed_curves(curves):
     assert [curve.length for curve in curves] == pytest.approx([11.383, 10.888, 10.864, 9.846], abs=0.005)
 
 
+@pytest.mark.slow
 def test_every_singular_configuration_is_near_a_curve(curves):
     robot = open_robot("almarkhi4")
     points = np.concatenate([curve.q[:, 1:] for curve in curves])

@@ -104,6 +104,7 @@ def test_higher_coranks_are_drawn_too(name, corank):
     assert met == {one.id for one in families}
 
 
+@pytest.mark.slow
 def test_a_corank_that_an_arm_has_nowhere_is_told():
     with pytest.raises(OptionError, match="no reciprocal wrench"):
         search(open_robot("scara"), 3, starts=10, method="reciprocal")

@@ -100,6 +100,7 @@ def test_equal_links_have_the_family_of_their_own() -> None:
     assert max(abs(float(one(q)[0])) for one in family.equations) > 1e-2
 
 
+@pytest.mark.slow_at("crx10ia")
 @pytest.mark.by_hand_at("crx3ia")
 @pytest.mark.slow_at("crx3ia")
 @pytest.mark.parametrize("name", ["crx10ia", "crx3ia"])

@@ -34,6 +34,7 @@ def test_folded_elbow_moves_from_corank_one_to_corank_two(analysis):
     assert all_sound(analysis)
 
 
+@pytest.mark.slow
 def test_no_row_repeats_part_of_a_larger_row(analysis):
     # of AM's Table 4 only the half with θ4 = 0 is left, as θ4 = π alone is a row of its own
     found = pinned(analysis, 2)

@@ -260,6 +260,7 @@ def test_interrupted_it_keeps_what_is_done() -> None:
     assert {kind for kind, _, _ in told} == {"flip", "tool tilt"}
 
 
+@pytest.mark.slow_at(".csv")
 @pytest.mark.parametrize("ending", WRITTEN)
 def test_a_file_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:
     robot, made = open_robot("puma560"), wrist().remedies[0].trajectory

@@ -174,6 +174,7 @@ def test_every_turn_is_told_in_degrees() -> None:
     assert re.search(r"Through a point of <b>k1\.f\d</b>: θ\d = −?[\d.]+°", text)
 
 
+@pytest.mark.slow
 def test_what_is_taken_away_is_the_analysis() -> None:
     found = shown("stanford")
     record = page_data(found)["downloads"]

@@ -192,6 +192,7 @@ def test_another_root_element_is_said() -> None:
         from_urdf("<?xml version='1.0'?>\n<sdf/>")
 
 
+@pytest.mark.slow
 @given(st.sampled_from(["revolute", "prismatic", "continuous", "fixed"]), st.text(max_size=12))
 def test_any_number_text_gives_a_robot_or_a_robot_error(kind: str, text: str) -> None:
     safe = "".join(c for c in text if c.isprintable() and c not in "<&\"")

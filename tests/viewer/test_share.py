@@ -180,6 +180,7 @@ def test_status_and_details_are_of_one_configuration(viewer: Viewer) -> None:
     assert "opacity:0.4" not in viewer.controls._details.content
 
 
+@pytest.mark.slow
 def test_what_is_told_of_an_older_configuration_does_not_stay(
     viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:

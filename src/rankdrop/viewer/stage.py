@@ -213,15 +213,15 @@ class Stage:
         if aspect < 1.0:
             client.camera.position, client.camera.look_at = camera_for(self._seen, wide=False, aspect=aspect)
 
-    def keep_in_view(self, q: Array, beside: Array = _NOTHING) -> None:
+    def keep_in_view(self, q: Array, also: Array = _NOTHING) -> None:
         """Move the cameras that do not see the whole arm at q (n,), each along its own direction of view.
 
         Args:
             q: (n,) of the arm [rad, m].
-            beside: (N, 3) points that are to be seen as well [m].
+            also: (N, 3) points that are to be seen as well [m].
         """
-        ends = np.vstack([spine(self.live.robot, q[None])[0], beside])
-        seen = np.vstack([extent(self.live.robot, q), beside])
+        ends = np.vstack([spine(self.live.robot, q[None])[0], also])
+        seen = np.vstack([extent(self.live.robot, q), also])
         for client in self.server.get_clients().values():
             camera = client.camera
             toward = camera.position - camera.look_at

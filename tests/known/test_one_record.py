@@ -36,7 +36,8 @@ def test_a_family_of_an_analysis_is_the_derived_family(name: str) -> None:
         assert (mine.pins, mine.shifts, mine.numbers) == (exact.pins, exact.shifts, exact.numbers)
         assert mine.rank_check == exact.rank_check
         assert [str(x.polynomial) for x in mine.polynomials] == [str(x.polynomial) for x in exact.polynomials]
-        assert (listed.id, listed.called, listed.pinned) == (one.id, one.called, one.pinned)
+        assert (listed.id, listed.called) == (one.id, one.called)
+        assert {*one.pinned} <= {*listed.pinned}  # which has slides at rest as well
         assert listed.texts == one.texts == written.texts == exact.conditions
         assert shown(words) == shown(exact)
         assert (words.pins, words.polynomials) == ((), ())

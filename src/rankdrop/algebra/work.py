@@ -109,11 +109,16 @@ class Work:
             self._progress(label, done, total)
 
     @contextmanager
-    def share(self, part: float) -> Iterator[None]:
-        """Until the end of the block the limits are this part of the work and of the processor's time that are left."""
+    def share(self, part: float, least: float = 0.0) -> Iterator[None]:
+        """Until the end of the block the limits are this part of the work and of the processor's time that are left.
+
+        Args:
+            part: of both.
+            least: work that the block has in any case, where a step before it took more than its own share [s].
+        """
         end, last = self._end, self._last
         if part < 1.0:
-            self._end = spent() + part * self.left
+            self._end = spent() + max(part * self.left, least)
             self._last = process_time() + part * self.time_left
         try:
             yield

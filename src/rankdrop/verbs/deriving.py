@@ -67,6 +67,7 @@ _Derived = tuple[Chain, Tree, Work, tuple[str, ...]]
 """The chain that was derived, its rank tree, the work that is left, and remarks."""
 _TREE = 0.85  # of the work left that the tree may take
 _SHARE = 0.7  # of the work left that another phase may take: real sets, a method, special lengths
+_LEAST = 0.15  # of all work that the real sets have in any case: without them there is no family
 _LETTERS = 0.25  # of the work left that the tree may take with letters that nobody asked for
 _SYSTEM = ("system of conditions", "systems of conditions")
 _OWN, _OWN_ALL = 2, 8  # real points of each set, and of each family, at which σ is taken with `DIGITS` digits
@@ -99,7 +100,7 @@ def derived(
     not_real: list[UnrealSet] = []
     wrong: list[str] = []
     unsettled: list[OpenCase] = []
-    with work.share(_SHARE):
+    with work.share(_SHARE, _LEAST * asked.seconds):
         found, not_real, wrong = _guarded(
             "the families", lambda: _families(chain, tree, work, left, unsettled), (found, not_real, wrong), left
         )

@@ -7,7 +7,7 @@ not.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -219,6 +219,27 @@ class Derivation:
             self._work.check()
         except OutOfTime:
             raise OutOfTime(what) from None
+
+    def case_by_case(self, treat: Callable[[ZeroSet], list[ZeroSet]]) -> None:
+        """Treat the whole space, then the exceptional cases that follow from each case, until none is left.
+
+        Args:
+            treat: adds the conditions of a case; gives the disjoint cases in which its choice says nothing.
+
+        Raises:
+            OutOfTime: no time is left: the conditions are `generic`.
+        """
+        self.generic = True
+        waiting = [ZeroSet.whole(self.ring)]
+        while waiting:
+            case = waiting.pop(0)
+            cases = f"{len(waiting) + 1} exceptional cases"
+            try:
+                self.check(cases)
+                waiting += treat(case)
+            except OutOfTime as error:
+                raise OutOfTime(f"{error}; {cases}") from error
+        self.generic = False
 
     @property
     def complete(self) -> bool:

@@ -387,18 +387,9 @@ def reciprocity(builder: Derivation) -> None:
         reciprocal_screws(builder)
         return
     builder.sizes |= {"cases": 0, "choices": 0, "terms": 0}
-    builder.generic = True
-    waiting = [ZeroSet.whole(builder.ring)]
     made: set[tuple[int, ...]] = set()
     choices: dict[Pins, list[_Choice]] = {}
-    while waiting:
-        case = waiting.pop(0)
-        try:
-            builder.check(f"{len(waiting) + 1} exceptional cases")
-            waiting += _one_case(builder, case, made, choices)
-        except OutOfTime as error:
-            raise OutOfTime(f"{error}; {len(waiting) + 1} exceptional cases") from error
-    builder.generic = False
+    builder.case_by_case(lambda case: _one_case(builder, case, made, choices))
     if builder.sizes["choices"] > 1:
         builder.note("choices", further=builder.sizes["choices"] - 1, different=len(made))
 

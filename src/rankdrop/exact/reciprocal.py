@@ -27,7 +27,6 @@ from operator import mul
 from typing import NamedTuple
 
 from rankdrop.algebra.polynomial import Polynomial
-from rankdrop.algebra.work import OutOfTime
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.conjunctions import (
     TOLD,
@@ -66,18 +65,9 @@ def reciprocal_screws(builder: Derivation) -> None:
         OutOfTime: no time is left; what was found until then is in the builder.
     """
     builder.sizes |= {"cases": 0, "choices": 0, "minors": 0, "terms": 0}
-    builder.generic = True
     known: dict[Pins, list[_Minor]] = {}
     made: set[tuple[int, ...]] = set()
-    waiting = [ZeroSet.whole(builder.ring)]
-    while waiting:
-        case = waiting.pop(0)
-        try:
-            builder.check(f"{len(waiting) + 1} exceptional cases")
-            waiting += _one_case(builder, case, known, made)
-        except OutOfTime as error:
-            raise OutOfTime(f"{error}; {len(waiting) + 1} exceptional cases") from error
-    builder.generic = False
+    builder.case_by_case(lambda case: _one_case(builder, case, known, made))
     builder.sizes["choices"] = len(made)
     if builder.sizes["cases"] > 1:
         builder.note("cases", further=builder.sizes["cases"] - 1, different=len(made))

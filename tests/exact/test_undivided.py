@@ -210,14 +210,7 @@ def test_a_tree_that_takes_more_than_its_share_leaves_work_for_its_sets(monkeypa
 
     asked = {"points": 0, "special": False, "method": "tree", "seconds": 30.0, "coranks": 1}
     usual = conditions(open_robot("stanford"), **asked)
-    sharp = real_families._sharp
-
-    def ticking(*args: Any) -> Any:
-        tick(1000)
-        return sharp(*args)
-
     monkeypatch.setattr(deriving, "rank_tree", long)
-    monkeypatch.setattr(real_families, "_sharp", ticking)
     found = conditions(open_robot("stanford"), **asked)
     assert [one.id for one in found.families] == [one.id for one in usual.families]
     assert not found.undivided

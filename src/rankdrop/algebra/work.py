@@ -109,7 +109,7 @@ class Work:
             self._progress(label, done, total)
 
     @contextmanager
-    def share(self, part: float, least: float = 0.0) -> Iterator[None]:
+    def share(self, part: float, least: float = -inf) -> Iterator[None]:
         """Until the end of the block the limits are this part of the work and of the processor's time that are left.
 
         Args:

@@ -525,6 +525,9 @@ def test_a_budget_ends_the_work_and_says_so():
     found = covering(open_robot("almarkhi4"), 0.1, budget=2000)
     assert (found.complete, found.stopped) == (False, "budget too small")
     assert found.needed > 15_000
+    labels: set[str] = set()
+    cover(open_robot("almarkhi4"), width=0.1, budget=15_000, report=lambda label, *_: labels.add(label))
+    assert labels == {f"parts covered (about {found.needed:,} enclosures in all)"}
     assert not found.tree.finished.any()
     with pytest.raises(OptionError, match="budget"):
         covering(open_robot("almarkhi4"), 0.3, budget=0)

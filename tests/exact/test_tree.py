@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from fractions import Fraction
 from math import pi
 
 import numpy as np
@@ -277,3 +278,16 @@ def test_a_tree_that_is_not_wanted_ends_after_one_set() -> None:
     tree = rank_tree(exact_chain(open_robot("puma560")), Work(60.0), unwanted=lambda: True)
     assert not tree.complete
     assert tree.visited == 1
+
+
+@pytest.mark.parametrize(
+    ("lengths", "known", "lower"), [((1, 1), False, True), ((1, 2), False, False), ((1, 1), True, False)]
+)
+def test_a_rank_is_lower_for_these_lengths_where_no_drop_holds(lengths, known, lower) -> None:
+    """The entry is a c1 - b, at θ1 = 0: zero for equal lengths. A drop with that point is no news."""
+    ring, work = Ring([1], letters=["a", "b"]), Work()
+    work.lengths = dict(zip("ab", map(Fraction, lengths), strict=True))
+    columns = [[ring.letter["a"] * ring.c[1] - ring.letter["b"]]]
+    point = ZeroSet.where(ring, ring.pin(1, "0"))
+    drops = [Drop(point, 0)] if known else []
+    assert rank_trees._lower_for_these_lengths(columns, 1, [point], drops, work) == lower

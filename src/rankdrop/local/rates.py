@@ -642,7 +642,7 @@ def slowest_motions(robot: Robot, q: ArrayLike, task: Task) -> tuple[Slowest, ..
     return tuple(_slowest(unit, part, facets, normals, task, exact) for unit, part in parts if part)
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=4)
 def _choices(joints: tuple[int, ...], size: int) -> NDArray[np.intp]:
     """(C, size) all sets of `size` joints."""
     chosen = np.array(list(combinations(joints, size)))

@@ -242,7 +242,8 @@ def undivided_words(one: Any) -> str:
         parts = [*one.texts]
     else:
         parts = [pin.text() for pin in one.pins]
-        parts += [_polynomial_words(one.polynomials)] if one.polynomials else []
+        if one.polynomials:
+            parts.append(_polynomial_words(one.polynomials))
     minors = f"{count(one.minors, 'minor vanishes', 'minors vanish')}, of order {one.order}"
     degree = f"degree at most {one.degree} in sines and cosines"
     return f"corank {one.corank} or more where {', '.join(parts)}, and {minors} ({degree})"

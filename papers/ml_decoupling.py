@@ -45,8 +45,10 @@ def frames(sheet: Sheet) -> None:
 def decoupling(sheet: Sheet) -> None:
     """Decoupling singularities."""
     found, robot = decoupled(), elbow_arm()
+    steps = {step.title: step.lines for step in conditions(robot, coranks=1, steps=True, points=0).steps}
+    why = steps["Decoupling"][0]
     sheet.claim("Decoupling", "why J takes the form [[J11, 0], [J21, J22]]", "the wrist axes intersect at one point",
-                found.form.reason, found.form.kind == "point")  # fmt: skip
+                why.rstrip("."), found.form.kind == "point")  # fmt: skip
     zero = all(found.chain.ring.reduce(x) == 0 for column in found.form.columns[3:] for x in column[:3])
     sheet.claim("Decoupling", "upper right block at the wrist centre", "0", "0, exactly" if zero else "not 0", zero)
     q = angles(robot, 20, 4)

@@ -55,8 +55,8 @@ def sentences(tree: ast.AST) -> Iterator[str]:
 
 
 SENTENCES = {
-    "algebra": 1, "cover": 2, "designs": 48, "distance": 1, "exact": 81, "families": 19, "formula": 3, "jobs": 7,
-    "local": 69, "path": 1, "proof": 42, "results": 19, "robot": 57, "units": 2, "verbs": 40,
+    "algebra": 1, "cover": 2, "designs": 48, "distance": 1, "exact": 54, "families": 19, "formula": 3, "jobs": 7,
+    "local": 69, "path": 1, "proof": 41, "results": 19, "robot": 54, "units": 2, "verbs": 40,
 }  # fmt: skip
 """Room -> sentences in it today."""
 
@@ -113,7 +113,7 @@ FOREIGN = {
 """Modules that take texts apart which are no sentences of the package, and whose or what these are."""
 OWN = {
     "formula/notation.py": 6, "formula/writing.py": 1, "text/code.py": 6,
-    "text/conditions.py": 3, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
+    "text/conditions.py": 2, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
 }  # fmt: skip
 """Module -> places that take a sentence or a name apart that the package itself made: to be fewer, never more."""
 

@@ -23,7 +23,8 @@ from rankdrop.exact import methods
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.conjunctions import Conjunction, Derivation, columns_on, values_of
-from rankdrop.exact.derivation import Reason, _too_long
+from rankdrop.exact.derivation import _too_long
+from rankdrop.exact.method_reason import MethodReason, Parting, PartingKind
 from rankdrop.exact.methods import METHODS, _choices, derive, zero_of
 from rankdrop.exact.tree import rank_tree
 from rankdrop.families.points import cloud
@@ -32,7 +33,8 @@ from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.text.by_hand import Words, notes_of, reason_text, steps_of
+from rankdrop.text.by_hand import Words, notes_of, steps_of
+from rankdrop.text.structure import reason_text
 from rankdrop.units import out_of_units
 from rankdrop.verbs.conditions import conditions
 
@@ -564,7 +566,7 @@ def test_auto_names_the_methods_that_it_does_not_run(monkeypatch: pytest.MonkeyP
     assert (found.method, found.complete) == ("determinant", True)
     assert re.search(
         r"; conditions have up to \d+ terms: reciprocity and singular-vector were not run; each can be asked for$",
-        found.reason,
+        reason_text(found.reason),
     )
     assert derive(exact_chain(arm, "position"), "singular_vector").complete
 
@@ -578,8 +580,8 @@ def test_methods_that_are_not_run_are_those_for_this_arm(name: str, methods: tup
     chain = chain_of(name)
     long = SimpleNamespace(piece=SimpleNamespace(equations=[range(10_000)]))
     tree = SimpleNamespace(generic_rank=6, complete=True, drops=[long])
-    assert _too_long(chain, tree, Reason()).not_run == methods
-    assert _too_long(chain, SimpleNamespace(generic_rank=6, complete=True, drops=[]), Reason()).not_run == ()
+    assert _too_long(chain, tree, MethodReason()).not_run == methods
+    assert _too_long(chain, SimpleNamespace(generic_rank=6, complete=True, drops=[]), MethodReason()).not_run == ()
 
 
 def test_a_polynomial_of_one_sign_has_no_zero() -> None:
@@ -593,15 +595,16 @@ def test_a_polynomial_of_one_sign_has_no_zero() -> None:
 
 
 def test_a_reason_says_what_is_open() -> None:
-    why = "not square"
-    assert reason_text(Reason()) == "asked for"
-    assert reason_text(Reason(why, 500, ("singular-vector",))) == (
+    parting = Parting(PartingKind.ALWAYS_SINGULAR)
+    why = "the arm is singular at every configuration"
+    assert reason_text(MethodReason()) == "asked for"
+    assert reason_text(MethodReason(parting, 500, ("singular-vector",))) == (
         f"{why}; conditions have up to 500 terms: singular-vector was not run; each can be asked for"
     )
-    assert reason_text(Reason(why, unfactored=2)) == (
+    assert reason_text(MethodReason(parting, unfactored=2)) == (
         f"{why}; minors that were not factored in time, and stand as they are: 2"
     )
-    assert reason_text(Reason(why, unfinished="suppression")) == (
+    assert reason_text(MethodReason(parting, unfinished="suppression")) == (
         f"{why}; the method suppression was tried and did not finish"
     )
 

@@ -15,7 +15,8 @@ pytest.importorskip("flint")
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.exact.determinants import decouple, why_not
+from rankdrop.exact.determinants import decouple, parting_of
+from rankdrop.exact.method_reason import PartingKind
 from rankdrop.exact.posture_changes import OPEN, decide_postures
 from rankdrop.formula.equation import System
 from rankdrop.results.conditions import Conditions
@@ -225,11 +226,11 @@ def test_methods_that_need_one_screw_for_each_column_are_left_out() -> None:
     robot = bent_pair()
     chain = exact_chain(robot)
     assert decouple(chain) is None
-    assert why_not(chain) == "joints follow others"
+    assert parting_of(chain).kind is PartingKind.COUPLED
     assert structure_of(chain).points == ()
     assert decide_postures(chain).kind == OPEN
     found = conditions(robot, points=100)
-    assert (found.method, found.reason) == ("determinant", why_not(chain))
+    assert (found.method, found.reason.parting) == ("determinant", parting_of(chain))
     assert any("column 1 of the Jacobian contains −1 times the screw" in remark for remark in found.remarks)
     for method in ("suppression", "decoupling"):
         with pytest.raises(OptionError, match=r"joints (that )?follow others"):

@@ -50,7 +50,7 @@ def postures(robot: Robot, q: Any, *, limits: bool = False, task: str | None = N
     """As `aspects_of` returns them, with this path."""
     change = None if q is None else Change(np.array(q), 0.0, 0)
     return Postures(robot, resolve_task(task, robot), AspectsOptions(limits=limits), AspectCount(), Decision(OPEN), (),
-                    change, (), True)  # fmt: skip
+                    change, None, True)  # fmt: skip
 
 
 PARALLEL = [[0.7249860371262926, -0.7308754819569288, 3.124062163134476, 3.0211775357715274, 1.1657946707540434,

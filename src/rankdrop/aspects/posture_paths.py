@@ -29,6 +29,7 @@ from rankdrop.aspects.limits import count_within_limits
 from rankdrop.codec import Result
 from rankdrop.cover.setting import settings_for
 from rankdrop.errors import ConfigurationError, TaskError
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.posture_changes import CUSPS, OPEN, Decision
 from rankdrop.exact.signs import Signs, configuration_flags
 from rankdrop.kinematics import check_robot, one_configuration, pose
@@ -126,7 +127,7 @@ class Postures(Result):
         decision: what is known without a search.
         solved: the poses.
         change: a path from one solution of a pose to another; None where none was found or none exists.
-        notes: what was rounded.
+        chain: the arm over the exact ring, which says what was rounded; None where there is none.
         complete: False after Ctrl-C.
         within: how many regions are left within the joint limits; None where limits were not asked for.
     """
@@ -138,7 +139,7 @@ class Postures(Result):
     decision: Decision
     solved: tuple[Solved, ...]
     change: Change | None
-    notes: tuple[str, ...]
+    chain: Chain | None
     complete: bool
     within: AspectCount | None = None
     FILE: ClassVar[str] = "aspects"
@@ -227,7 +228,7 @@ def aspects_of(
     if robot.n != resolved.m and q is None:
         count, numeric = count_of_arm(robot, resolved)
         within = _within(robot, numeric, how)
-        return Postures(robot, resolved, how, count, Decision(OPEN, "joints"), (), None, (), True, within)
+        return Postures(robot, resolved, how, count, Decision(OPEN, "joints"), (), None, None, True, within)
     check_square(robot, resolved)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
     if generic_rank(there, there_task) < there_task.m:
@@ -235,7 +236,7 @@ def aspects_of(
     start = None
     if q is not None:
         start = _regular_start(robot, there, there_task, q)
-    decision, signs, notes = decided(robot, resolved)
+    decision, signs, chain = decided(robot, resolved)
     count, numeric = count_of_arm(robot, resolved)
     if start is None:
         how = replace(how, most=max(how.poses, how.most))
@@ -257,7 +258,7 @@ def aspects_of(
     if change is not None:
         change = replace(change, q=out_of_metres(robot, change.q))
     within = _within(robot, numeric, how)
-    return Postures(robot, resolved, how, count, decision, tuple(solved), change, notes, complete, within)
+    return Postures(robot, resolved, how, count, decision, tuple(solved), change, chain, complete, within)
 
 
 def _regular_start(robot: Robot, there: Robot, task: Task, q: ArrayLike) -> Array:

@@ -13,15 +13,17 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import WIDE, Chain
 from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.conjunctions import Derivation
-from rankdrop.exact.determinants import Decoupling, decouple, why_not
+from rankdrop.exact.determinants import Decoupling, decouple, parting_of
 from rankdrop.exact.families import real_points
 from rankdrop.exact.higher_coranks import HigherCorank, higher_coranks
+from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import derive
 from rankdrop.exact.suppression import Suppression, suppress
 from rankdrop.exact.tree import Tree
 from rankdrop.families.record import Family
 from rankdrop.local.block import sample, singular_values
+from rankdrop.sections import words_of
 from rankdrop.units import out_of_units
 
 METHODS = ("auto", "decoupling", "suppression", "tree", *(name.replace("_", "-") for name in COMPARED))
@@ -33,27 +35,6 @@ _REGULAR = 200  # random configurations on which no condition may hold
 
 
 Chosen = tuple[tuple[int, ...] | None, int | None]  # basic screws, and the link in whose frame they are
-
-
-@dataclass(frozen=True)
-class Reason:
-    """Why corank 1 was derived by one method, and what was not tried.
-
-    Attributes:
-        structure: how the arm decouples, or why it does not; "" where the method was asked for.
-        terms: of the rank tree's longest condition, where that decided against methods by cases; else 0.
-        not_run: these methods, which may end all the same.
-        unfactored: minors that were not factored in time; where they vanish is known all the same.
-        unfinished: the method that was tried and did not finish; "" where there was none.
-        interrupted: whether the user stopped before a method was tried.
-    """
-
-    structure: str = ""
-    terms: int = 0
-    not_run: tuple[str, ...] = ()
-    unfactored: int = 0
-    unfinished: str = ""
-    interrupted: bool = False
 
 
 @dataclass(frozen=True)
@@ -69,7 +50,7 @@ class CorankOne:
     """
 
     method: str
-    reason: Reason
+    reason: MethodReason
     derived: Decoupling | Suppression | Derivation | Tree | None
     left: tuple[str, ...] = ()
     disagreements: tuple[str, ...] = ()
@@ -100,8 +81,9 @@ def check_method(
         )  # fmt: skip
     if method == "decoupling" and decouple(chain) is None:
         raise OptionError(
-            "this arm does not decouple", where="method", got=why_not(chain), mend="take auto or another method"
-        )
+            "this arm does not decouple", where="method", got=words_of(chain).parting_text(parting_of(chain)),
+            mend="take auto or another method",
+        )  # fmt: skip
 
 
 def corank_one(
@@ -140,10 +122,10 @@ def corank_one(
     if found is not None:
         return _decoupled(chain, found, tree)
     if method == "auto":
-        reason = _too_long(chain, tree, Reason(why_not(chain)))
+        reason = _too_long(chain, tree, MethodReason(parting_of(chain)))
         name = _chosen(chain, tree, reason)
     else:
-        reason = Reason()
+        reason = MethodReason()
         name = method
     if name == "tree":
         return CorankOne("tree", reason, tree)
@@ -158,7 +140,7 @@ def corank_one(
     return _by_tree_if_open(derived, method, tree)
 
 
-def _too_long(chain: Chain, tree: Tree, reason: Reason) -> Reason:
+def _too_long(chain: Chain, tree: Tree, reason: MethodReason) -> MethodReason:
     """A reason with the methods by cases that are not run, where a condition of a complete tree is long."""
     longest = max((len(f) for drop in tree.drops for f in drop.piece.equations), default=0)
     if chain.n == chain.task.m or not (_has_full_rank(chain, tree) and tree.complete and longest > _LONG):
@@ -179,7 +161,7 @@ def _is_for_suppression(chain: Chain) -> bool:
     return chain.task.m == 6 and 6 < chain.n <= WIDE and not chain.coupled
 
 
-def _chosen(chain: Chain, tree: Tree, reason: Reason) -> str:
+def _chosen(chain: Chain, tree: Tree, reason: MethodReason) -> str:
     """The method that "auto" takes for an arm that does not decouple."""
     if not _has_full_rank(chain, tree):
         return "tree"
@@ -204,7 +186,7 @@ def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree) -> CorankOne:
     missing = [one for one in said if not any(one.inside(other) for other in drops)]
     surplus = [one for one in drops if not any(one.inside(other) for other in said)]
     return CorankOne(
-        "decoupling", Reason(decoupling.form.reason), decoupling, (),
+        "decoupling", MethodReason(parting_of(chain)), decoupling, (),
         _differences(chain, "decoupling", missing, surplus, tree),
     )  # fmt: skip
 
@@ -235,7 +217,7 @@ def _describe_missed(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
 
 
 def _suppressed(
-    chain: Chain, reason: Reason, tree: Tree, work: Work, chosen: Chosen
+    chain: Chain, reason: MethodReason, tree: Tree, work: Work, chosen: Chosen
 ) -> CorankOne:
     basic, frame = chosen
     found = suppress(chain, frame=frame, basic=basic, seconds=work.left)
@@ -261,7 +243,7 @@ def _suppression_differences(chain: Chain, suppression: Suppression, tree: Tree,
 def _compared(
     chain: Chain,
     method: str,
-    reason: Reason,
+    reason: MethodReason,
     families: Sequence[Family],
     work: Work,
     chosen: Chosen,

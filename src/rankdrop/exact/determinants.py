@@ -34,7 +34,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 from functools import cached_property
 from itertools import combinations, pairwise
@@ -57,6 +57,7 @@ from rankdrop.exact.arm.structure import (
     structure_of,
 )
 from rankdrop.exact.conjunctions import values_of
+from rankdrop.exact.method_reason import Parting, PartingKind
 from rankdrop.exact.signs import look, merged
 from rankdrop.families.name import ArmPart, FamilyName
 from rankdrop.formula.writing import FOLDED, Quotient, Value, atoms_text
@@ -64,7 +65,7 @@ from rankdrop.kinematics import task_jacobian
 from rankdrop.local.axes import Scene
 from rankdrop.local.block import sample
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import Formula
+from rankdrop.sections import Formula, words_of
 from rankdrop.task import ROWS
 from rankdrop.tolerances import DEFAULT, ENTRY
 from rankdrop.units import out_of_units
@@ -298,7 +299,7 @@ def decouple(chain: Chain) -> Decoupling | None:
 
     Returns:
         None where the Jacobian is not square, has no block triangular form of the known kinds, or is singular
-        everywhere; `why_not` says which.
+        everywhere; `parting_of` says which.
 
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain
@@ -323,38 +324,41 @@ def decouple(chain: Chain) -> Decoupling | None:
     return Decoupling(chain, form, blocks[::-1] if form.kind in ("point", "last axis") else blocks)
 
 
-def why_not(chain: Chain) -> str:
-    """Why `decouple` returns None for an arm, in words; "" where it does not."""
-    n, m, pose = chain.n, chain.task.m, chain.task.rows == POSE
-    if chain.coupled:
-        return "joints follow others"
+def parting_of(chain: Chain) -> Parting:
+    """How the Jacobian parts into the blocks of `decouple`, or why that returns None."""
     structure = structure_of(chain)
-    near = "".join(f"; near-structural: {one.text}" for one in structure.near)
     if structure.wrist:
         part = "wrist"
     elif structure.shoulder:
         part = "shoulder"
     else:
         part = ""
-    if n > m and not (pose and part):
-        return f"{n} joints for {m} freedoms: the Jacobian is not square, so that it has no two square blocks{near}"
+    parted = Parting(PartingKind.ONE_PIECE, columns=chain.n, rows=chain.task.m)
+    kind = _obstacle(chain, part)
+    if kind is PartingKind.ARM_NOT_SQUARE:
+        return replace(parted, kind=kind, part=part)
+    if kind is not None:
+        return replace(parted, kind=kind)
+    form = block_form(chain, structure)
+    if form is None:
+        return parted
+    return replace(parted, kind=PartingKind(form.kind), joints=form.group, part=form.part, turns=form.turns)
+
+
+def _obstacle(chain: Chain, part: str) -> PartingKind | None:
+    """Why no square blocks are looked for; None where they are. `part`: a spherical part of the arm, or ""."""
+    n, m = chain.n, chain.task.m
+    if chain.coupled:
+        return PartingKind.COUPLED
     if n > m:
-        return (
-            f"{n} joints for {m} freedoms: with a spherical {part} the Jacobian is block triangular, but the arm's "
-            f"block is 3 × {n - 3}. Where the {part} alone loses a freedom, null motions of the arm may make up for "
-            f"it{near}"
-        )
+        if chain.task.rows == POSE and part:
+            return PartingKind.ARM_NOT_SQUARE
+        return PartingKind.NOT_SQUARE
     if n < m:
-        return f"{n} joints never reach the {m} freedoms of the task: the Jacobian has more rows than columns"
+        return PartingKind.TOO_FEW_JOINTS
     if chain.ring.determinant([list(row) for row in zip(*chain.columns, strict=True)]) == 0:
-        return "the arm is singular at every configuration"
-    if block_form(chain, structure) is not None:
-        return ""
-    if pose:
-        groups = "no three axes meet in one point, are parallel or slide: "
-    else:
-        groups = ""
-    return f"{groups}the Jacobian stays in one piece{near}"
+        return PartingKind.ALWAYS_SINGULAR
+    return None
 
 
 _TRIED = 20  # random configurations at most on which a sign is read off
@@ -600,9 +604,10 @@ def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
     minors.append(Minor(MinorOf.BLOCK, joints, tuple(ROWS[r] for r in rows), "", value, shifts))
     together = ring.reduce(split.blocks[0].determinant * split.blocks[1].determinant)
     sign = "" if whole == together else "−"
+    point = words_of(chain).point_text(split.form)
     meaning = (
-        f"rows {', '.join(ROWS[r] for r in rows)}, joints 1 to {chain.n}, reference point: {split.form.point}; the "
-        "determinant is the same at the tip"
+        f"rows {', '.join(ROWS[r] for r in rows)}, joints 1 to {chain.n}, reference point: {point}; the determinant is "
+        "the same at the tip"
     )
     return Determinants(f"det J = {sign}det J11 det J22", meaning, tuple(minors))
 

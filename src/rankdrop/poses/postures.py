@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, TaskError
-from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.posture_changes import OPEN, SIGNS, Decision, decide_postures
 from rankdrop.exact.signs import Signs, configuration_flags, signs_of
 from rankdrop.poses.inverse import determinants
@@ -14,14 +14,14 @@ from rankdrop.task import Task
 from rankdrop.units import in_metres, into_metres, task_in_metres
 
 
-def decided(robot: Robot, task: Task) -> tuple[Decision, Signs | None, tuple[str, ...]]:
-    """What is known without a search, the signs that tell solutions apart, and remarks."""
+def decided(robot: Robot, task: Task) -> tuple[Decision, Signs | None, Chain | None]:
+    """What is known without a search, the signs that tell solutions apart, and the exact arm where there is one."""
     try:
         chain = exact_chain(robot, task)
         decision = decide_postures(chain)
     except (RobotError, TaskError, MissingExtraError) as error:
-        return Decision(OPEN, f"not decided exactly: {error}"), None, ()
-    return decision, signs_of(chain) if decision.kind == SIGNS else None, chain.remarks
+        return Decision(OPEN, f"not decided exactly: {error}"), None, None
+    return decision, signs_of(chain) if decision.kind == SIGNS else None, chain
 
 
 def posture_names(robot: Robot, task: Task, q: Array) -> tuple[tuple[str, ...], ...]:

@@ -17,6 +17,7 @@ from rankdrop.codec import Result
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, UnrealSet
+from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.undivided import UndividedSet
 from rankdrop.families.record import Check, Family, exact_of
 from rankdrop.families.summary import FamilySummary, Verdict
@@ -73,7 +74,7 @@ class Conditions(Result):
     shifts: tuple[float, ...]
     remarks: tuple[str, ...]
     method: str
-    reason: str
+    reason: MethodReason
     steps: tuple[Step, ...]
     families: tuple[Family, ...]
     lowest: int

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from fractions import Fraction
 from functools import cache
 from importlib import resources
@@ -35,6 +35,7 @@ from rankdrop.codec import Record, restored
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import EVIDENCE, Assumption, UnrealSet, pins_in_q, slides_at_zero
+from rankdrop.exact.method_reason import MethodReason
 from rankdrop.families.lost import LostFreedom, freedoms_at_witness
 from rankdrop.families.record import Check, ExactConditions, Family, exact_of, family_from_metres
 from rankdrop.formula.equation import Equation
@@ -299,9 +300,9 @@ def file_text(analysis: Record | None, conditions: Record | None) -> str:
     return "\n".join(lines) + "\n"
 
 
-_AGAIN = ("robot", "equations", "lost_words", "determinants", "not_real", "undivided")
-"""Entries of the record that are made again: from the robot asked about, from `terms`, `lost_freedoms`, `unreal`;
-determinants belong to steps, which are not stored, and there are no undivided cases."""
+_AGAIN = ("robot", "equations", "lost_words", "determinants", "not_real", "undivided", "reason")
+"""Entries of the record that are made again: from the robot asked about, from `terms`, `lost_freedoms`, `unreal`,
+`why`; determinants belong to steps, which are not stored, and there are no undivided cases."""
 
 
 def to_stored(conditions: Conditions) -> Record:
@@ -319,6 +320,7 @@ def to_stored(conditions: Conditions) -> Record:
     record["answers"] = ANSWERS
     record["arm"] = _arm(conditions.robot) | {"task": _task(conditions.task)}
     record["generic_rank"] = conditions.generic_rank
+    record["why"] = asdict(conditions.reason)
     record["families"] = [
         {key: value for key, value in written.items() if key not in _AGAIN}
         | {"pins": [[joint, list(values)] for joint, values in exact.pins]}
@@ -398,7 +400,7 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         shifts=tuple(record["shifts"]),
         remarks=tuple(record["remarks"]),
         method=record["method"],
-        reason=record["reason"],
+        reason=restored(MethodReason, record["why"]),
         steps=restored(tuple[Step, ...], record["steps"]),
         families=tuple(_family(one, ring, record, root_values(roots), robot, task) for one in record["families"]),
         lowest=record["lowest"],

@@ -37,6 +37,7 @@ from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.findings import configurations, strata
 from rankdrop.schema.arm import ARM_OF, FRAME, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 from rankdrop.text.lost import lost_sentences
+from rankdrop.text.structure import reason_text
 from rankdrop.version import VERSION
 
 SETTINGS = table(
@@ -474,7 +475,7 @@ CONDITIONS_FILE = file(
     shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
     remarks=(many(str), "what was rounded, or is nearly so"),
     method=(str, "how corank 1 was derived in addition to the rank tree"),
-    reason=(str, "why so"),
+    reason=(str, "why so", lambda found: reason_text(found.reason)),
     steps=(many(STEPS), "that derivation, step by step"),
     determinants=(optional(DETERMINANTS | None),
         "the determinant of the Jacobian, or the minors that take its place; null where no steps were asked for"),

@@ -11,7 +11,7 @@ from msgspec import UNSET
 from rankdrop.codec import Count, Positive, many, num, optional, pair, plain, row, some, table, text, whole
 from rankdrop.local.block import generic_rank
 from rankdrop.schema.arm import ROBOT, TOLERANCES, file
-from rankdrop.text.aspects import decision_text
+from rankdrop.text.aspects import decision_text, rounding_notes
 from rankdrop.text.paths import evidence_words
 from rankdrop.text.programs import remedy_words, why_skipped
 from rankdrop.text.remedies import GAINS as UNITS
@@ -108,7 +108,7 @@ ASPECTS_FILE = file(
     exact=(ASPECTS_EXACT, "", attrgetter("decision")),
     poses=(many(POSES), "", attrgetter("solved")),
     path=(PATH | None, "", attrgetter("change")),
-    notes=many(str),
+    notes=(many(str), "", rounding_notes),
     complete=(bool, "false: interrupted"),
 )
 BEYOND = table("beyond", joint=(Positive, "", itemgetter(0)), excess=(num("joint", ge=0), "", itemgetter(1)))

@@ -8,6 +8,7 @@ from typing import Any
 
 from rankdrop.sections import Section
 from rankdrop.text.places import joint_cells, joint_heads
+from rankdrop.text.structure import chain_remarks
 from rankdrop.text.words import listing, plural
 
 POSTURES = {
@@ -282,8 +283,16 @@ def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
             notes=(f"straight lines between; smallest |det J| of its sample points {found.change.clearance:.3g}, "
                    "lengths by the length scale",),
         )  # fmt: skip
-    if found.notes:
-        yield Section("Notes", lines=found.notes)
+    notes = rounding_notes(found)
+    if notes:
+        yield Section("Notes", lines=notes)
+
+
+def rounding_notes(found: Any) -> tuple[str, ...]:
+    """What was rounded to make the arm exact; () where it is not."""
+    if found.chain is None:
+        return ()
+    return chain_remarks(found.chain)
 
 
 def _counting_line(count: Any) -> str:

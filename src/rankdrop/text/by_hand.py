@@ -10,10 +10,10 @@ from rankdrop.algebra.polynomial import Equality, Polynomial
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.structure import listed, structure_of, triples
+from rankdrop.exact.arm.structure import listed, triples
 from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, conditions_on
-from rankdrop.exact.derivation import CorankOne, Reason
-from rankdrop.exact.determinants import Decoupling, MinorChoice, minor_name
+from rankdrop.exact.derivation import CorankOne
+from rankdrop.exact.determinants import Decoupling, MinorChoice, minor_name, parting_of
 from rankdrop.exact.higher_coranks import HigherCorank
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.suppression import Case, Dependence, Proof, Suppression
@@ -31,6 +31,7 @@ from rankdrop.formula.writing import (
 )
 from rankdrop.sections import Formula
 from rankdrop.task import ROWS
+from rankdrop.text.structure import form_sentence, parting_text, structure_sentences
 
 READABLE = 30
 """Polynomials of more terms are told by their number of terms: nobody reads them."""
@@ -46,7 +47,7 @@ def steps_of(chain: Chain, derived: Decoupling | Suppression | Derivation | Tree
     if isinstance(derived, Suppression):
         return tuple(_suppression(derived))
     if isinstance(derived, Decoupling):
-        return Step("Structure", structure_of(chain).sentences()), Step("Decoupling", tuple(_decoupling(derived)))
+        return Step("Structure", structure_sentences(chain)), Step("Decoupling", tuple(_decoupling(derived)))
     if isinstance(derived, Derivation):
         return (_method(derived),)
     how = "on each a minor of the order of its rank was factored, and the set cut by every factor"
@@ -60,25 +61,6 @@ def every_step(chain: Chain, derivation: CorankOne) -> tuple[Step, ...]:
     for one in derivation.higher:
         steps += steps_of(chain, one.derived)
     return tuple(steps)
-
-
-def reason_text(reason: Reason) -> str:
-    """Why corank 1 was derived by its method, and which methods were not run."""
-    if reason.interrupted:
-        return "interrupted before another method was tried"
-    parts = [reason.structure or "asked for"]
-    if reason.terms:
-        *others, last = reason.not_run
-        if others:
-            names = f"{', '.join(others)} and {last} were"
-        else:
-            names = f"{last} was"
-        parts.append(f"conditions have up to {reason.terms:,} terms: {names} not run; each can be asked for")
-    if reason.unfactored:
-        parts.append(f"minors that were not factored in time, and stand as they are: {reason.unfactored}")
-    if reason.unfinished:
-        parts.append(f"the method {reason.unfinished} was tried and did not finish")
-    return "; ".join(parts)
 
 
 def higher_left_texts(higher: Sequence[HigherCorank]) -> list[str]:
@@ -108,8 +90,8 @@ def higher_differences_texts(higher: Sequence[HigherCorank]) -> list[str]:
 
 def _decoupling(found: Decoupling) -> Iterator[str]:
     """Reason, point, blocks and parts."""
-    yield f"{found.form.reason}."
-    yield f"Reference point: {found.form.point}. Axes: {found.form.axes}."
+    yield f"{parting_text(parting_of(found.chain))}."
+    yield form_sentence(found.form)
     for block in found.blocks:
         yield f"{block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}."
         if not block.parts:

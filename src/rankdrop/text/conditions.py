@@ -45,6 +45,7 @@ from rankdrop.text.code import Code
 from rankdrop.text.families import share_text
 from rankdrop.text.lost import lost_line, lost_note, lost_sentences
 from rankdrop.text.special import family_label
+from rankdrop.text.structure import deviation_text, reason_text
 from rankdrop.version import VERSION
 
 _TOGETHER = 64  # characters up to which all conditions of a family stand on one line
@@ -69,14 +70,13 @@ def arm_lines(conditions: Any) -> dict[str, str]:
     letters = ", ".join(f"{name} = {_number(value)} m" for name, value in conditions.letters.items())
     rank, rows, method = conditions.generic_rank, conditions.task.m, _method(conditions)
     always = f"rank {rank} at most, for {rows} rows of the task; coranks are counted from {rank}"
-    reasons = [one for one in conditions.reason.split("; ") if not any(text in one for text in conditions.remarks)]
     lines = {
         "lengths": letters or "as numbers",
         "angles": angles_text(conditions.robot, conditions.shifts),
         "always": always if rank < rows else "",
         "remarks": "\n".join(conditions.remarks),
         "method": f"rank tree{'' if method == 'tree' else f'; {_twice(conditions)} also by {method}'}",
-        "reason": "; ".join(reasons),
+        "reason": reason_text(conditions.reason),
     }
     return {label: text for label, text in lines.items() if text}
 
@@ -776,7 +776,7 @@ def _exactness(chain: Chain) -> tuple[str, str]:
     """How a derivation was made, and what was rounded for it: "" where nothing was."""
     if not chain.rounded:
         return EXACT, ""
-    texts = [one.text for one in chain.rounded]
+    texts = [deviation_text(chain.robot, one) for one in chain.rounded]
     if len(texts) > 1:
         more = f" (and {len(texts) - 1} more)"
     else:

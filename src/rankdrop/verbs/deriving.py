@@ -19,8 +19,7 @@ from rankdrop.algebra.polynomial import PRIMES
 from rankdrop.algebra.work import GRACE, SLOWER, OutOfTime, Work, failure
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.arm.structure import structure_of
-from rankdrop.exact.derivation import CorankOne, Reason, check_method, corank_one
+from rankdrop.exact.derivation import CorankOne, check_method, corank_one
 from rankdrop.exact.determinants import Determinants, determinants_of
 from rankdrop.exact.families import Reality, families, real_sets
 from rankdrop.exact.family import Assumption, Unreal, UnrealSet, alone, derived_in_units, merge
@@ -33,6 +32,7 @@ from rankdrop.exact.letters import (
     with_equal_lengths,
 )
 from rankdrop.exact.lint import round_points
+from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.tree import Drop, OpenCase, Tree, rank_tree
 from rankdrop.exact.undivided import UndividedSet, undivided_sets
 from rankdrop.families.inspection import DIGITS, FOLLOWED, descents, near_misses
@@ -48,7 +48,7 @@ from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import count, read_joints
 from rankdrop.task import Task
-from rankdrop.text.by_hand import every_step, higher_differences_texts, higher_left_texts, reason_text
+from rankdrop.text.by_hand import every_step, higher_differences_texts, higher_left_texts
 from rankdrop.text.families import (
     MISSED_BY_LETTERS,
     assumption_text,
@@ -58,6 +58,7 @@ from rankdrop.text.families import (
     not_singular_text,
     on_no_family_text,
 )
+from rankdrop.text.structure import chain_remarks, near_structure_texts
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units
 from rankdrop.verbs.found_coranks import tried_numerically
@@ -109,7 +110,7 @@ def derived(
         lambda own: corank_one(
             chain, asked.method, tree, found, own, chosen=(basic, asked.frame), highest=asked.coranks
         ),
-        CorankOne("tree", Reason(interrupted=True), None, ("the method for corank 1",)),
+        CorankOne("tree", MethodReason(interrupted=True), None, ("the method for corank 1",)),
     )  # fmt: skip
     higher = _unless_interrupted(
         work, left, "coranks above 1", lambda _: tried_numerically(first.higher, asked.seed), first.higher
@@ -150,9 +151,11 @@ def derived(
         generic_rank=tree.generic_rank,
         letters={name: float(value) for name, value in chain.letters.items()},
         shifts=tuple(float(x) for x in chain.shifts),
-        remarks=(*chain.remarks, *following_texts(robot), *remarks, *misses, *_near_structures(chain)),
+        remarks=(
+            *chain_remarks(chain), *following_texts(robot), *remarks, *misses, *near_structure_texts(chain)
+        ),
         method=first.method,
-        reason=reason_text(first.reason),
+        reason=first.reason,
         steps=steps,
         determinants=determinants,
         families=posed_exactly(robot, chain.task, found),
@@ -196,11 +199,6 @@ def _lowest_rank(chain: Chain, coranks: int | None) -> int:
 def _not_holding(assumptions: Sequence[Assumption]) -> list[str]:
     """Sentences on assumptions that the arm does not satisfy."""
     return [assumption_text(one.text) for one in assumptions if not one.holds]
-
-
-def _near_structures(chain: Chain) -> list[str]:
-    """Sentences on special structures that the arm is near to."""
-    return [one.text for one in structure_of(chain).near]
 
 
 def posed_exactly(robot: Robot, task: Task, families: Sequence[Family]) -> tuple[Family, ...]:

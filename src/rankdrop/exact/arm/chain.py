@@ -178,7 +178,7 @@ class Chain:
         written: how each length reads: (section index, "a" or "d") -> (sign, letter); absent for numbers and zeros.
             Index N is the tip: its x ("a") and z ("d") in the frame of link n, for tasks that depend on them.
         roundings: numbers of the arm that are replaced by others, lengths that are letters included.
-        notes: what else there is to say of its numbers.
+        unused: letters of the robot that stand for no length of conditions, and their values [m].
 
     Conditions are written in the unit of length that the arm was given in. Whatever is computed with floating-point
     numbers is computed in the arm's own one (`units`): `own`, `own_task`, `own_numbers` and `own_polynomial`.
@@ -190,12 +190,7 @@ class Chain:
     letters: Mapping[str, Fraction]
     written: Mapping[tuple[int, str], tuple[int, str]]
     roundings: tuple[Deviation, ...]
-    notes: tuple[str, ...]
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """What was rounded, and the notes, in words."""
-        return (*(one.text for one in self.rounded), *self.notes)
+    unused: tuple[tuple[str, float], ...]
 
     @property
     def rounded(self) -> tuple[Deviation, ...]:
@@ -570,14 +565,10 @@ def exact_chain(
     if lengths == "auto" and resolved.m == 6 and len(found) > WIDE:
         lengths = "numbers"
     letters, written = named_lengths(robot, found, lengths, tip)
-    notes: tuple[str, ...] = ()
+    unused: tuple[tuple[str, float], ...] = ()
     if letters and isinstance(lengths, str):
-        notes = tuple(
-            f"the letter {name} of the robot stands for no length that conditions depend on: none is {value:.12g} m"
-            for name, value in robot.lengths
-            if name not in letters
-        )
-    return Chain(robot, resolved, found, letters, written, roundings, notes)
+        unused = tuple((name, value) for name, value in robot.lengths if name not in letters)
+    return Chain(robot, resolved, found, letters, written, roundings, unused)
 
 
 def _home_in_last(robot: Robot) -> Array:

@@ -106,23 +106,15 @@ class Deviation:
             x, y and z. "point" (three axes nearly meet in one) or "parallel" (two axes nearly are): near structure.
         joints: numbers, from 1; n + 1 for the tip.
         miss: by how much [rad, m].
-        text: the same in words.
+        given: the number that is rounded [rad, m]; 0 of near structure.
+        counted: length that counts as one metre where the miss is told [m].
     """
 
     kind: str
     joints: tuple[int, ...]
     miss: float
-    text: str
-
-
-def _rounding(kind: str, name: str, joint: int, given: float, error: float) -> Deviation:
-    """A number that the derivation rounds: given [rad, m], and by how much."""
-    what = {"twist": f"twist after {name}", "angle": f"angle of {name}"}.get(kind, f"length {kind} of {name}")
-    if kind in ("twist", "angle"):
-        value, unit = (f"{degrees(given):.12g}°", "rad")
-    else:
-        value, unit = (f"{given:.12g} m", "m")
-    return Deviation(kind, (joint,), error, f"{what}: {value} is rounded by {abs(error):.1e} {unit}")
+    given: float = 0.0
+    counted: float = 1.0
 
 
 def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tuple[Deviation, ...]]:
@@ -173,7 +165,7 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
         for what, (value, error) in errors.items():
             if abs(error) > _NOISE[what]:
                 size = unit if what in "ad" else 1.0
-                roundings.append(_rounding(what, joint.name, i + 1, size * value, size * error))
+                roundings.append(Deviation(what, (i + 1,), size * error, size * value))
         variable = robot.drivers[i] + 1
         found.append(Section(joint.kind, phase, shift, exact["d"], exact["a"], twist, variable, multiplier))
     return tuple(found), tuple(roundings)
@@ -195,7 +187,7 @@ def tip_roundings(tip: Array, joint: int, unit: float) -> tuple[Deviation, ...]:
     """Coordinates of the tip in the frame of the last link that `decimals` changes, as roundings of a joint more."""
     found = zip("ayd", map(float, tip), map(float, decimals(tip)), strict=True)
     return tuple(
-        _rounding(kind, "the tip", joint, unit * given, unit * (given - exact))
+        Deviation(kind, (joint,), unit * (given - exact), unit * given)
         for kind, given, exact in found if abs(given - exact) > _NOISE["a"]
     )  # fmt: skip
 

@@ -19,8 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from math import acos, degrees
+from math import acos
 
 import numpy as np
 
@@ -48,7 +47,6 @@ class ExactStructure:
         parallel: groups of two or more axes that are parallel.
         meeting: pairs of consecutive axes that meet in a point.
         near: what is missed by little.
-        remarks: what was rounded to make the arm exact, from `Chain.remarks`.
     """
 
     joints: int
@@ -56,7 +54,6 @@ class ExactStructure:
     parallel: tuple[tuple[int, ...], ...]
     meeting: tuple[tuple[int, int], ...]
     near: tuple[Deviation, ...]
-    remarks: tuple[str, ...]
 
     @property
     def wrist(self) -> tuple[int, ...]:
@@ -76,24 +73,6 @@ class ExactStructure:
         """Seven joints, spherical shoulder and spherical wrist: S-R-S."""
         return self.joints == 7 and bool(self.wrist and self.shoulder)
 
-    def sentences(self) -> tuple[str, ...]:
-        """All of it in words, what is missed by little and what was rounded last."""
-        if self.srs:
-            found = ["S-R-S: spherical shoulder, elbow, spherical wrist"]
-        else:
-            found = []
-        for triple in self.points:
-            part = {self.wrist: " (spherical wrist)", self.shoulder: " (spherical shoulder)"}.get(triple, "")
-            found.append(f"the axes of joints {listed(triple)} meet in one point{part}")
-        within = {pair for triple in self.points for pair in pairwise(triple)}
-        found += [f"axes {i} and {j} meet" for i, j in self.meeting if (i, j) not in within]
-        found += [f"the axes of joints {listed(group)} are parallel" for group in self.parallel]
-        found += [f"near-structural: {near.text}" for near in self.near]
-        if self.remarks:
-            found.append(f"twists are multiples of 15° and 18° where they are that within {ALIGNED:g} rad")
-            found += self.remarks
-        return tuple(found)
-
 
 def structure_of(chain: Chain) -> ExactStructure:
     """Recognise the structure of an arm.
@@ -104,13 +83,13 @@ def structure_of(chain: Chain) -> ExactStructure:
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
-        >>> structure_of(exact_chain(open_robot("puma560"))).sentences()[0]
-        'the axes of joints 4, 5, 6 meet in one point (spherical wrist)'
+        >>> structure_of(exact_chain(open_robot("puma560"))).wrist
+        (4, 5, 6)
 
-    Where joints follow others, only the remarks: a variable may move several axes, which have no number of their own.
+    Where joints follow others it is empty: a variable may move several axes, which have no number of their own.
     """
     if chain.coupled:
-        return ExactStructure(chain.n, (), (), (), (), chain.remarks)
+        return ExactStructure(chain.n, (), (), (), ())
     revolute = [s.kind is JointKind.REVOLUTE for s in chain.sections]
     neighbours = [i for i in range(1, chain.n) if revolute[i - 1] and revolute[i]]
     triples = [(i, i + 1, i + 2) for i in neighbours if i + 1 in neighbours]
@@ -120,7 +99,6 @@ def structure_of(chain: Chain) -> ExactStructure:
         parallel=_parallel(chain, revolute),
         meeting=tuple((i, i + 1) for i in neighbours if _meet(chain, i)),
         near=(*_nearly_in_one(chain, triples), *_nearly_parallel(chain, neighbours)),
-        remarks=chain.remarks,
     )
 
 
@@ -196,10 +174,7 @@ def _nearly_in_one(chain: Chain, triples: list[tuple[int, int, int]]) -> list[De
             continue
         miss = max(abs(float(x)) for x in (before.a, own.d, own.a))
         if 0 < miss <= SMALL * reach(chain.robot):
-            joints = (first, middle, last)
-            by = _in_words(miss, counted_length(chain.robot))
-            text = f"the axes of joints {listed(joints)} miss a common point by {by}"
-            found.append(Deviation("point", joints, miss, text))
+            found.append(Deviation("point", (first, middle, last), miss, counted=counted_length(chain.robot)))
     return found
 
 
@@ -209,16 +184,8 @@ def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[Deviation]:
         twist = chain.sections[i - 1].twist
         angle = acos(min(1.0, abs(float(twist.cos))))
         if twist.sin != 0 and angle <= SMALL:
-            text = f"axes {i} and {i + 1} are {degrees(angle):.2g}° from parallel"
-            found.append(Deviation("parallel", (i, i + 1), angle, text))
+            found.append(Deviation("parallel", (i, i + 1), angle))
     return found
-
-
-def _in_words(length: float, unit: float) -> str:
-    """In thousandths of the unit that was given; of an arm given in metres, in mm."""
-    if unit == 1.0:
-        return f"{length * 1000:.4g} mm"
-    return f"{length:.4g} m"
 
 
 Columns = list[list[Polynomial]]
@@ -240,8 +207,8 @@ class BlockForm:
 
     Attributes:
         kind: of the group's motions, a key of `KINDS`.
-        reason: why, in words.
-        point, axes: reference point and axes, in words.
+        part: of the arm that the group is where it moves about a point: "wrist", "shoulder", or "".
+        turns: whether no joint of the group slides.
         link, origin: numbers of the link whose axes are used, and of the one at whose origin the point is (0: the tip).
         columns: n columns, one entry per row of the task.
         group, group_rows: joints (from 1) and rows (0 … 5) of the first block.
@@ -250,9 +217,8 @@ class BlockForm:
     """
 
     kind: str
-    reason: str
-    point: str
-    axes: str
+    part: str
+    turns: bool
     link: int
     origin: int
     columns: Columns
@@ -303,9 +269,8 @@ def _candidates(chain: Chain, structure: ExactStructure) -> Iterator[BlockForm]:
                 continue
             yield BlockForm(
                 kind=kind,
-                reason=_reason(chain, structure, kind, group),
-                point=_point(structure, kind, group, origin),
-                axes=_axes(link),
+                part=_part(structure, kind, group),
+                turns=all(chain.sections[j - 1].kind is JointKind.REVOLUTE for j in group),
                 link=link,
                 origin=origin,
                 columns=columns,
@@ -313,7 +278,7 @@ def _candidates(chain: Chain, structure: ExactStructure) -> Iterator[BlockForm]:
                 group_rows=own,
                 rest=tuple(j for j in range(1, chain.n + 1) if j not in group),
                 rest_rows=others,
-                names=_names(structure, kind, group),
+                names=_names(kind, group, _part(structure, kind, group)),
             )
 
 
@@ -349,53 +314,25 @@ def _best_axes(chain: Chain, form: BlockForm) -> BlockForm:
     """The same form about the same point in the axes in which the screws are shortest."""
     views = ((k, chain.screws_about(k, form.origin)) for k in range(1, chain.n + 1))
     link, columns = min(views, key=lambda view: _terms(view[1]))
-    return replace(form, link=link, columns=columns, axes=_axes(link))
+    return replace(form, link=link, columns=columns)
 
 
 def _terms(columns: Columns) -> int:
     return sum(len(x) for column in columns for x in column)
 
 
-def _axes(link: int) -> str:
-    return f"those of link {link}: z along joint {link}, x along the common normal after it"
+def _part(structure: ExactStructure, kind: str, group: tuple[int, ...]) -> str:
+    """Of the arm: what a group that moves about a point is."""
+    if kind != "point":
+        return ""
+    return {structure.wrist: "wrist", structure.shoulder: "shoulder"}.get(group, "")
 
 
-def _point(structure: ExactStructure, kind: str, group: tuple[int, ...], origin: int) -> str:
-    if kind == "point":
-        where = f"the point where axes {listed(group)} meet"
-        part = {structure.wrist: "the wrist centre", structure.shoulder: "the shoulder centre"}.get(group, "")
-        return f"{part}, {where}" if part else where
-    if origin:
-        return f"the foot of the common normal after joint {origin}, on its axis"
-    return "the tip"
-
-
-def _names(structure: ExactStructure, kind: str, group: tuple[int, ...]) -> tuple[str, str]:
+def _names(kind: str, group: tuple[int, ...], part: str) -> tuple[str, str]:
     """Of the blocks: a wrist, a shoulder, and what is left of the arm."""
     if kind == "point":
-        part = {structure.wrist: "wrist", structure.shoulder: "shoulder"}.get(group, f"joints {listed(group)}")
-        return part, "arm"
+        return part or f"joints {listed(group)}", "arm"
     return {"slides": ("slides", "turns"), "last axis": ("last joint", "arm")}.get(kind, ("in plane", "out of plane"))
-
-
-def _reason(chain: Chain, structure: ExactStructure, kind: str, group: tuple[int, ...]) -> str:
-    joints = listed(group)
-    if kind == "point":
-        part = {structure.wrist: "spherical wrist", structure.shoulder: "spherical shoulder"}.get(group, "")
-        part = part or "spherical group"
-        return f"{part}: axes {joints} meet in one point, and turning about them does not move it"
-    if kind == "slides":
-        return f"three slides: joints {joints} do not turn the end effector"
-    if kind == "last axis":
-        return f"planar arm: joint {joints} does not move the points of its own axis"
-    if kind == "plane and slide":
-        return f"joints {joints} turn the end effector about one direction only"
-    if all(chain.sections[j - 1].kind is JointKind.REVOLUTE for j in group):
-        count = {2: "planar pair", 3: "planar triple"}[len(group)]
-        return f"{count}: axes {joints} are parallel, and turning about them moves every point in a plane across them"
-    return f"planar group: joints {joints} move every point in one plane"
-
-
 
 
 def frame_jacobian(chain: Chain, k: int, at: int | None = None) -> list[list[Polynomial]]:

@@ -1,0 +1,171 @@
+"""The structure of an arm over the exact ring in words: its axes, what was rounded, how its Jacobian parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from math import degrees
+
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.geometry import Deviation
+from rankdrop.exact.arm.structure import BlockForm, listed, structure_of
+from rankdrop.exact.method_reason import MethodReason, Parting, PartingKind
+from rankdrop.robot.model import Robot
+from rankdrop.tolerances import ALIGNED
+
+_DOES_NOT_PART = {
+    PartingKind.COUPLED: "joints follow others",
+    PartingKind.NOT_SQUARE: "{n} joints for {m} freedoms: the Jacobian is not square, so that it has no two square "
+    "blocks",
+    PartingKind.ARM_NOT_SQUARE: "{n} joints for {m} freedoms: with a spherical {part} the Jacobian is block "
+    "triangular, but the arm's block is 3 × {rest}. Where the {part} alone loses a freedom, null motions of the arm "
+    "may make up for it",
+    PartingKind.TOO_FEW_JOINTS: "{n} joints never reach the {m} freedoms of the task: the Jacobian has more rows than "
+    "columns",
+    PartingKind.ALWAYS_SINGULAR: "the arm is singular at every configuration",
+}
+"""Why a Jacobian does not part; an arm in one piece has more to say."""
+_PLANAR = {2: "planar pair", 3: "planar triple"}
+"""Parallel axes that move points in a plane, by their number."""
+
+
+def structure_sentences(chain: Chain) -> tuple[str, ...]:
+    """Relations of the axes, near misses, and last the roundings.
+
+    Example:
+        >>> from rankdrop.exact.arm.chain import exact_chain
+        >>> from rankdrop.robot.open import open_robot
+        >>> structure_sentences(exact_chain(open_robot("puma560")))[0]
+        'the axes of joints 4, 5, 6 meet in one point (spherical wrist)'
+    """
+    structure = structure_of(chain)
+    found = []
+    if structure.srs:
+        found.append("S-R-S: spherical shoulder, elbow, spherical wrist")
+    for triple in structure.points:
+        part = {structure.wrist: " (spherical wrist)", structure.shoulder: " (spherical shoulder)"}.get(triple, "")
+        found.append(f"the axes of joints {listed(triple)} meet in one point{part}")
+    within = {pair for triple in structure.points for pair in pairwise(triple)}
+    found += [f"axes {i} and {j} meet" for i, j in structure.meeting if (i, j) not in within]
+    found += [f"the axes of joints {listed(group)} are parallel" for group in structure.parallel]
+    found += [f"near-structural: {near}" for near in near_structure_texts(chain)]
+    remarks = chain_remarks(chain)
+    if remarks:
+        found.append(f"twists are multiples of 15° and 18° where they are that within {ALIGNED:g} rad")
+        found += remarks
+    return tuple(found)
+
+
+def near_structure_texts(chain: Chain) -> tuple[str, ...]:
+    """Special structures that the arm is near to, with what is missing."""
+    return tuple(deviation_text(chain.robot, near) for near in structure_of(chain).near)
+
+
+def chain_remarks(chain: Chain) -> tuple[str, ...]:
+    """What was rounded to make the arm exact, and letters of the robot that stand for no length."""
+    rounded = (deviation_text(chain.robot, one) for one in chain.rounded)
+    unused = (
+        f"the letter {name} of the robot stands for no length that conditions depend on: none is {value:.12g} m"
+        for name, value in chain.unused
+    )
+    return (*rounded, *unused)
+
+
+def deviation_text(robot: Robot, deviation: Deviation) -> str:
+    """A number of the arm that is not quite another one: which, what it is, and by how much."""
+    joints, miss = deviation.joints, abs(deviation.miss)
+    if deviation.kind == "point":
+        return f"the axes of joints {listed(joints)} miss a common point by {_length(miss, deviation.counted)}"
+    if deviation.kind == "parallel":
+        return f"axes {joints[0]} and {joints[1]} are {degrees(miss):.2g}° from parallel"
+    if joints[0] > len(robot.joints):
+        name = "the tip"
+    else:
+        name = robot.joints[joints[0] - 1].name
+    if deviation.kind == "twist":
+        return f"twist after {name}: {degrees(deviation.given):.12g}° is rounded by {miss:.1e} rad"
+    if deviation.kind == "angle":
+        return f"angle of {name}: {degrees(deviation.given):.12g}° is rounded by {miss:.1e} rad"
+    return f"length {deviation.kind} of {name}: {deviation.given:.12g} m is rounded by {miss:.1e} m"
+
+
+def _length(length: float, counted: float) -> str:
+    """In thousandths of the unit that was given; of an arm given in metres, in mm."""
+    if counted == 1.0:
+        return f"{length * 1000:.4g} mm"
+    return f"{length:.4g} m"
+
+
+def form_sentence(form: BlockForm) -> str:
+    """Reference point and axes of a block triangular Jacobian."""
+    axes = f"those of link {form.link}: z along joint {form.link}, x along the common normal after it"
+    return f"Reference point: {point_text(form)}. Axes: {axes}."
+
+
+def point_text(form: BlockForm) -> str:
+    """The reference point of a block triangular Jacobian."""
+    if form.kind == "point":
+        where = f"the point where axes {listed(form.group)} meet"
+        if form.part:
+            return f"the {form.part} centre, {where}"
+        return where
+    if form.origin:
+        return f"the foot of the common normal after joint {form.origin}, on its axis"
+    return "the tip"
+
+
+def parting_text(parting: Parting) -> str:
+    """How a Jacobian parts into two square blocks, or why it does not."""
+    kind = parting.kind
+    if kind is PartingKind.ONE_PIECE:
+        if parting.rows == 6:
+            return "no three axes meet in one point, are parallel or slide: the Jacobian stays in one piece"
+        return "the Jacobian stays in one piece"
+    if kind in _DOES_NOT_PART:
+        n, m = parting.columns, parting.rows
+        return _DOES_NOT_PART[kind].format(n=n, m=m, rest=n - 3, part=parting.part)
+    return _group_text(parting)
+
+
+def _group_text(parting: Parting) -> str:
+    """Why the first block's joints leave the other rows at zero."""
+    joints = listed(parting.joints)
+    if parting.kind is PartingKind.POINT:
+        part = f"spherical {parting.part or 'group'}"
+        return f"{part}: axes {joints} meet in one point, and turning about them does not move it"
+    if parting.kind is PartingKind.SLIDES:
+        return f"three slides: joints {joints} do not turn the end effector"
+    if parting.kind is PartingKind.LAST_AXIS:
+        return f"planar arm: joint {joints} does not move the points of its own axis"
+    if parting.kind is PartingKind.PLANE_AND_SLIDE:
+        return f"joints {joints} turn the end effector about one direction only"
+    if parting.turns:
+        planar = _PLANAR[len(parting.joints)]
+        return f"{planar}: axes {joints} are parallel, and turning about them moves every point in a plane across them"
+    return f"planar group: joints {joints} move every point in one plane"
+
+
+def reason_text(reason: MethodReason) -> str:
+    """Why corank 1 was derived by its method, and which methods were not run."""
+    return "; ".join(_reasons(reason))
+
+
+def _reasons(reason: MethodReason) -> Iterator[str]:
+    if reason.interrupted:
+        yield "interrupted before another method was tried"
+        return
+    if reason.parting is None:
+        yield "asked for"
+    else:
+        yield parting_text(reason.parting)
+    if reason.terms:
+        *others, last = reason.not_run
+        if others:
+            names = f"{', '.join(others)} and {last} were"
+        else:
+            names = f"{last} was"
+        yield f"conditions have up to {reason.terms:,} terms: {names} not run; each can be asked for"
+    if reason.unfactored:
+        yield f"minors that were not factored in time, and stand as they are: {reason.unfactored}"
+    if reason.unfinished:
+        yield f"the method {reason.unfinished} was tried and did not finish"

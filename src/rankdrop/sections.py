@@ -50,7 +50,8 @@ _WORDED = {
     "Covered": "rankdrop.text.words", "Explanation": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
     "FamilyName": "rankdrop.text.names", "Dependence": "rankdrop.text.names",
     "Assumption": "rankdrop.text.conditions", "UnrealSet": "rankdrop.text.conditions",
-    "UndividedSet": "rankdrop.text.conditions", "Chain": "rankdrop.text.structure",
+    "UndividedSet": "rankdrop.text.conditions", "Designs": "rankdrop.text.designs",
+    "SideBySide": "rankdrop.text.designs", "Chain": "rankdrop.text.structure",
     "MethodReason": "rankdrop.text.structure",
 }  # fmt: skip
 """Class of a record -> module that words it."""

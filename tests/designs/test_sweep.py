@@ -20,7 +20,6 @@ from rankdrop.cli.design import CompareOptions
 from rankdrop.codec import json_text
 from rankdrop.designs import Designs, compare, write_tables
 from rankdrop.designs.measure import families_of, measured, nominal_conditions, with_lengths_of
-from rankdrop.designs.outcome import error_text, measure_cell
 from rankdrop.designs.ranking import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours, rank
 from rankdrop.designs.spec import question_of, spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
@@ -37,6 +36,7 @@ from rankdrop.robot.model import JointKind
 from rankdrop.robot.numbers import reach
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
+from rankdrop.text.designs import error_text, measure_cell
 
 SHIFTS = [0.31, 0.6, 1.2]
 SPEC: dict[str, Any] = {
@@ -327,7 +327,7 @@ def test_records_satisfy_their_schema_which_describes_all_of_it(shifted: Designs
 @pytest.mark.by_hand
 def test_tables_are_partitions(planar: tuple[Path, Designs], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
-    monkeypatch.setattr("rankdrop.designs.outcome.ROWS", 3)
+    monkeypatch.setattr("rankdrop.designs.tables.ROWS", 3)
     variants, _ = write_tables(planar[1], tmp_path)
     assert sorted(path.name for path in variants.iterdir()) == ["part-00000.parquet", "part-00001.parquet"]
     assert parquet.read_table(variants)["variant"].to_pylist() == [1, 2, 3, 4]

@@ -3,12 +3,10 @@ from .outcome import MEANINGS as MEANINGS
 from .outcome import UNITS as UNITS
 from .outcome import Designs as Designs
 from .outcome import SideBySide as SideBySide
-from .outcome import check_tables as check_tables
-from .outcome import measure_text as measure_text
-from .outcome import shown as shown
-from .outcome import write_tables as write_tables
 from .spec import Parameter as Parameter
 from .spec import Spec as Spec
 from .spec import read_spec as read_spec
 from .sweeping import compare as compare
 from .sweeping import sweep as sweep
+from .tables import check_tables as check_tables
+from .tables import write_tables as write_tables

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter, itemgetter
 from typing import Any, Literal
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table
-from rankdrop.results.aspect_summary import POSES
 from rankdrop.robot.numbers import reach
 from rankdrop.schema.arm import INSIDE_PINNED, ROBOT, file
 from rankdrop.schema.families import ASPECTS_SUMMARY
 from rankdrop.task import ROWS
+from rankdrop.text.designs import MEANINGS, UNITS
 from rankdrop.version import VERSION
 
 SHORTEST = table(
@@ -64,26 +65,6 @@ JACOBIAN_FILE = file(
     checks=many(CHECKS),
     holds=(bool, "whether every check does"),
 )
-UNITS = {"families": "", "aspects": "", "near": "share", "slow": "share", "sigma": "1", "reached": "share",
-         "slow_poses": "share", "path_sigma": "1", "path_distance": "rad", "paths_free": "share",
-         "free": "share"}  # fmt: skip
-MEANINGS = {
-    "families": "number of families of every corank",
-    "aspects": "number of connected sets of regular configurations, joint limits ignored; – where it is not proven; "
-    "cuspidal: the arm can change its posture without a singularity (proven); undecided: no such change was found in "
-    f"{POSES} poses",
-    "near": "share of the joint space near any family",
-    "slow": "share of the configurations inside the limits at which some straight motion of the tool is slow",
-    "sigma": "smallest, over the poses of the region, of the σ of the best posture, with proven bounds",
-    "reached": "share of the region's poses for which a posture was found",
-    "slow_poses": "share of the region's poses reached at which some straight motion of the tool is slow, in every "
-    "posture found",
-    "path_sigma": "smallest σ on the paths",
-    "path_distance": "smallest distance from a singular configuration on the paths",
-    "paths_free": "share of the paths proven free as a whole",
-    "free": "share of the joint space proven free",
-}
-"""What every measure means."""
 MEASURES = table(
     "measures",
     name=(str, "", str),
@@ -283,3 +264,36 @@ SWEEP_FILE = file(
     exact=many(SWEEP_EXACT),
     variants=(many(VARIANTS), "", lambda one: one.records),
 )
+
+
+TableColumn = tuple[str, str, str, Callable[[Mapping[str, Any]], Any]]
+"""Of a Parquet table: name, type, meaning, and the value from a record."""
+FAMILY_COLUMNS: list[TableColumn] = [
+    ("variant", "int64", "number of the variant, from 1", lambda one: one["variant"]),
+    ("family", "string", "id of the family in its variant", lambda one: one["id"]),
+    ("key", "string", "what it is, apart from the arm's lengths", lambda one: one["key"]),
+    ("name", "string", "its name", lambda one: one["name"]),
+    ("corank", "int64", "rank lost on it", lambda one: one["corank"]),
+    ("dimension", "int64", "of it in joint space", lambda one: one["dimension"]),
+    ("conditions", "string", "of its coupled joints, one a line", lambda one: "\n".join(one["conditions"])),
+    ("sound", "int64", "solutions of its conditions that are singular", lambda one: one["sound"][0]),
+    ("tested", "int64", "solutions of its conditions", lambda one: one["sound"][1]),
+    ("share", "float64", "share of the joint space near it; null where not asked for",
+     lambda one: one["share"] and one["share"]["share"]),
+    ("share_error", "float64", "standard error of the share",
+     lambda one: one["share"] and one["share"]["error"]),
+]  # fmt: skip
+"""Of the table of families."""
+
+
+def variant_columns(parameters: Sequence[Any], measures: Sequence[str]) -> list[TableColumn]:
+    """Columns of the table of variants: number, parameters, measures, verdict, error."""
+    return [
+        ("variant", "int64", "number of the variant, from 1", lambda one: one["number"] + 1),
+        *((f"{one.name}_{one.unit}", "float64", f"parameter, sets {', '.join(map(str, one.places))}",
+           lambda record, k=k: record["values"][k]) for k, one in enumerate(parameters)),
+        *((name, "float64", "; ".join(filter(None, (MEANINGS[name], UNITS[name]))),
+           lambda record, name=name: record["measures"].get(name)) for name in measures),
+        ("verdict", "string", "of its families; null where they were not asked for", lambda one: one.get("verdict")),
+        ("error", "string", "why it could not be measured as a whole; null where it was", lambda one: one["error"]),
+    ]  # fmt: skip

@@ -52,7 +52,8 @@ _WORDED = {
     "Assumption": "rankdrop.text.conditions", "UnrealSet": "rankdrop.text.conditions",
     "UndividedSet": "rankdrop.text.conditions", "Designs": "rankdrop.text.designs",
     "SideBySide": "rankdrop.text.designs", "Chain": "rankdrop.text.structure",
-    "MethodReason": "rankdrop.text.structure",
+    "MethodReason": "rankdrop.text.structure", "LintResult": "rankdrop.text.condition_tests",
+    "Flags": "rankdrop.text.condition_tests", "Between": "rankdrop.text.condition_tests",
 }  # fmt: skip
 """Class of a record -> module that words it."""
 

@@ -28,11 +28,9 @@ from rankdrop.formula.writing import RADIANS, Condition
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, JointKind
-from rankdrop.sections import Formula
+from rankdrop.sections import words_of
 from rankdrop.tolerances import CONDITION_FAILS, DEFAULT, RANK_KEPT
 from rankdrop.units import into_units, out_of_units
-
-_ZERO = 1e-12  # σ below it is printed as 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,9 +74,9 @@ class LintResult:
         extra: sets of regular configurations that it takes in.
         real: whether it holds at any real configuration.
         any_lengths: whether it is exact for all lengths that are symbols, special ones aside; None where none is.
-        complete: whether everything could be decided; else the verdict speaks of the rest, and `remarks` tell what is
-            left.
-        remarks: what else is to be known.
+        not_real: sets without a real configuration that was found, which count for neither side.
+        special: (factor, condition): lengths for which the factor is zero, where the condition always holds.
+        undecided: sets that could not be decided; the verdict speaks of the rest.
     """
 
     text: str
@@ -87,41 +85,25 @@ class LintResult:
     extra: tuple[Difference, ...]
     real: bool
     any_lengths: bool | None
-    complete: bool
-    remarks: tuple[str, ...]
+    not_real: tuple[str, ...]
+    special: tuple[tuple[str, str], ...]
+    undecided: tuple[str, ...]
+
+    @property
+    def complete(self) -> bool:
+        """Whether everything could be decided."""
+        return not self.undecided
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What else is to be known, in words."""
+        remarks: tuple[str, ...] = words_of(self).lint_remarks(self)
+        return remarks
 
     def sentences(self) -> tuple[str, ...]:
         """The result in words."""
-        said = {
-            "exact": "is exactly the singular set",
-            "too small": "is too small: some singular configurations do not satisfy it",
-            "too large": "is too large: some regular configurations satisfy it",
-            "both": "is too small and too large",
-        }[self.verdict]
-        if self.complete:
-            start = "The condition"
-        else:
-            start = "As far as could be decided, the condition"
-        found = [f"{start} {said}." if self.real else f"{start} has no real zero: it {said}."]
-        for one in self.missing:
-            at = _at(one.example)
-            sigma = 0 if one.example.sigma < _ZERO else _number(one.example.sigma, 2)
-            value = f"at {at} it is {_number(one.example.value)}, σ = {sigma}."
-            found.append(Formula(f"Singular but left out: {one.conditions}; {value}"))
-        for one in self.extra:
-            at = _at(one.example)
-            found.append(f"Taken in but regular: {one.conditions}; at {at} σ = {_number(one.example.sigma)}.")
-        if self.any_lengths is False and self.verdict == "exact":
-            found.append("That is so for the lengths of this arm, not for all lengths.")
-        return (*found, *self.remarks)
-
-
-def _at(example: Example) -> str:
-    return f"q = ({', '.join(_number(value, 6) for value in example.degrees)}) [°, m]"
-
-
-def _number(value: float, digits: int = 4) -> str:
-    return f"{value + 0.0:.{digits}g}".replace("-", "−")
+        sentences: tuple[str, ...] = words_of(self).lint_sentences(self)
+        return sentences
 
 
 STARTS = 60
@@ -201,18 +183,19 @@ def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | Non
     told = general if same else own  # with letters where they say the same
     missing, unreal = told.shown(told.missing, singular=True)
     extra, more = told.shown(told.extra, singular=False)
-    remarks = [f"No real configuration was found where {one}; it is not counted." for one in (*unreal, *more)]
+    special_lengths: list[tuple[str, str]] = []
     for one in parsed:
-        remarks += [f"For lengths with {factor} = 0 “{one.text}” always holds." for factor in one.letters]
-    undecided = [*work.unresolved, *(words(one) for one in own.unknown)]
-    remarks += [f"Not decided: {left}." for left in undecided]
+        special_lengths += [(str(factor), one.text) for factor in one.letters]
+    undecided = (*work.unresolved, *(words(one) for one in own.unknown))
     real = any(next(round_points(piece, chain), None) is not None for piece in own.users)
     verdict = {(0, 0): "exact", (1, 0): "too small", (0, 1): "too large", (1, 1): "both"}[bool(missing), bool(extra)]
     if chain.letters:
         any_lengths = verdict == "exact" and same
     else:
         any_lengths = None
-    return LintResult(text, verdict, missing, extra, real, any_lengths, not undecided, tuple(remarks))
+    return LintResult(
+        text, verdict, missing, extra, real, any_lengths, (*unreal, *more), tuple(special_lengths), undecided
+    )
 
 
 class _Comparison:

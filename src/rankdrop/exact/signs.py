@@ -39,6 +39,7 @@ from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family, words
 from rankdrop.robot.model import Array
+from rankdrop.sections import words_of
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import counted_length, into_units, out_of_units
 
@@ -324,7 +325,6 @@ def _zoomed(value: Function, low: float, high: float, *, crossing: bool) -> floa
 
 
 _LONG = 16  # characters of a factor that is not put into a label
-_ENDS = ("starts on", "ends on", "lies in")
 
 
 @dataclass(frozen=True, slots=True)
@@ -379,7 +379,8 @@ class Flags:
 
     def sentences(self) -> tuple[str, ...]:
         """One per flag."""
-        return tuple(_flag_words(flag) for flag in self.flags)
+        sentences: tuple[str, ...] = words_of(self).flags_sentences(self)
+        return sentences
 
 
 @dataclass(frozen=True, slots=True)
@@ -418,31 +419,9 @@ class Between:
     crossings: tuple[Crossing, ...]
 
     def sentences(self) -> tuple[str, ...]:
-        """What is proved, what is not, and what lies on the straight way."""
-        flags = self.first.flags
-        found = [f"Every path between them crosses {_title(flags[i])}: its sign differs." for i in self.parting]
-        if not self.parting:
-            found.append(
-                "No factor has opposite signs at the two. That does not prove that a path without singularity exists: "
-                "configurations with equal signs may lie in different aspects."
-            )
-        for i in self.open:
-            zero = self.first.flags[i].sign == 0 or self.second.flags[i].sign == 0
-            if zero:
-                why = "it is zero at one of the two"
-            else:
-                why = "it has no sign of its own on the torus"
-            found.append(f"{_title(flags[i])} decides nothing: {why}.")
-        if self.crossings:
-            for one in self.crossings:
-                if one.kind in _ENDS:
-                    where = ""
-                else:
-                    where = f" at {one.at:.6g} of its length"
-                found.append(f"The straight way {one.kind} {one.name or one.factor}{where}.")
-        else:
-            found.append("The straight way meets no singularity at its sample points, nor between them by a sign.")
-        return tuple(found)
+        """The proven, the open, and the families on the straight way."""
+        sentences: tuple[str, ...] = words_of(self).between_sentences(self)
+        return sentences
 
 
 @dataclass(frozen=True, eq=False)
@@ -567,18 +546,6 @@ def _sign(value: float) -> int:
     if value > 0:
         return 1
     return -1
-
-
-def _title(flag: Flag) -> str:
-    if flag.name:
-        return f"{flag.name} ({flag.factor})"
-    return flag.factor
-
-
-def _flag_words(flag: Flag) -> str:
-    if flag.sign is None:
-        return f"{_title(flag)} has no sign of its own: it changes sign over a full turn of a joint."
-    return f"{flag.label}: {flag.factor} {({1: '> 0', -1: '< 0', 0: '= 0: on the family'})[flag.sign]}"
 
 
 def _crossings(signs: Signs, index: int, start: Array, end: Array) -> list[Crossing]:

@@ -13,7 +13,7 @@ from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, s
 from rankdrop.distance.share import Near, SlowShare
 from rankdrop.exact.determinants import Determinants, Minor
 from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
-from rankdrop.exact.lint import Difference, Example, LintResult
+from rankdrop.exact.lint import Difference, Example
 from rankdrop.exact.signs import Between, Crossing, Flags
 from rankdrop.exact.undivided import PolynomialSize, UndividedSet
 from rankdrop.families.lost import LostFreedom
@@ -440,7 +440,19 @@ EXAMPLE = table(
     sigma=num("1", ge=0),
 )
 MISSING = table("missing", of=Difference)
-TEST = table("test", of=LintResult, verdict=Literal["exact", "too small", "too large", "both"])
+TEST = table(
+    "test",
+    text=(str, "the condition."),
+    verdict=(Literal["exact", "too small", "too large", "both"], "for the arm's own lengths."),
+    missing=(many(MISSING), "singular sets that the condition leaves out."),
+    extra=(many(MISSING), "sets of regular configurations that it takes in."),
+    real=(bool, "whether it holds at any real configuration."),
+    any_lengths=(bool | None,
+        "whether it is exact for all lengths that are symbols, special ones aside; None where none is."),
+    complete=(bool, "whether everything could be decided; else the verdict speaks of the rest, and `remarks` list "
+        "those left."),
+    remarks=(many(str), "sets and lengths that do not count, and what was not decided."),
+)
 FLAGS = table(
     "flags",
     factor=(str, "the function, in s_j = sin θ_j and c_j = cos θ_j."),

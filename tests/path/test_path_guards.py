@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from rankdrop.cover.setting import enclose, settings_for
+from rankdrop.families import row as module
 from rankdrop.families.record import Check
 from rankdrop.formula.equation import Equation, Term
-from rankdrop.path.check import survey as module
 from rankdrop.path.check.certificate import ball
 from rankdrop.path.check.check import check_path
 from rankdrop.path.check.prove import ROUNDED, Along, Proof, free_boxes, join_neighbours

@@ -7,10 +7,10 @@ screws one by one, GR look at runs of neighbours only; the circuits are all of t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import combinations
+from itertools import combinations, groupby
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -84,17 +84,18 @@ def circuits_at(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPEN
     sets = shared_circuits(columns, tolerance)
     usual = _unit_columns(task_jacobian(robot, structural_sample(robot, task, _REGULAR), task))
     scene = Scene(robot, configuration[None, :])
+    generic = _dependent(usual, sets, tolerance)
     units = robot.units
     return tuple(
         Circuit(
             numbers=tuple(i + 1 for i in members),
             coefficients=tuple(_dependency(columns[0], members)[list(members)].tolist()),
             units=tuple(units[i] for i in members),
-            generic=_dependent(usual, members, tolerance),
+            generic=held,
             sigma=0.0 if len(members) > task.m else float(sigma_of(_unit_columns(columns[0])[:, members])[-1]),
             words=describe(scene, members, task),
         )
-        for members in sets
+        for members, held in zip(sets, generic, strict=True)
     )
 
 
@@ -154,10 +155,11 @@ def to_blame(columns: Array, generic: Array, corank: int) -> list[tuple[int, ...
     Returns:
         Tuples of indices from 0.
     """
-    usual = _unit_columns(generic)
-    sets = [members for members in shared_circuits(columns) if not _dependent(usual, members, DEPENDENT)]
-    chosen = _independent([], [_dependency(columns[0], members) for members in sets], corank)
-    return [sets[i] for i in chosen]
+    sets = shared_circuits(columns)
+    usual = _dependent(_unit_columns(generic), sets, DEPENDENT)
+    special = [members for members, held in zip(sets, usual, strict=True) if not held]
+    vectors = (_dependency(columns[0], members) for members in special)
+    return [special[i] for i in _independent([], vectors, corank)]
 
 
 def shared_circuits(columns: Array, tolerance: float = DEPENDENT) -> list[tuple[int, ...]]:
@@ -204,8 +206,13 @@ def _all_dependent(unit: Array, members: NDArray[np.intp], tolerance: float) -> 
     return np.asarray((sigma.reshape(points, count) <= tolerance).all(axis=0))
 
 
-def _dependent(unit: Array, members: tuple[int, ...], tolerance: float) -> bool:
-    return bool(_all_dependent(unit, np.array([members], dtype=np.intp), tolerance)[0])
+def _dependent(unit: Array, sets: Sequence[tuple[int, ...]], tolerance: float) -> list[bool]:
+    """Whether each set, small ones first, is dependent at every point; sets of one size are tested together."""
+    held: list[bool] = []
+    for _, same_size in groupby(sets, key=len):
+        members = np.array(list(same_size), dtype=np.intp)
+        held += _all_dependent(unit, members, tolerance).tolist()
+    return held
 
 
 def _dependency(columns: Array, members: tuple[int, ...]) -> Array:
@@ -217,7 +224,7 @@ def _dependency(columns: Array, members: tuple[int, ...]) -> Array:
     return result
 
 
-def _independent(known: list[Array], vectors: list[Array], count: int) -> list[int]:
+def _independent(known: list[Array], vectors: Iterable[Array], count: int) -> list[int]:
     """Indices of the first vectors, at most `count`, that are independent of each other and of the known ones."""
     taken, chosen = list(known), list[int]()
     if taken:
@@ -225,7 +232,9 @@ def _independent(known: list[Array], vectors: list[Array], count: int) -> list[i
     else:
         rank = 0
     for i, vector in enumerate(vectors):
-        if len(chosen) < count and np.linalg.matrix_rank(np.array([*taken, vector]), tol=1e-6) > rank:
+        if len(chosen) >= count:
+            break
+        if np.linalg.matrix_rank(np.array([*taken, vector]), tol=1e-6) > rank:
             chosen.append(i)
             taken.append(vector)
             rank += 1

@@ -27,6 +27,9 @@ from rankdrop.units import counted, given_exponent, in_metres, into_metres, shif
 
 _NO_TURN = 1e-9  # rotation below this share of the whole: numbers of rounding, not a turn about a far axis
 
+FRAMES = ("base", "tool", "link")
+"""Frames in whose axes a lost motion can be reported."""
+
 
 @dataclass(frozen=True, slots=True)
 class Screw:
@@ -509,6 +512,19 @@ def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Fr
         [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
     """
     return _framed(robot, _lost_in_frames(robot, one_configuration(robot, q), task, corank, [frame]), [frame])
+
+
+def lost_seen_from(robot: Robot, q: Array, task: Task, corank: int, frame: str) -> FramedDirections:
+    """What is lost in axes of the base or of the tool, at the task's point, or in those of the sparsest frame.
+
+    Args:
+        robot, q, task, corank: as in `lost_directions`.
+        frame: one of `FRAMES`.
+    """
+    if frame == "link":
+        return lost_in_sparsest_frame(robot, q, task, corank)
+    axes = {"base": BASE, "tool": TIP}[frame]
+    return lost_in_frame(robot, q, task, corank, replace(task.frame, axes=axes))
 
 
 def lost_over_family(

@@ -34,7 +34,8 @@ from rankdrop.poses.inverse import Aim, apart, distinct, wrapped
 from rankdrop.poses.postures import posture_names
 from rankdrop.problem import into_limits
 from rankdrop.questions import ExplainOptions, InverseOptions
-from rankdrop.results.explanation import Explanation, known_families
+from rankdrop.results.explanation import Explanation
+from rankdrop.results.known import known_families
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.transform import as_numbers, from_xyz_rpy, nearest_rotation
 from rankdrop.sections import Section

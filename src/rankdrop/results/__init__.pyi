@@ -6,7 +6,6 @@ from .conditions import Conditions as Conditions
 from .covered import Covered as Covered
 from .explanation import Explanation as Explanation
 from .explanation import first_verdict as first_verdict
-from .explanation import known_families as known_families
 from .findings import find_to_csv as find_to_csv
 from .findings import find_to_npz as find_to_npz
 from .findings import history_to_csv as history_to_csv
@@ -15,3 +14,4 @@ from .findings import store_cloud as store_cloud
 from .jacobian_in_frame import LinkJacobian as LinkJacobian
 from .known import known_analysis as known_analysis
 from .known import known_conditions as known_conditions
+from .known import known_families as known_families

@@ -27,12 +27,13 @@ from rankdrop.families.searching import Outcome, refine
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, circuits_at, make_all
 from rankdrop.local.directions import (
+    FRAMES,
     FramedDirections,
     Screw,
     blocked_words,
     lost_directions,
-    lost_in_frame,
     lost_in_sparsest_frame,
+    lost_seen_from,
     readable_basis,
     screw_of,
     words,
@@ -50,13 +51,12 @@ from rankdrop.local.special import Special, specials_at
 from rankdrop.local.ways_out import Escape, JointEscape, escape
 from rankdrop.problem import wrap
 from rankdrop.questions import ExplainOptions
-from rankdrop.results.analysis import Analysis
-from rankdrop.results.known import shipped_conditions_record, shipped_families
+from rankdrop.results.known import known_families, shipped_conditions_record
 from rankdrop.robot.ideal import Near, ideal, near_ideal
-from rankdrop.robot.model import Array, Robot, geometry
+from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, words_of
 from rankdrop.task import BASE, TIP, Task, six_rows
-from rankdrop.tolerances import ENTRY, NEAR, SMALL, Tolerances
+from rankdrop.tolerances import ENTRY, NEAR, SMALL
 from rankdrop.units import counted, counted_length
 
 _AS_GOOD = 1e-4  # what a radius may stay below the distance of the singularity that was found, as a share of it
@@ -215,33 +215,6 @@ class Far:
             return None, error.what
 
 
-def known_families(
-    robot: Robot, task: Task, analysis: Analysis | None, tolerances: Tolerances
-) -> tuple[tuple[Family, ...], str]:
-    """Known families and where they come from: the analysis given, else the atlas that is shipped, else nowhere.
-
-    Raises:
-        OptionError: the analysis is about another arm or other rows.
-    """
-    if analysis is None:
-        known = shipped_families(robot, task, any_tip=True)
-        if known is None:
-            return ((), "on the spot")
-        return (known, "catalogue")
-    if not isinstance(analysis, Analysis):
-        raise OptionError("an analysis is needed", got=repr(analysis)[:80], allowed="an Analysis, or None")
-    mine, other = (geometry(one, tip=task.m < 6) for one in (robot, analysis.robot))
-    if mine.shape != other.shape or np.abs(mine - other).max() > tolerances.value:
-        raise OptionError("the analysis is about another arm", got=analysis.robot.name, allowed=robot.name)
-    if analysis.task.rows != task.rows or analysis.task.frame != task.frame:
-        raise OptionError("the analysis is about another task", got=analysis.task.name, allowed=task.name)
-    return analysis.families, "analysis"
-
-
-FRAMES = ("base", "tool", "link")
-"""In whose axes a motion can be told."""
-
-
 def _seen_in_axes(
     robot: Robot, q: Array, task: Task, corank: int, sparsest: FramedDirections, asked: str
 ) -> dict[str, FramedDirections]:
@@ -252,18 +225,6 @@ def _seen_in_axes(
     if asked == "link" or (not asked and simpler):
         found["link"] = sparsest
     return {name: framed for name, framed in found.items() if not asked or asked == name}
-
-
-def lost_seen_from(robot: Robot, q: Array, task: Task, corank: int, frame: str) -> FramedDirections:
-    """What is lost in axes of the base or of the tool, at the task's point, or in those of the sparsest frame.
-
-    Args:
-        robot, q, task, corank: as in `lost_directions`.
-        frame: one of `FRAMES`.
-    """
-    if frame == "link":
-        return lost_in_sparsest_frame(robot, q, task, corank)
-    return lost_in_frame(robot, q, task, corank, replace(task.frame, axes=BASE if frame == "base" else TIP))
 
 
 def _never_possible(here: Configuration) -> Array:

@@ -32,7 +32,7 @@ import numpy as np
 from rankdrop.algebra.polynomial import Polynomial, flint, root_values, with_inner
 from rankdrop.algebra.ring import Ring
 from rankdrop.codec import Record, restored
-from rankdrop.errors import ResultFileError
+from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import EVIDENCE, Assumption, UnrealSet, pins_in_q, slides_at_zero
 from rankdrop.exact.method_reason import MethodReason
@@ -52,6 +52,7 @@ from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
 from rankdrop.robot.open import open_robot
 from rankdrop.sections import words_of
 from rankdrop.task import Frame, Task, resolve_task
+from rankdrop.tolerances import Tolerances
 from rankdrop.units import in_metres, metre_exponent, shifted
 from rankdrop.version import VERSION
 
@@ -129,6 +130,31 @@ def shipped_families(robot: Robot, task: Task, *, any_tip: bool = False) -> tupl
         known = known_analysis(robot, task, any_tip=any_tip)
         kept[name] = () if known is None else known.families
     return kept[name]
+
+
+def known_families(
+    robot: Robot, task: Task, analysis: Analysis | None, tolerances: Tolerances
+) -> tuple[tuple[Family, ...], str]:
+    """Known families and where they come from: the analysis given, else the atlas that is shipped, else nowhere.
+
+    Raises:
+        OptionError: the analysis is about another arm or other rows.
+    """
+    if analysis is None:
+        known = shipped_families(robot, task, any_tip=True)
+        if known is None:
+            return ((), "on the spot")
+        return (known, "catalogue")
+    from rankdrop.results.analysis import Analysis  # who asks for conditions alone does without
+
+    if not isinstance(analysis, Analysis):
+        raise OptionError("an analysis is needed", got=repr(analysis)[:80], allowed="an Analysis, or None")
+    mine, other = (geometry(one, tip=task.m < 6) for one in (robot, analysis.robot))
+    if mine.shape != other.shape or np.abs(mine - other).max() > tolerances.value:
+        raise OptionError("the analysis is about another arm", got=analysis.robot.name, allowed=robot.name)
+    if analysis.task.rows != task.rows or analysis.task.frame != task.frame:
+        raise OptionError("the analysis is about another task", got=analysis.task.name, allowed=task.name)
+    return analysis.families, "analysis"
 
 
 def known_name(robot: Robot, task: Task, *, any_tip: bool = False) -> str | None:

@@ -43,7 +43,7 @@ from rankdrop.proof.boxes import Plan, plan_from_entries
 from rankdrop.questions import CoverOptions
 from rankdrop.results.analysis import Analysis, robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.results.covered import Account, Covered
-from rankdrop.results.explanation import known_families
+from rankdrop.results.known import known_families
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.text.words import covering_label

@@ -13,7 +13,8 @@ from rankdrop.local.pointing import asked_task
 from rankdrop.options import takes
 from rankdrop.questions import ExplainOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation import Explanation, known_families
+from rankdrop.results.explanation import Explanation
+from rankdrop.results.known import known_families
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances

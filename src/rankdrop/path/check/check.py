@@ -28,7 +28,6 @@ from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.pointing import asked_task
 from rankdrop.local.posture import by_habit
 from rankdrop.options import takes
-from rankdrop.path.check.certificate import margin
 from rankdrop.path.check.follow import Followed, ToolBranch, follow
 from rankdrop.path.check.prove import Proof, prove
 from rankdrop.path.check.record import (
@@ -54,11 +53,10 @@ from rankdrop.path.curve import Curve, Place, curve
 from rankdrop.path.read.files import Poses, holds_poses, length_hint, read_poses, read_trajectory
 from rankdrop.path.read.trajectory import Trajectory, checked, checked_times, refuse_degrees, rows_of, unit_hint
 from rankdrop.poses.inverse import Aim, apart, distinct, near_and_within
-from rankdrop.poses.postures import posture_names
 from rankdrop.problem import whole_turns
 from rankdrop.questions import PathOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation import known_families
+from rankdrop.results.known import known_families
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.transform import as_numbers
@@ -205,6 +203,8 @@ def check_curve(
         nearest = min((one.closest.distance for one in stretches), default=np.inf)
         kept = "violated" if nearest < options.min_distance else "not proven"
         if kept == "not proven" and proof.complete and not proof.slivers:
+            from rankdrop.path.check.certificate import margin  # with the checker of proofs
+
             row, more = margin(arm, arm_task, proof.setting, moved, options.min_distance, options.evaluations)
             spent += more
             if row < 0:
@@ -389,6 +389,8 @@ def _branches(
     starts[chosen] = first
     if len(starts) > MOST_BRANCHES:  # a self-motion at a singular first pose: its points are no branches
         return ()
+    from rankdrop.poses.postures import posture_names  # with the exact side, which a path of joint values does without
+
     found = []
     for row, q in enumerate(starts):
         if row == chosen:

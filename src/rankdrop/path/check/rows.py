@@ -18,7 +18,7 @@ from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.path.check.record import VERDICTS
 from rankdrop.path.check.survey import measures
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation import known_families
+from rankdrop.results.known import known_families
 from rankdrop.text.path_files import COLUMNS
 from rankdrop.units import in_metres, into_metres, task_in_metres
 from rankdrop.version import VERSION

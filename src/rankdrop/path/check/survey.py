@@ -19,12 +19,10 @@ from numpy.typing import NDArray
 from rankdrop import _core
 from rankdrop.distance.distance import QUICK, Ruler
 from rankdrop.errors import RankdropError
-from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.families.record import Family, families_at, family_in_metres
-from rankdrop.families.row import soundness
 from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
-from rankdrop.local.directions import words
+from rankdrop.local.directions import lost_seen_from, words
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.rates import rate_limits
 from rankdrop.path.check.prove import Sliver
@@ -46,7 +44,6 @@ from rankdrop.path.check.record import (
 from rankdrop.path.curve import Curve, Index, Place, largest
 from rankdrop.problem import Problem
 from rankdrop.questions import PathOptions
-from rankdrop.results.explanation import lost_seen_from
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
@@ -112,6 +109,9 @@ def signs_at(robot: Robot, task: Task, configurations: Sequence[Array], toleranc
 
     The condition is fitted to the neighbourhood, and used where random solutions of it, anywhere, are singular.
     """
+    from rankdrop.families.on_the_spot import name_on_the_spot  # a path free of singularities does without
+    from rankdrop.families.row import soundness
+
     found: SignFunctions = {}
     problem = Problem(robot, task, 1, tolerances)
     for q in configurations:
@@ -569,6 +569,8 @@ class Survey:
         name = found[0].family.name if found else ""
         if len(self._spots) >= _SPOTS:
             return "", name
+        from rankdrop.families.on_the_spot import name_on_the_spot  # arms whose families are known do without
+
         try:
             local = name_on_the_spot(self.robot, q, self.task, corank)
         except RankdropError:  # rounding: q is singular to the tolerance and not to that of its neighbours

@@ -47,7 +47,7 @@ from rankdrop.path.mend.slow_down import slowed_down
 from rankdrop.path.read.trajectory import Trajectory
 from rankdrop.questions import RemedyOptions
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation import known_families
+from rankdrop.results.known import known_families
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.text import remedies as text

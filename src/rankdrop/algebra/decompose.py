@@ -52,7 +52,7 @@ class Done(NamedTuple):
     lowered: frozenset[tuple[int, int]] = frozenset()
 
     def raised_by_lowering(self, k: int) -> set[int]:
-        """The variables whose degrees may have grown, through all divisions so far, to lower those in variable k."""
+        """Variables in which degrees may have grown, through all divisions so far, to lower those in variable k."""
         reached: set[int] = set()
         fresh = {k}
         while fresh:

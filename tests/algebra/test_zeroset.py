@@ -12,9 +12,9 @@ pytest.importorskip("flint")
 
 from rankdrop.algebra import decompose as steps
 from rankdrop.algebra.decompose import cut, cut_half, decompose
-from rankdrop.algebra.field import PRIMES, value_at
+from rankdrop.algebra.field import PRIMES, Point, half_angle_value, value_at
 from rankdrop.algebra.polynomial import used
-from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.solving import Solved, plainly_positive, put, without_real_root, without_real_zero
 from rankdrop.algebra.work import GRACE, SLOWER, OutOfTime, Work, spent, tick
 from rankdrop.algebra.zeroset import ZeroSet, independent
@@ -337,3 +337,14 @@ def test_what_two_conditions_have_no_point_of_is_left_over_at_once(
     assert steps._several(ring, {}, [f, g, x * y * (x + y) - 2 * number * x], 2, work) == []
     assert len(looked) == 1
     assert len(work.unresolved) == 1
+
+
+def test_a_highest_coefficient_at_pi_is_made_once(ring: Ring, monkeypatch: pytest.MonkeyPatch) -> None:
+    t1, t2 = ring.t[1], ring.t[2]
+    f, other = (t2**2 + 3) * t1**2 + t1 * t2 + 5, (t2 - 4) * t1 + 1
+    made = []
+    monkeypatch.setattr(Form, "at", lambda form, pins, at=Form.at: made.append(pins) or at(form, pins))
+    points = [Point({"t2": x}, PRIMES[0]) for x in (2, 4, 7)]
+    assert [half_angle_value(ring, f, point) for point in points] == [7, 19, 52]
+    assert [half_angle_value(ring, other, point) for point in points] == [PRIMES[0] - 2, 0, 3]
+    assert made == [{1: "pi"}, {1: "pi"}]

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, islice
+from typing import NamedTuple
 
 from rankdrop.algebra.field import Point, residue, roots_at, solvable_in_space, value_at
 from rankdrop.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, divides, factor, gcd, primitive, used
@@ -38,8 +39,30 @@ from rankdrop.algebra.solving import (
 from rankdrop.algebra.work import Work, tick
 from rankdrop.algebra.zeroset import ZeroSet, independent
 
-Done = frozenset[tuple[str, str, int]]
-"""Pairs of conditions, and the place of a variable, that have been combined on the way to a system."""
+
+class Done(NamedTuple):
+    """Steps on the way to a system that are not taken again inside it.
+
+    Attributes:
+        combined: pairs of conditions, and the place of the variable in which they have been combined.
+        lowered: (k, l): a division has lowered a degree in variable k, and may have raised one in variable l.
+    """
+
+    combined: frozenset[tuple[str, str, int]] = frozenset()
+    lowered: frozenset[tuple[int, int]] = frozenset()
+
+    def raised_by_lowering(self, k: int) -> set[int]:
+        """Variables in which degrees may have grown, through all divisions so far, to lower those in variable k."""
+        reached: set[int] = set()
+        fresh = {k}
+        while fresh:
+            fresh = {end for begin, end in self.lowered if begin in fresh} - reached
+            reached |= fresh
+        return reached
+
+
+NOTHING_DONE = Done()
+
 
 
 def decompose(
@@ -48,7 +71,7 @@ def decompose(
     conditions: Sequence[Form],
     most: int,
     work: Work,
-    done: Done = frozenset(),
+    done: Done = NOTHING_DONE,
 ) -> list[ZeroSet]:
     """Irreducible sets that together hold every large piece of where all half-angle polynomials vanish.
 
@@ -99,7 +122,7 @@ def _irreducible(
     for f, g, k in divisions(ring, system):
         if len(used(f)) == 1:  # numbers alone: powers of the variable from its degree on are known
             others = [ring.form(h) for h in system if h is not g]
-            return decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
+            return decompose(ring, pins, [*others, remainder(ring, g, f, k, work)], most, work, done)
     work.special = work.special or any(_always(ring, f, work) for f in system)
     found = list(_at_infinity(ring, pins, system, most, work, done))
     inside = _eliminated(ring, pins, system, most, work, done)
@@ -191,17 +214,21 @@ def _reduced(
     """No condition is linear: combine two of them into one that is, or into one with a variable less."""
     for f, g, k in divisions(ring, system):
         work.check()
+        raised = {place for place in used(f) if place < ring.moving} - {k}
+        if any(k in done.raised_by_lowering(place) for place in raised):
+            continue  # divisions that raise one another's degrees would never end
+        there = done._replace(lowered=done.lowered | {(k, place) for place in raised})
         others = [ring.form(h) for h in system if h is not g]
-        pieces = decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
+        pieces = decompose(ring, pins, [*others, remainder(ring, g, f, k, work)], most, work, there)
         return [replace(piece, known=(*piece.known, *_at_pins(piece, [g]))) for piece in pieces]
     known = {str(f) for f in system}
     for f, g, k in pairs(ring, system):
         work.check()
         one, two = sorted((str(f), str(g)))
         pair = (one, two, k)
-        if pair in done or not eliminable(f, g, k):
+        if pair in done.combined or not eliminable(f, g, k):
             continue
-        done |= {pair}
+        done = done._replace(combined=done.combined | {pair})
         both = combined(ring, f, g, k)
         if both == 0:
             continue

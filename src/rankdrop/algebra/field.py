@@ -217,8 +217,21 @@ def _put(
 def half_angle_value(ring: Ring, f: Polynomial, point: Point) -> int:
     """A half-angle polynomial at a point; of joints at π, which have no t_j there, its highest coefficient."""
     degrees = f.degrees()
-    far = {j: "pi" for place, j in enumerate(ring.revolute) if degrees[place] and f"t{j}" not in point}
-    return value_at(ring, ring.form(f).at(far).f if far else f, point)
+    far = tuple(j for place, j in enumerate(ring.revolute) if degrees[place] and f"t{j}" not in point)
+    if not far:
+        return value_at(ring, f, point)
+    return value_at(ring, _highest(ring, f, far), point)
+
+
+def _highest(ring: Ring, f: Polynomial, far: tuple[int, ...]) -> Polynomial:
+    """The highest coefficient of f in the tangents of joints at π, made once: points of a set are at the same ones."""
+    key = (id(f), "pi", far)
+    known: tuple[Polynomial, Polynomial] | None = ring.images.get(key)
+    if known is None:
+        tick(3 * len(f))
+        there = ring.form(f).at(dict.fromkeys(far, "pi")).f
+        known = ring.images.keep(key, (f, there), len(f) + len(there))
+    return known[1]
 
 
 def stands(point: Point, joint: int, value: str) -> bool:

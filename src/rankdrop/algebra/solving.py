@@ -22,6 +22,7 @@ from rankdrop.algebra.polynomial import (
     PRIMES,
     Atom,
     Polynomial,
+    coefficient,
     coefficients,
     flint,
     image_modulo,
@@ -213,13 +214,18 @@ def divisions(ring: Ring, system: list[Polynomial]) -> Iterator[tuple[Polynomial
                     yield f, g, k
 
 
-def remainder(ring: Ring, g: Polynomial, f: Polynomial, k: int) -> Form:
-    """The pseudo-remainder of g divided by f in one variable; it counts for the degrees of g in the others."""
+def remainder(ring: Ring, g: Polynomial, f: Polynomial, k: int, work: Work) -> Form:
+    """The pseudo-remainder of g divided by f in one variable; it counts for the degrees of g in the others.
+
+    Raises:
+        OutOfTime: the deadline has passed.
+    """
     degree = list(ring.form(g).degrees)
     divisor = coefficients(f, k)
     t = f.context().gens()[k]
     while g != 0 and g.degrees()[k] >= len(divisor) - 1:
-        top = coefficients(g, k)[-1]
+        work.check()
+        top = coefficient(g, k, int(g.degrees()[k]))
         tick(20 + len(f) * len(top) + len(g) * len(divisor[-1]))
         g = reduced_roots(g * divisor[-1] - f * top * t ** (g.degrees()[k] - len(divisor) + 1))
     if k < ring.angles:
@@ -381,8 +387,8 @@ def _slice_forms(
     forms = []
     for f in images:
         terms = {}
-        for exponents, coefficient in f.subs(others).to_dict().items():
-            terms[tuple(int(exponents[place]) for place in ordered)] = int(coefficient)
+        for exponents, number in f.subs(others).to_dict().items():
+            terms[tuple(int(exponents[place]) for place in ordered)] = int(number)
         forms.append(context.from_dict(terms).compose(*turned, ctx=context))
     return forms
 

@@ -45,9 +45,9 @@ _SMALL = 1e-2  # σ_r at the end of a branch above which no singularity is its r
 _SINGULAR = 1e-6  # σ_r of a row below which the branch is at a singularity, and leaves it by its local geometry
 _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton leaves the lost joint motion alone [rad]
 _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
-_STRAIGHT = 0.97  # cosine of the angle between joint motions before and after a singularity below which there is a corner
+_STRAIGHT = 0.97  # cosine of the turn of the joint motion at a singularity below which it is a corner
 _CREEPS, _CREPT = 3, 1e-3  # so many departures from rest within that share of a move lead nowhere
-_STALLED, _STAYED = 150, 0.5  # so many tries within that share of a move and so much joint motion: it creeps [rad]
+_STALLED, _STAYED = 150, 0.5  # so many tries within one move and so much joint motion: the branch creeps [rad]
 _CREPT_TO = 1e-4  # σ_r at which a branch that creeps ends at the singularity
 _SNAPPED = 0.02  # an internal turn so short at the start is made: the start is near enough [rad]
 
@@ -309,7 +309,7 @@ class _Walk:
         Past a singularity the joints turn far while the tool hardly moves, within fewer tries.
         """
         moved = float(np.linalg.norm((made.now - q) / self.aim.joints))
-        return made.place - place < _CREPT and moved < _STAYED
+        return made.place - place < 1.0 and moved < _STAYED
 
     def _advanced(self, made: _Progress, last: float) -> bool:
         """Take one step or halve it, and return True; at the end of the branch, note why and return False."""
@@ -401,7 +401,7 @@ class _Walk:
             return None, False, None
         if len(self.passed) >= _CREEPS and place + 1.0 - self.passed[-_CREEPS].place < _CREPT:
             del self.passed[-_CREEPS:]
-            return None, True, None
+            return None, False, None
         found, folds = departures(self.aim, self.poses, place, now)
         found = self._straight_on(made, found)
         for one in found:

@@ -21,6 +21,7 @@ one or a longer one.
 from __future__ import annotations
 
 import argparse
+import sys
 import time
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -383,6 +384,7 @@ def main() -> None:
         number += 1
         if row is not None:
             rows.append(row)
+            print(", ".join(f"{key} {measure.text(value)}" for key, value in row.items()), file=sys.stderr, flush=True)
     faults = sum(row["faults"] > 0 for row in rows)
     kinds = {kind: sum(row["judge"] == kind for row in rows) for kind in sorted({row["judge"] for row in rows})}
     told = ", ".join(f"{count} {kind}" for kind, count in kinds.items())

@@ -215,6 +215,8 @@ class _Progress:
         joint: index of the joint beyond its limit after the last try; −1: none.
         spent: the steps or the rows that one path may have were used up, or the branch creeps.
         creeps: many steps have led nowhere.
+        tries: steps tried so far.
+        seen: place and configuration (n,) some tries before.
         folds: the branch folds back at the singularity at which it ends.
         turn: the internal turn that it needs to go on.
     """
@@ -229,12 +231,15 @@ class _Progress:
     joint: int = -1
     spent: bool = False
     creeps: bool = False
+    tries: int = 0
+    seen: tuple[float, Array] = field(init=False)
     folds: bool = False
     turn: Turn | None = None
 
     def __post_init__(self) -> None:
         self.rows.append(self.now[None])
         self.places.append(np.zeros(1))
+        self.seen = self.place, self.now
 
     def ahead(self, last: float) -> float:
         """Where the next step ends: at a pose where it can, so that no share of a way is left over."""
@@ -290,26 +295,24 @@ class _Walk:
         if self.through and last > 0.0 and self._singular(now):
             now = self._snapped(now)
         made = _Progress(now, self._side(now))
-        most = _TRIES[0] + _TRIES[1] * len(self.poses)
-        tries, seen = 0, (made.place, made.now)
         while made.place < last:
-            made.spent = tries > most or made.size > _ROWS
-            if tries > 0 and tries % _STALLED == 0:
-                made.creeps = self._creeps(made, *seen)
-                made.spent |= made.creeps
-                seen = made.place, made.now
+            self._look_at_work(made)
             if made.spent or not self._advanced(made, last):
                 break
-            tries += 1
+            made.tries += 1
         return self._confirmed(self._as_followed(made, last))
 
-    def _creeps(self, made: _Progress, place: float, q: Array) -> bool:
-        """Whether a branch is still where it was `_STALLED` tries before, at a place and a configuration (n,).
+    def _look_at_work(self, made: _Progress) -> None:
+        """Note whether the work of one path is used up, or the branch is still where it was `_STALLED` tries before.
 
         Past a singularity the joints turn far while the tool hardly moves, within fewer tries.
         """
-        moved = float(np.linalg.norm((made.now - q) / self.aim.joints))
-        return made.place - place < 1.0 and moved < _STAYED
+        if made.tries > 0 and made.tries % _STALLED == 0:
+            moved = float(np.linalg.norm((made.now - made.seen[1]) / self.aim.joints))
+            made.creeps = made.place - made.seen[0] < 1.0 and moved < _STAYED
+            made.seen = made.place, made.now
+        most = _TRIES[0] + _TRIES[1] * len(self.poses)
+        made.spent = made.creeps or made.tries > most or made.size > _ROWS
 
     def _advanced(self, made: _Progress, last: float) -> bool:
         """Take one step or halve it, and return True; at the end of the branch, note why and return False."""

@@ -43,6 +43,7 @@ _CORRECTED = 0.2  # share of a step that the corrector may add
 _TURNED = 0.97  # cosine between two steps at least
 _STILL = 1e-9  # of s along a self-motion
 _AWAY = 0.05  # |Δq| at which a curve from rest has shown where it goes
+_NEAR_START = 0.02  # a turn so short at a start is made without a word [rad]
 _SAME = 2e-3  # of configurations [rad]
 
 
@@ -336,6 +337,8 @@ def one(number: int, seed: int) -> measure.Row | None:
             if wanted == "still":
                 turned = turns(arm, line, q)
                 wanted = "turn" if turned else "ends"
+                if turned and turned[0][0] <= _NEAR_START:
+                    return None
     if wanted == "?":
         return None
     poses = np.stack([line.at(low), line.at(_HALF)])

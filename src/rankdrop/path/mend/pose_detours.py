@@ -229,24 +229,36 @@ class PoseDetourer:
         spans = self._spans(places[: end + 1], last_clear, place)
         if not spans:
             return Blocked(place, Hindrance.END)
-        lost = self.least_motion(run.q[end])
+        blocked: Blocked | None = None
+        for motion in (self.least_motion(run.q[end]), self._lost_direction(run.q[end])):
+            made = self._led_along(motion, spans, places, run.q, place)
+            if not isinstance(made, Blocked):
+                return made
+            blocked = blocked or made
+        assert blocked is not None
+        return blocked
+
+    def _led_along(
+        self, motion: Array, spans: list[Span], places: Array, q: Array, place: float
+    ) -> tuple[Window, float, Array] | Blocked:
+        """A window in which the poses are moved along a tool motion (m,) of size 1."""
         sizes = self._sizes()
-        looks = self._looks(spans, run.q, lost, sizes)
+        looks = self._looks(spans, q, motion, sizes)
         if not looks:
-            return self._limited(place, spans, run.q, lost, sizes)
+            return self._limited(place, spans, q, motion, sizes)
         least = looks[0].size
         if least > self._largest:
             return Blocked(place, Hindrance.TOOL, least)
         before = max((size for size in sizes if size < least), default=least / _GROWING)
-        finer = self._looks([looks[0].span], run.q, lost, np.geomspace(before, least, _FINER + 1)[1:-1])
+        finer = self._looks([looks[0].span], q, motion, np.geomspace(before, least, _FINER + 1)[1:-1])
         for look in [*finer, *looks][:_CONFIRMED]:
-            confirmed = self._confirmed(look, run.q)
+            confirmed = self._confirmed(look, q)
             if look.size <= self._largest and confirmed is not None:
-                window, window_places, q = confirmed
+                window, window_places, moved = confirmed
                 kept = look.span.kept
-                self.rows.append((places[: kept + 1], run.q[: kept + 1]))
-                self.rows.append((window_places[1:-1], q[1:-1]))
-                return window, look.span.high, q[-1]
+                self.rows.append((places[: kept + 1], q[: kept + 1]))
+                self.rows.append((window_places[1:-1], moved[1:-1]))
+                return window, look.span.high, moved[-1]
         return Blocked(place, Hindrance.TOOL)
 
     @property
@@ -263,13 +275,17 @@ class PoseDetourer:
                 spans.append(span)
         return spans
 
+    def _lost_direction(self, q: Array) -> Array:
+        """(m,) the direction û that is lost at a configuration: the left singular vector of σ_r."""
+        left = np.linalg.svd(self.aim.jacobian(q[None])[0])[0]
+        return np.asarray(left[:, self.tool.rank - 1])
+
     def least_motion(self, q: Array) -> Array:
         """(m,) the tool motion of size 1 with the largest share û·w along the direction lost at a configuration.
 
         Sizes are sums of a way and a turn, |w_v| + |w_ω|, so that it is a way alone, or a turn alone.
         """
-        left = np.linalg.svd(self.aim.jacobian(q[None])[0])[0]
-        lost = np.asarray(left[:, self.tool.rank - 1])
+        lost = self._lost_direction(q)
         ways = np.array([row < 3 for row in self.task.rows])
         parts = [np.where(ways, lost, 0.0), np.where(ways, 0.0, lost)]
         larger = max(parts, key=lambda part: float(np.linalg.norm(part)))

@@ -111,7 +111,10 @@ def one(number: int, seed: int) -> measure.Row | None:
     seconds = time.process_time() - begun
     limits = np.array([joint.velocity for joint in arm.variables], dtype=float)
     steps = np.abs(np.diff(rows, axis=0)) / (np.diff(places) / 2 * lasts)[:, None]
-    share = float((steps / limits).max()) if np.isfinite(rows).all() else np.inf
+    if not np.isfinite(limits).any():
+        share = 0.0  # any rate will do, and the steps of the controller may be too coarse
+    else:
+        share = float((steps / limits).max()) if np.isfinite(rows).all() else np.inf
     free, off = check.verdict == "free", 0.0
     if free:
         q_rows = np.concatenate([check.curve.control[:, 0], check.curve.control[-1:, -1]])

@@ -12,6 +12,7 @@ from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.path.check.follow import follow
 from rankdrop.path.check.tool_line import between
+from rankdrop.poses.inverse import Aim, rotation
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task
 from rankdrop.units import scaled
@@ -180,3 +181,18 @@ def test_whatever_the_steps_no_singularity_is_passed_through(name: str) -> None:
         assert (sides == sides[0]).all()
         ended += not found.complete
     assert ended >= 3
+
+
+def test_a_branch_that_creeps_along_a_singularity_ends_there_soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """500 poses of the Gen3, turned by 0.1° from a path through its elbow: steps of 1e-8 of a move led on, hundreds."""
+    robot = open_robot("gen3")
+    start, end = np.radians([[4, 28, 8, 6, 30, 39, -1.0], [5, 27, 9, -6, 31, 38, 0.0]])
+    poses = pose(robot, start + np.linspace(0.0, 1.0, 500)[:, None] * (end - start))
+    poses[:, :3, :3] = rotation(np.array([[2e-3, 0.0, 0.0]]))[0] @ poses[:, :3, :3]
+    solved = []
+    solve = Aim.solve
+    monkeypatch.setattr(Aim, "solve", lambda aim, goal, q: solved.append(len(q)) or solve(aim, goal, q))
+    found = follow(robot, poses, start, tolerance=(1e-4, 1e-3))
+    assert (found.complete, found.reason) == (False, "singular")
+    assert 145.0 < found.reached < 155.0
+    assert len(solved) < 700  # 1,446 without an end

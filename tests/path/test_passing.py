@@ -123,6 +123,28 @@ def test_lines_through_singularities_go_on_or_fold_back_as_a_continuation_does(n
     assert kinds["through"]
 
 
+def test_where_two_solution_curves_cross_the_joints_go_straight_on() -> None:
+    """The shoulder of the UR5e, and a line along no lost motion: the other curve leaves at 25° to the one that arrives.
+    """
+    robot = open_robot("ur5e")
+    q = singular_near(robot, np.radians([-71.844, 61.044, 164.0, -3.297, 46.148, 18.359]), 2)
+    along = np.array([0.077, -0.206, 0.967, -0.026, 0.081, 0.093])
+    lost = np.linalg.svd(task_jacobian(robot, q, resolve_task(None, robot)))[0][:, -1]
+    scale = np.array([resolve_task(None, robot).scale(robot)] * 3 + [1.0] * 3)
+    lost = lost / scale
+    along -= (lost @ along) / (lost @ lost) * lost
+    home = pose(robot, q[None])[0]
+    ends = np.array([at(home, along, s) for s in (-0.04, 0.04)])
+    start = np.radians([-71.838, 47.457, 160.557, 14.543, 45.856, 18.353])
+    found = follow(robot, ends, start, limits=False, tolerance=(1e-4, 1e-3), through=True)
+    kind, last = continued(robot, home, along, found.q[0], -0.04, 0.04)
+    assert (kind, found.complete, [one.rest for one in found.passed]) == ("goes on", True, [False])
+    np.testing.assert_allclose(found.q[-1], last, atol=0.01)  # a step beyond; the other curve is 0.13 away
+    turns = np.diff(found.q, axis=0)
+    turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+    assert (turns[1:] * turns[:-1]).sum(axis=1).min() > 0.99
+
+
 @pytest.mark.by_hand_at("2", "3", "4")
 @pytest.mark.slow
 @pytest.mark.parametrize("rows", [2, 3, 4, 400])

@@ -44,6 +44,26 @@ def checked(name: str) -> tuple[Array, Array, PathCheck]:
     return poses, t, check_poses(arm, poses, t, start=q[0], branches=False)
 
 
+@pytest.mark.slow
+def test_no_tool_motion_of_the_same_size_goes_farther_along_the_lost_direction() -> None:
+    """At wrists of the KUKA KR 6: a size is |v|/ℓ + |ω|, of which the motion along û needs up to 1.2 times more."""
+    arm, rng = open_robot("kr6r900"), np.random.default_rng(3)
+    q = np.radians([[0, -80, 90, 20, 20, 0], [1, -80, 90, 20, 20, 0]])
+    work = PoseDetourer(check_poses(arm, pose(arm, q), start=q[0], branches=False), 0.05, CLEARANCE)
+    gains = []
+    for _ in range(20):
+        q = np.append(rng.uniform(-1.0, 1.0, 4), [0.0, 0.3])
+        lost = np.linalg.svd(work.aim.jacobian(q[None])[0])[0][:, -1]
+        other = rng.normal(size=(500, 6)) * np.repeat(10.0 ** rng.uniform(-2.0, 2.0, (500, 2)), 3, axis=1)
+        other = np.concatenate([other, lost[None]])
+        other /= (np.linalg.norm(other[:, :3], axis=1) + np.linalg.norm(other[:, 3:], axis=1))[:, None]
+        way = work.least_motion(q)
+        assert np.linalg.norm(way[:3]) + np.linalg.norm(way[3:]) == pytest.approx(1.0)
+        assert lost @ way >= (other @ lost).max() - 1e-12
+        gains.append(lost @ way / (other[-1] @ lost))
+    assert max(gains) > 1.1
+
+
 @pytest.mark.by_hand_at("kr6r900")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["kr6r900", "pa10"])
@@ -69,7 +89,7 @@ def test_the_tool_is_led_around_and_all_other_poses_stay(name: str) -> None:
     assert away[outside].max() < 1e-9
     assert turned[outside].max() < 1e-9
     assert 1e-6 < away.max() < 1.01 * window.off[0] < 0.02
-    assert turned.max() < 1.01 * window.off[1] < np.radians(2.0)
+    assert turned.max() < 1.01 * window.off[1] + 1e-9 < np.radians(2.0)
     assert (made.times[0], made.times[-1]) == (t[0], t[-1])
     assert singular_values(check.robot, made.q, check.task)[:, 5].min() > 1e-4
     assert np.abs(np.diff(made.q, axis=0)).max() < 0.3

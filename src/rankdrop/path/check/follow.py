@@ -12,7 +12,7 @@ stay within it of its curve while the joints go straight from row to row (`Aim.d
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,7 +45,10 @@ _SMALL = 1e-2  # σ_r at the end of a branch above which no singularity is its r
 _SINGULAR = 1e-6  # σ_r of a row below which the branch is at a singularity, and leaves it by its local geometry
 _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton leaves the lost joint motion alone [rad]
 _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
+_STRAIGHT = 0.97  # cosine of the turn of the joint motion at a singularity below which it is a corner
 _CREEPS, _CREPT = 3, 1e-3  # so many departures from rest within that share of a move lead nowhere
+_STALLED, _STAYED = 150, 0.5  # so many tries within one move and so much joint motion: the branch creeps [rad]
+_CREPT_TO = 1e-4  # σ_r at which a branch that creeps ends at the singularity
 _SNAPPED = 0.02  # an internal turn so short at the start is made: the start is near enough [rad]
 
 
@@ -210,7 +213,10 @@ class _Progress:
         rows, places: configurations kept so far, and where, one array for each step.
         size: how many were kept.
         joint: index of the joint beyond its limit after the last try; −1: none.
-        spent: the steps or the rows that one path may have were used up.
+        spent: the steps or the rows that one path may have were used up, or the branch creeps.
+        creeps: many steps have led nowhere.
+        tries: steps tried so far.
+        seen: place and configuration (n,) some tries before.
         folds: the branch folds back at the singularity at which it ends.
         turn: the internal turn that it needs to go on.
     """
@@ -224,12 +230,16 @@ class _Progress:
     size: int = 1
     joint: int = -1
     spent: bool = False
+    creeps: bool = False
+    tries: int = 0
+    seen: tuple[float, Array] = field(init=False)
     folds: bool = False
     turn: Turn | None = None
 
     def __post_init__(self) -> None:
         self.rows.append(self.now[None])
         self.places.append(np.zeros(1))
+        self.seen = self.place, self.now
 
     def ahead(self, last: float) -> float:
         """Where the next step ends: at a pose where it can, so that no share of a way is left over."""
@@ -237,6 +247,15 @@ class _Progress:
         if ahead >= int(self.place) + 1:
             return float(int(ahead + 1e-9))
         return ahead
+
+    def direction(self, joints: Array) -> Array | None:
+        """(n,) unit vector of the joint motion (scaled by `joints`) that leads to `now`; None where nothing does."""
+        away = (self.now - np.concatenate(self.rows)[:-1]) / joints
+        far = np.flatnonzero(np.linalg.norm(away, axis=1) >= _CLEAR)
+        if not len(far):
+            return None
+        last = away[far[-1]]
+        return np.asarray(last / np.linalg.norm(last))
 
     def keep(self, at: Array, q: Array, *, between: bool, growth: float) -> None:
         """Go on to the end of a step; its rows between poses are kept where they are wanted. The next is so many times
@@ -276,13 +295,24 @@ class _Walk:
         if self.through and last > 0.0 and self._singular(now):
             now = self._snapped(now)
         made = _Progress(now, self._side(now))
-        tries = _TRIES[0] + _TRIES[1] * len(self.poses)
         while made.place < last:
-            made.spent = tries < 0 or made.size > _ROWS
+            self._look_at_work(made)
             if made.spent or not self._advanced(made, last):
                 break
-            tries -= 1
+            made.tries += 1
         return self._confirmed(self._as_followed(made, last))
+
+    def _look_at_work(self, made: _Progress) -> None:
+        """Note whether the work of one path is used up, or the branch is still where it was `_STALLED` tries before.
+
+        Past a singularity the joints turn far while the tool hardly moves, within fewer tries.
+        """
+        if made.tries > 0 and made.tries % _STALLED == 0:
+            moved = float(np.linalg.norm((made.now - made.seen[1]) / self.aim.joints))
+            made.creeps = made.place - made.seen[0] < 1.0 and moved < _STAYED
+            made.seen = made.place, made.now
+        most = _TRIES[0] + _TRIES[1] * len(self.poses)
+        made.spent = made.creeps or made.tries > most or made.size > _ROWS
 
     def _advanced(self, made: _Progress, last: float) -> bool:
         """Take one step or halve it, and return True; at the end of the branch, note why and return False."""
@@ -296,7 +326,7 @@ class _Walk:
                 made.length = (ahead - made.place) / 2
                 return True
         if step is None:
-            step, made.folds, made.turn = self._onward(made.now, made.place)
+            step, made.folds, made.turn = self._onward(made)
             made.joint = self._stopping_joint(step)
         if step is None or made.joint >= 0:
             return False
@@ -331,6 +361,8 @@ class _Walk:
             return "limit"
         if made.folds or sigma <= (_SINGULAR if self.decides else _SMALL):
             return "singular"
+        if made.creeps and sigma <= _CREPT_TO:
+            return "singular"
         if made.spent:
             return "budget"
         return "stuck"
@@ -362,17 +394,19 @@ class _Walk:
             return end
         return q
 
-    def _onward(self, now: Array, place: float) -> tuple[tuple[Array, Array] | None, bool, Turn | None]:
+    def _onward(self, made: _Progress) -> tuple[tuple[Array, Array] | None, bool, Turn | None]:
         """From a configuration at or next to a singularity: a step ahead; else whether the branch folds back there, and
         the turn that it needs first.
         """
+        now, place = made.now, made.place
         sigma = singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1]
         if not self.decides or sigma > _SMALL:
             return None, False, None
         if len(self.passed) >= _CREEPS and place + 1.0 - self.passed[-_CREEPS].place < _CREPT:
             del self.passed[-_CREEPS:]
-            return None, True, None
+            return None, False, None
         found, folds = departures(self.aim, self.poses, place, now)
+        found = self._straight_on(made, found)
         for one in found:
             step = self._leap(now, place, one)
             if step is not None and (self._beyond(step[1]) < 0 or one is found[-1]):
@@ -384,6 +418,24 @@ class _Walk:
         if end is None:
             return None, False, None
         return None, False, Turn(place + 1.0, now, end)
+
+    def _straight_on(self, made: _Progress, found: list[Departure]) -> list[Departure]:
+        """Departures, those first that go on in the direction in which the joints arrive.
+
+        Where two solution curves cross at a singularity, a change from one to the other is a corner of the joint path
+        within a straight move: the arm has to rest there.
+        """
+        arriving = made.direction(self.aim.joints)
+        if arriving is None or not found or found[0].rest:
+            return found
+        turned: list[tuple[float, Departure]] = []
+        for one in found:
+            leaving = (one.q - made.now) / self.aim.joints
+            cosine = float(arriving @ leaving) / float(np.linalg.norm(leaving))
+            corner = cosine < _STRAIGHT and made.place > int(made.place)
+            turned.append((cosine, replace(one, rest=corner)))
+        turned.sort(key=lambda one: -one[0])
+        return [departure for _, departure in turned]
 
     def _spanned(
         self, rows: list[Array], places: list[Array], step: tuple[Array, Array]

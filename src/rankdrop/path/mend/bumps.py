@@ -36,6 +36,7 @@ from rankdrop.path.mend.candidates import ToolPath
 from rankdrop.path.mend.retime import derivatives
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.poses.inverse import Aim
+from rankdrop.problem import Mask
 from rankdrop.robot.model import Array, Robot
 
 CLEARANCE = np.radians(0.2)
@@ -48,6 +49,7 @@ _WIDENED = 8.0  # times the bound: heights up to there are tried, to say how far
 _TURNED = 0.25  # share of the largest component of n that a single joint has at least
 _SIMPLER = 1.05  # a single joint whose tool leaves its path by no more than so many times the least is taken
 _DAMPED = (1e-4, 1e-2)  # λ, of J with lengths divided by ℓ
+_WEIGHTED, _SMALLEST = 12, 1e-2  # rounds of weighing; share of the larger of way and turn that counts at least
 _RAMP = 0.3  # shortest ramp of a path in time [s]
 _SLOPE = 4.0  # … and of a path without times, in heights
 _RAMPS = 7  # lengths of a ramp that are tried, each twice the one before
@@ -324,6 +326,8 @@ class Bumper:
             for damped in _DAMPED:
                 least = np.linalg.solve(jacobian.T @ jacobian + damped * np.eye(self.robot.n), normal)
                 kinds.append((least, False))
+            ways = np.array([row < 3 for row in self.aim.rows])
+            kinds.append((least_motion(jacobian, ways, normal), False))
             if self.tool.redundant and self.path.degree == 1:
                 null = np.linalg.svd(self.aim.jacobian(home[:1])[0])[2][self.tool.rank :]
                 along = null.T @ (null @ normal)
@@ -510,6 +514,31 @@ class Bumper:
             velocities = velocities + bump.height * slope[:, None] * bump.way
             accelerations = accelerations + bump.height * bend[:, None] * bump.way
         return velocities, accelerations if self.path.degree == 5 else None
+
+
+def least_motion(jacobian: Array, ways: Mask, normal: Array) -> Array:
+    """Joint motion d with n·d = 1 and the least tool motion |J_v d| + |J_ω d|, by least squares that are weighted anew.
+
+    A weight is 1 over the way, or the turn, of the last round: where that no longer changes, the sum of both is least.
+
+    Args:
+        jacobian: (m, n) of scaled joints, lengths divided by the length scale.
+        ways: (m,) rows that are ways of the tool; the others are turns.
+        normal: (n,) n.
+
+    Returns:
+        (n,) d.
+    """
+    weights = np.ones(len(ways))
+    motion = normal
+    for _ in range(_WEIGHTED):
+        gram = (jacobian.T * weights) @ jacobian
+        motion = np.linalg.solve(gram + _DAMPED[0] * weights.max() * np.eye(len(normal)), normal)
+        motion = motion / (normal @ motion)
+        moved = jacobian @ motion
+        sizes = np.where(ways, np.linalg.norm(moved[ways]), np.linalg.norm(moved[~ways]))
+        weights = 1.0 / np.maximum(sizes, _SMALLEST * sizes.max())
+    return np.asarray(motion)
 
 
 def tool_off(robot: Robot, q: Array, moved: Array) -> tuple[float, float]:

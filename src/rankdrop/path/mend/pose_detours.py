@@ -1,11 +1,12 @@
 """Local changes of a tool path that was given as poses: the tool led around each singularity that ends its branch.
 
 The branch is followed from the first pose until it ends at a singularity, or comes to one. There the poses of a
-window are moved, T′ = exp(ε B û) T (`path.mend.detours`), u the direction lost, and the branch goes on along them:
-past a wrist, where two joints turn half around, or inside the edge of reach, which the poses leave. Of both ways
-along u, windows of some lengths and sizes, all followed side by side, the least is taken that the joints can follow
-with room to the singularity. After the window the poses are as they were, and the joints are on the branch to which
-the window led. All other poses stay as they are, to the last bit.
+window are moved, T′ = exp(ε B ŵ) T (`path.mend.detours`), w the way or the turn of the tool with the largest share
+along the direction lost, and the branch goes on along them: past a wrist, where two joints turn half around, or
+inside the edge of reach, which the poses leave. Of both ways along w, windows of some lengths and sizes, all followed
+side by side, the least is taken that the joints can follow with room to the singularity. After the window the poses
+are as they were, and the joints are on the branch to which the window led. All other poses stay as they are, to the
+last bit.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from rankdrop.robot.model import Array
 _RAMP = 0.3  # of a window at least [s]; of poses without times that many metres or rad, lengths by the length scale
 _LONGER = (1.0, 2.0, 4.0, 8.0)  # times the shortest window that are tried
 _FINEST, _GROWING, _WIDENED = 1e-2, 1.6, 8.0  # sizes: from that share of the clearance on, up to times the bound
-_FINER = 5  # … and so many between the least that does and the one before
+_FINER = 10  # … and so many between the least that does and the one before
 _LOOKED, _JUMP = 120, 0.6  # places of a first look on each side; joint motion between two of them at most [rad]
 _CONFIRMED = 8  # looks that are followed in full
 _NEARER = 0.9  # share of the clearance that is kept
@@ -97,7 +98,7 @@ class Span:
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """A size ε, a window and a way û along the lost direction, and (n,) how far joints go beyond their limits."""
+    """A size ε, a window and a tool motion ŵ of size 1, and (n,) how far joints go beyond their limits."""
 
     size: float
     span: Span
@@ -228,24 +229,36 @@ class PoseDetourer:
         spans = self._spans(places[: end + 1], last_clear, place)
         if not spans:
             return Blocked(place, Hindrance.END)
-        lost = self._lost_direction(run.q[end])
+        blocked: Blocked | None = None
+        for motion in (self.least_motion(run.q[end]), self._lost_direction(run.q[end])):
+            made = self._led_along(motion, spans, places, run.q, place)
+            if not isinstance(made, Blocked):
+                return made
+            blocked = blocked or made
+        assert blocked is not None
+        return blocked
+
+    def _led_along(
+        self, motion: Array, spans: list[Span], places: Array, q: Array, place: float
+    ) -> tuple[Window, float, Array] | Blocked:
+        """A window in which the poses are moved along a tool motion (m,) of size 1."""
         sizes = self._sizes()
-        looks = self._looks(spans, run.q, lost, sizes)
+        looks = self._looks(spans, q, motion, sizes)
         if not looks:
-            return self._limited(place, spans, run.q, lost, sizes)
+            return self._limited(place, spans, q, motion, sizes)
         least = looks[0].size
         if least > self._largest:
             return Blocked(place, Hindrance.TOOL, least)
         before = max((size for size in sizes if size < least), default=least / _GROWING)
-        finer = self._looks([looks[0].span], run.q, lost, np.geomspace(before, least, _FINER + 1)[1:-1])
+        finer = self._looks([looks[0].span], q, motion, np.geomspace(before, least, _FINER + 1)[1:-1])
         for look in [*finer, *looks][:_CONFIRMED]:
-            confirmed = self._confirmed(look, run.q)
+            confirmed = self._confirmed(look, q)
             if look.size <= self._largest and confirmed is not None:
-                window, window_places, q = confirmed
+                window, window_places, moved = confirmed
                 kept = look.span.kept
-                self.rows.append((places[: kept + 1], run.q[: kept + 1]))
-                self.rows.append((window_places[1:-1], q[1:-1]))
-                return window, look.span.high, q[-1]
+                self.rows.append((places[: kept + 1], q[: kept + 1]))
+                self.rows.append((window_places[1:-1], moved[1:-1]))
+                return window, look.span.high, moved[-1]
         return Blocked(place, Hindrance.TOOL)
 
     @property
@@ -266,6 +279,17 @@ class PoseDetourer:
         """(m,) the direction û that is lost at a configuration: the left singular vector of σ_r."""
         left = np.linalg.svd(self.aim.jacobian(q[None])[0])[0]
         return np.asarray(left[:, self.tool.rank - 1])
+
+    def least_motion(self, q: Array) -> Array:
+        """(m,) the tool motion of size 1 with the largest share û·w along the direction lost at a configuration.
+
+        Sizes are sums of a way and a turn, |w_v| + |w_ω|, so that it is a way alone, or a turn alone.
+        """
+        lost = self._lost_direction(q)
+        ways = np.array([row < 3 for row in self.task.rows])
+        parts = [np.where(ways, lost, 0.0), np.where(ways, 0.0, lost)]
+        larger = max(parts, key=lambda part: float(np.linalg.norm(part)))
+        return np.asarray(larger / np.linalg.norm(larger))
 
     def _limited(self, place: float, spans: list[Span], q: Array, lost: Array, sizes: Array) -> Blocked:
         """Why no window does: the joint that would have to go least beyond its limit, where one would do without."""

@@ -16,7 +16,18 @@ from itertools import combinations, islice
 from typing import NamedTuple
 
 from rankdrop.algebra.field import Point, residue, roots_at, solvable_in_space, value_at
-from rankdrop.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, divides, factor, gcd, primitive, used
+from rankdrop.algebra.polynomial import (
+    COS_SIN,
+    Atom,
+    Polynomial,
+    coefficients,
+    divides,
+    factor,
+    gcd,
+    primitive,
+    used,
+    used_by,
+)
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.solving import (
     Solved,
@@ -38,6 +49,7 @@ from rankdrop.algebra.solving import (
 )
 from rankdrop.algebra.work import Work, tick
 from rankdrop.algebra.zeroset import ZeroSet, independent
+from rankdrop.lists import without
 
 
 class Done(NamedTuple):
@@ -212,6 +224,20 @@ def _reduced(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> list[ZeroSet]:
     """No condition is linear: combine two of them into one that is, or into one with a variable less."""
+    found = _divided(ring, pins, system, most, work, done)
+    if found is None:
+        found = _combined(ring, pins, system, most, work, done)
+    if found is not None:
+        return found
+    if len(system) <= 2:
+        return [ZeroSet(ring, pins, rest=tuple(system), equations=tuple(system))]
+    return _several(ring, pins, system, most, work)
+
+
+def _divided(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+) -> list[ZeroSet] | None:
+    """The zeros with the remainder of one condition by another in its place; None where no division lowers a degree."""
     for f, g, k in divisions(ring, system):
         work.check()
         raised = {place for place in used(f) if place < ring.moving} - {k}
@@ -221,6 +247,13 @@ def _reduced(
         others = [ring.form(h) for h in system if h is not g]
         pieces = decompose(ring, pins, [*others, remainder(ring, g, f, k, work)], most, work, there)
         return [replace(piece, known=(*piece.known, *_at_pins(piece, [g]))) for piece in pieces]
+    return None
+
+
+def _combined(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+) -> list[ZeroSet] | None:
+    """The zeros with a combination of two conditions that has factors, or is linear; None where none has or is."""
     known = {str(f) for f in system}
     for f, g, k in pairs(ring, system):
         work.check()
@@ -242,9 +275,7 @@ def _reduced(
             for h in parts:
                 found += decompose(ring, pins, [ring.form(g) for g in (*system, h)], most, work, done)
             return found
-    if len(system) <= 2:
-        return [ZeroSet(ring, pins, rest=tuple(system), equations=tuple(system))]
-    return _several(ring, pins, system, most, work)
+    return None
 
 
 def _several(
@@ -282,12 +313,12 @@ def _several(
 
 def _variables(ring: Ring, conditions: Sequence[Polynomial]) -> set[int]:
     """Places of the variables of joints in some conditions."""
-    return {place for f in conditions for place in used(f) if place < ring.moving}
+    return {place for place in used_by(conditions) if place < ring.moving}
 
 
 def _held(ring: Ring, pins: dict[int, str], system: list[Polynomial], held: list[Polynomial]) -> ZeroSet:
     """The zeros of some of the conditions at which the others vanish as well."""
-    others = [h for h in system if not any(h is one for one in held)]
+    others = without(system, held)
     zero = tuple(map(ring.trig_zero_set, others))
     return ZeroSet(ring, pins, rest=tuple(held), zero=zero, equations=tuple(system))
 
@@ -312,7 +343,7 @@ def _from_two(
             continue
         found = _held(ring, pins, system, held)
         if found.samples:
-            others = [h for h in system if not any(h is one for one in held)]
+            others = without(system, held)
             return [*_free_on_top(ring, pins, [f, g], tops, others, most, work), found]
         if size == 2:
             break  # every zero of all is one of these two: those of another two need not be looked for
@@ -352,8 +383,8 @@ def _curves_alone(ring: Ring, pins: dict[int, str], system: list[Polynomial], wo
 
 def _tops(ring: Ring, base: list[Polynomial], system: list[Polynomial], count: int) -> list[Polynomial]:
     """Up to so many conditions, short ones first, each in one variable that the ones before it are not in."""
-    held, tops = {place for f in base for place in used(f)}, list[Polynomial]()
-    waiting = [h for h in sorted(system, key=len) if not any(h is f for f in base)]
+    held, tops = used_by(base), list[Polynomial]()
+    waiting = without(sorted(system, key=len), base)
     while len(tops) < count:
         own = [(h, {p for p in used(h) if p < ring.moving} - held) for h in waiting]
         top = next(((h, new) for h, new in own if len(new) == 1), None)
@@ -396,7 +427,7 @@ def _free_on_top(
     found: list[ZeroSet] = []
     for number, top in enumerate(tops):
         before = [*base, *tops[:number]]
-        known = {place for f in before for place in used(f)}
+        known = used_by(before)
         own = next(place for place in used(top) if place < ring.moving and place not in known)
         others = [ring.form(f) for f in (*before, *tops[number + 1 :], *besides)]
         found += decompose(ring, pins, [*others, *ring.form(top).coefficients(own)], most, work)
@@ -597,7 +628,7 @@ def _on_top(one: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet] | None:
     It is solved for that variable. Where all of its coefficients vanish the variable is free: looked at apart.
     """
     ring = one.ring
-    bound = {place for f in one.rest for place in used(f)}
+    bound = used_by(one.rest)
     own = [place for place in used(h) if place < ring.moving and place not in bound]
     if not own:
         return None

@@ -14,6 +14,7 @@ from itertools import combinations
 from math import lcm, prod
 from typing import Any
 
+from rankdrop.algebra.matrix import entries
 from rankdrop.algebra.polynomial import (
     COS_SIN,
     PRIMES,
@@ -27,6 +28,7 @@ from rankdrop.algebra.polynomial import (
     residues_of_roots,
     roots_of,
     used,
+    used_by,
 )
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import tick
@@ -292,7 +294,7 @@ def solvable_in_space(conditions: Sequence[Polynomial], moving: int) -> bool:
     """Whether three conditions have zeros that `zeros_in_space` finds in short time, whichever three of the first so
     many variables they are solved for.
     """
-    places = sorted({k for f in conditions for k, d in enumerate(f.degrees()[:moving]) if d})
+    places = sorted(place for place in used_by(conditions) if place < moving)
     degrees = [list(map(int, f.degrees())) for f in conditions]
     for chosen in combinations(places, 3):
         here = [[d[k] for k in chosen] for d in degrees]
@@ -392,7 +394,7 @@ def rank(rows: Sequence[Sequence[int]], prime: int = P) -> int:
     if not rows or not rows[0]:
         return 0
     tick(15)
-    return int(flint().nmod_mat(len(rows), len(rows[0]), [x for row in rows for x in row], prime).rank())
+    return int(flint().nmod_mat(len(rows), len(rows[0]), entries(rows), prime).rank())
 
 
 def complete(ring: Ring, tangents: Point, pins: Mapping[int, str]) -> Point | None:

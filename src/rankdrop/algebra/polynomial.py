@@ -23,7 +23,9 @@ from math import isqrt, lcm, prod
 from types import ModuleType
 from typing import Any, NamedTuple
 
+from rankdrop.algebra.matrix import entries
 from rankdrop.errors import MissingExtraError
+from rankdrop.lists import flat_map
 
 
 class OutOfTime(Exception):
@@ -80,6 +82,11 @@ def flint() -> ModuleType:
 def used(f: Polynomial) -> list[int]:
     """Places of the variables that occur in f."""
     return [place for place, degree in enumerate(f.degrees()) if degree > 0]
+
+
+def used_by(polynomials: Iterable[Polynomial]) -> set[int]:
+    """Places of the variables that occur in any of them."""
+    return set(flat_map(used, polynomials))
 
 
 def coefficients(f: Polynomial, place: int) -> list[Polynomial]:
@@ -548,9 +555,9 @@ def _combined(
         images.append({tuple(map(int, e)): int(c) for e, c in both.to_dict().items()})
     rows = [[prod(choice[name] ** e for name, e in zip(names, powers, strict=True)) % prime for powers in basis]
             for choice in choices]  # fmt: skip
-    inverse = flint().nmod_mat(len(rows), len(rows), [x for row in rows for x in row], prime).inv().tolist()
+    inverse = flint().nmod_mat(len(rows), len(rows), entries(rows), prime).inv().tolist()
     result: dict[tuple[int, ...], int] = {}
-    for e in {e for image in images for e in image}:
+    for e in set(entries(images)):
         values = [image.get(e, 0) for image in images]
         for powers, row in zip(basis, inverse, strict=True):
             value = sum(int(x) * y for x, y in zip(row, values, strict=True)) % prime
@@ -733,14 +740,14 @@ def _split(f: Polynomial) -> list[Polynomial]:
         return [f]
     content = _content(f)
     if content is not None:
-        return [piece for part in (content, quotient(f, content)) for piece in _split(part)]
+        return flat_map(_split, (content, quotient(f, content)))
     for shift in range(_SHIFTS):
         _look()
         turned = _shifted(f, shift)
         found = norm(turned)[0].factor()[1]
         parts = [_shifted(gcd(turned, one), -shift) for one, _ in found]
         if len(found) > 1:
-            return [piece for part in parts if not is_number(part) for piece in _split(part)]
+            return flat_map(_split, (part for part in parts if not is_number(part)))
         if found[0][1] == 1 and all(turned.degrees()[place] for place, _ in _relations(f.context())):
             return [f]
         if (root := _squarefree(f)) is not None:

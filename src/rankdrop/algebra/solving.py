@@ -33,6 +33,7 @@ from rankdrop.algebra.polynomial import (
     residues_of_roots,
     roots_in,
     used,
+    used_by,
 )
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.work import TooLong, Work, tick
@@ -166,7 +167,7 @@ def without_real_zero(ring: Ring, system: Sequence[Polynomial]) -> bool:
     At a common zero the resultants of any two of them in one variable vanish, and so does the greatest common divisor
     of these: where that has no real root there is no such zero. Resultants that would be long are not computed.
     """
-    places = sorted({place for f in system for place in used(f)})
+    places = sorted(used_by(system))
     if len(places) != 2 or places[1] >= ring.moving:
         return False
     one, two = places
@@ -289,7 +290,7 @@ def binds_more(
     lengths = lengths or {}
     if any(_have_no_common_zero(part, moving, lengths) for part in _in_two_variables(system, moving)):
         return True
-    variables = {place for f in system for place in used(f) if place < moving}
+    variables = {place for place in used_by(system) if place < moving}
     dimension = min(most, len(variables))  # a zero at all binds no more freedoms than there are variables
     if dimension > 2 or len(system) <= dimension:
         return False
@@ -469,7 +470,7 @@ def _zeros(
             start = rng.randrange(prime)
         form = context.constant(known.get(name, start))
         forms.append(sum((rng.randrange(prime) * v for v in variables), form) if place < moving else form)
-    places = sorted({place for f in system for place in used(f) if place < moving})
+    places = sorted(place for place in used_by(system) if place < moving)
     circles = [1 + forms[place] ** 2 for place in places if names[place][0] == "t"]
     sliced = sorted(
         (reduced(f, prime).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree())

@@ -33,9 +33,10 @@ from rankdrop.algebra.field import (
     value_at,
     zeros_in_space,
 )
-from rankdrop.algebra.polynomial import FURTHER, ROOTS, TANGENT, Atom, Number, Polynomial, primes_with, used
+from rankdrop.algebra.polynomial import FURTHER, ROOTS, TANGENT, Atom, Number, Polynomial, primes_with, used, used_by
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.solving import Solved
+from rankdrop.lists import without
 
 _TRIES = 80
 _FIRST = 16  # of them modulo the first prime; then modulo each of the others in turn, which have other roots
@@ -201,7 +202,7 @@ class ZeroSet:
 
     def _own(self, conditions: Sequence[Polynomial], place: int) -> int | None:
         """A variable of one of some conditions that those before it are not in; None where there is none."""
-        before = {p for f in conditions[:place] for p in used(f)} | {one.place for one in self.solved}
+        before = used_by(conditions[:place]) | {one.place for one in self.solved}
         return next((p for p in used(conditions[place]) if p < self.ring.moving and p not in before), None)
 
     @cached_property
@@ -214,7 +215,7 @@ class ZeroSet:
             return self.rest
         for pair in combinations(sorted(self.rest, key=len), 2):
             ordered = list(pair)
-            waiting = [f for f in sorted(self.rest, key=len) if not any(f is one for one in pair)]
+            waiting = without(sorted(self.rest, key=len), pair)
             while waiting:
                 top = next((f for f in waiting if self._own([*ordered, f], len(ordered)) is not None), None)
                 if top is None:
@@ -260,7 +261,7 @@ class ZeroSet:
         """
         ring = self.ring
         roots = tuple(name for name in ring.letters if name in ROOTS)
-        places = {p for h in self.rest for p in used(h) if p < ring.moving or ring.names[p] not in ROOTS}
+        places = {p for p in used_by(self.rest) if p < ring.moving or ring.names[p] not in ROOTS}
         if len(places) == len(self.rest) and max(places) < ring.moving:
             yield ring.primes
         else:

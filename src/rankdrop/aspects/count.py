@@ -43,6 +43,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.signs import SignedFactor, Signs, signed_factors
 from rankdrop.exact.tree import rank_tree
 from rankdrop.families.name import FamilyName
+from rankdrop.lists import flat_map
 from rankdrop.local.block import generic_rank
 
 MOST_JOINTS = 3
@@ -295,7 +296,7 @@ class Peeling:
     def left(self) -> Left | None:
         """Why what is left cannot be counted on cells; None where it can."""
         for group in self.groups:
-            joints = {joint for i in group for joint in self._joints(i)}
+            joints = set(flat_map(self._joints, group))
             if joints & set(self.ring.prismatic):
                 return Left.SLIDE
             if len(joints) > MOST_JOINTS:
@@ -337,7 +338,8 @@ class Peeling:
         return (i for i in range(len(self.whole)) if self.whole[i] is not None or i in peeled)
 
     def _joints(self, i: int) -> set[int]:
-        return {joint for p in self._parts(i) if p != 0 for joint in joints_of(self.ring, p)}
+        parts = (p for p in self._parts(i) if p != 0)
+        return set(flat_map(lambda p: joints_of(self.ring, p), parts))
 
     def _peel_one(self) -> bool:
         """Peel one joint off, if there is one that can be; first those that leave no condition."""
@@ -391,7 +393,7 @@ class Peeling:
         others = [k for k in self._alive() if k != i]
         new = [atom for atom in shared if not any(self.whole[k] is not None and atom in self.atoms[k] for k in others)]
         cut = [atom.joint for atom in new]
-        held = {joint for k in others for joint in self._joints(k)}
+        held = set(flat_map(self._joints, others))
         cut_once = len(set(cut)) == len(cut)
         return all(atom.pinned for atom in new) and cut_once and not (held | self.box.keys()) & set(cut)
 

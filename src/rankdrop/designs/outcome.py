@@ -15,6 +15,7 @@ from rankdrop.codec import Result
 from rankdrop.designs.ranking import Change, Ranking, Structure, changes, neighbours, rank, structures
 from rankdrop.designs.spec import GOALS, UNRANKED, Parameter, Spec
 from rankdrop.errors import OptionError
+from rankdrop.lists import flat_map
 from rankdrop.robot import Robot
 from rankdrop.sections import Section, words_of
 from rankdrop.task import Task
@@ -125,7 +126,7 @@ class Designs(Result):
 
 def measures_of(records: Sequence[Mapping[str, Any]]) -> list[str]:
     """Names of the measures of records, in their order."""
-    names = {name for record in records for name in record["measures"]}
+    names = set(flat_map(lambda record: record["measures"], records))
     return [name for name in UNITS if name in names]
 
 

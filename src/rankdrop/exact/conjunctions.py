@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.algebra.field import Point, holds
+from rankdrop.algebra.matrix import each_entry, submatrix
 from rankdrop.algebra.polynomial import Atom, Equality, Polynomial, order
 from rankdrop.algebra.ring import Ring, add_terms, numeric_terms
 from rankdrop.algebra.work import OutOfTime, Work
@@ -26,6 +27,7 @@ from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.letters import sign_of
 from rankdrop.exact.stratum import atoms_on, meet
 from rankdrop.formula.writing import RADIANS
+from rankdrop.lists import smallest_sets
 from rankdrop.robot.model import Array
 from rankdrop.units import into_units
 
@@ -291,7 +293,7 @@ class Derivation:
             OutOfTime: no time is left.
         """
         self.check("minors")
-        return self.ring.determinant([[column[row] for column in columns] for row in rows])
+        return self.ring.determinant(submatrix(columns, range(len(columns)), rows))
 
     def minors(self, columns: Columns, size: int) -> Iterator[Polynomial]:
         """Every minor of one size.
@@ -387,7 +389,7 @@ def conjunctions(
     rest = {found - common for found in sets}
     found = [Conjunction((Equality((atom,)),), unequal) for atom in sorted(common, key=order)]
     if all(rest):  # a polynomial that is the common factors alone leaves no more
-        least = [equality_of(one) for one in rest if not any(other < one for other in rest)]
+        least = [equality_of(one) for one in smallest_sets(rest)]
         found.append(Conjunction((*sorted(least, key=place_of), *whole), unequal))
     return tuple(found)
 
@@ -409,7 +411,7 @@ def place_of(equality: Equality) -> tuple[int, list[str]]:
 def columns_on(piece: ZeroSet, columns: Columns) -> Columns:
     """A matrix with the pinned joints put in."""
     if piece.pins:
-        return [[piece.ring.at(x, piece.pins) for x in column] for column in columns]
+        return each_entry(lambda x: piece.ring.at(x, piece.pins), columns)
     return columns
 
 

@@ -22,6 +22,7 @@ from rankdrop.exact.methods import derive
 from rankdrop.exact.suppression import Suppression, suppress
 from rankdrop.exact.tree import Tree
 from rankdrop.families.record import Family
+from rankdrop.lists import flat_map
 from rankdrop.local.block import sample, singular_values
 from rankdrop.sections import words_of
 from rankdrop.units import out_of_units
@@ -142,7 +143,7 @@ def corank_one(
 
 def _too_long(chain: Chain, tree: Tree, reason: MethodReason) -> MethodReason:
     """A reason with the methods by cases that are not run, where a condition of a complete tree is long."""
-    longest = max((len(f) for drop in tree.drops for f in drop.piece.equations), default=0)
+    longest = max(map(len, flat_map(lambda drop: drop.piece.equations, tree.drops)), default=0)
     if chain.n == chain.task.m or not (_has_full_rank(chain, tree) and tree.complete and longest > _LONG):
         return reason
     not_run = []
@@ -181,14 +182,19 @@ def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne
 
 def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree) -> CorankOne:
     """Corank 1 by the factors of the two blocks, each held against the tree's sets of codimension 1."""
-    said = [ZeroSet.where(chain.ring, atom) for block in decoupling.blocks for atom, _ in block.factors.atoms]
+    atoms = flat_map(lambda block: block.factors.atoms, decoupling.blocks)
+    said = [ZeroSet.where(chain.ring, atom) for atom, _ in atoms]
     drops = [drop.piece for drop in tree.drops if drop.rank < tree.generic_rank and drop.piece.codimension == 1]
-    missing = [one for one in said if not any(one.inside(other) for other in drops)]
-    surplus = [one for one in drops if not any(one.inside(other) for other in said)]
+    missing, surplus = _inside_none(said, drops), _inside_none(drops, said)
     return CorankOne(
         "decoupling", MethodReason(parting_of(chain)), decoupling, (),
         _differences(chain, "decoupling", missing, surplus, tree),
     )  # fmt: skip
+
+
+def _inside_none(sets: Sequence[ZeroSet], others: Sequence[ZeroSet]) -> list[ZeroSet]:
+    """The sets that lie in none of the others."""
+    return [one for one in sets if not any(one.inside(other) for other in others)]
 
 
 def _differences(
@@ -228,7 +234,7 @@ def _suppressed(
 
 def _suppression_differences(chain: Chain, suppression: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:
     """Random points of each method's sets, tried on those of the other."""
-    pieces = [piece for family in suppression.families for piece in family.stratum.pieces]
+    pieces = flat_map(lambda family: family.stratum.pieces, suppression.families)
     drawn = [(piece, piece.point(work.rng)) for piece in pieces]
     missing = [
         piece for piece, point in drawn

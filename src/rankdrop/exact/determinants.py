@@ -42,6 +42,7 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from rankdrop.algebra.field import P, random_point, residues, value_at
+from rankdrop.algebra.matrix import submatrix, with_rows
 from rankdrop.algebra.polynomial import Atom, Factors, Polynomial
 from rankdrop.algebra.ring import MANY, Ring
 from rankdrop.algebra.work import OutOfTime, Work
@@ -62,6 +63,7 @@ from rankdrop.exact.signs import look, merged
 from rankdrop.families.name import ArmPart, FamilyName
 from rankdrop.formula.writing import FOLDED, Quotient, Value, atoms_text
 from rankdrop.kinematics import task_jacobian
+from rankdrop.lists import flat_map
 from rankdrop.local.axes import Scene
 from rankdrop.local.block import sample
 from rankdrop.robot.model import Array, Robot
@@ -230,7 +232,7 @@ class Block:
     def columns(self) -> list[list[Polynomial]]:
         """One list of trigonometric polynomials per joint."""
         places = [self.chain.task.rows.index(ROWS.index(row)) for row in self.rows]
-        return [[self.form.columns[j - 1][i] for i in places] for j in self.joints]
+        return with_rows([self.form.columns[j - 1] for j in self.joints], places)
 
     @cached_property
     def determinant(self) -> Polynomial:
@@ -288,7 +290,7 @@ class Decoupling:
     @property
     def parts(self) -> tuple[Part, ...]:
         """Of all blocks."""
-        return tuple(part for block in self.blocks for part in block.parts)
+        return tuple(flat_map(lambda block: block.parts, self.blocks))
 
 
 def decouple(chain: Chain) -> Decoupling | None:
@@ -511,7 +513,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
         place = [chain.task.rows.index(r) for r in rows]
         try:
             work.check()
-            found = chain.ring.determinant([[chain.columns[j - 1][i] for j in joints] for i in place])
+            found = chain.ring.determinant(submatrix(chain.columns, (j - 1 for j in joints), place))
             if len(rows) == chain.task.m:
                 found = found * _sign(chain, found, joints)
             else:
@@ -597,7 +599,7 @@ def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
         told = f"{matrix}, {block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}"
         value = Value(ring, block.determinant, block.factors)
         minors.append(Minor(MinorOf.BLOCK, block.joints, block.rows, told, value, shifts, matrix))
-    whole = ring.determinant([[split.form.columns[j][i] for j in range(chain.n)] for i in range(len(rows))])
+    whole = ring.determinant(submatrix(split.form.columns, range(chain.n), range(len(rows))))
     joints = tuple(range(1, chain.n + 1))
     whole = whole * _sign(chain, whole, joints)
     value = Value(ring, whole, ring.factor(whole))

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.algebra.decompose import decompose, with_points
+from rankdrop.algebra.matrix import each_entry, submatrix
 from rankdrop.algebra.polynomial import Polynomial, coefficients, is_number, used
 from rankdrop.algebra.ring import Form
 from rankdrop.algebra.work import OutOfTime, TooLong, Work, failure, watched
@@ -44,6 +45,7 @@ from rankdrop.families.naming import distinct_names, lost_motions, name_family
 from rankdrop.families.record import Check, ExactConditions, Family, Order, exact_of, place_of
 from rankdrop.formula.equation import Equation, System
 from rankdrop.formula.writing import RADIANS, AnglePin, Condition
+from rankdrop.lists import flat_map
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array
@@ -287,11 +289,11 @@ def _candidates(
         if not pinned & {*used(f)} and piece.half_vanishes(f):
             yield f
     matrix, lower = chain.cleared
-    columns = [[ring.at(x, piece.pins) for x in column] for column in matrix]
+    columns = each_entry(lambda x: ring.at(x, piece.pins), matrix)
     lengths = [[len(x) if x != 0 else 0 for x in column] for column in columns]
     for columns_used, rows_used in islice(by_length(lengths, rank - lower + 1), _MINORS):
         work.check()
-        minor = ring.determinant([[columns[c][r] for c in columns_used] for r in rows_used])
+        minor = ring.determinant(submatrix(columns, columns_used, rows_used))
         for atom, _ in ring.factor(minor).atoms if minor != 0 else ():
             if not atom.pinned and atom.key not in seen and piece.half_vanishes(atom.f):
                 seen.add(atom.key)
@@ -463,7 +465,7 @@ def families(
         for drop, found in sets:
             if drop.rank == rank:
                 by_reality.setdefault(found.condition, []).append(drop.piece)
-        rows = [row for pieces in by_reality.values() for row in merge(pieces)]
+        rows = flat_map(merge, by_reality.values())
         here: list[Family] = []
         for row in rows:
             work.show("families described", len(result) + len(here), len(result) + len(rows))
@@ -509,7 +511,7 @@ def _family(
     name, lost, witness = told
     pins = tuple(AnglePin(*one) for one in sorted(row.pins.items()))
     polynomials = tuple(Condition(chain.ring, f) for f in sorted(row.equations, key=len))
-    coupled = tuple(sorted({joint for one in polynomials for joint in one.joints}))
+    coupled = tuple(sorted(set(flat_map(lambda one: one.joints, polynomials))))
     shifts = tuple(float(x) for x in chain.shifts)
     pinned = pins_in_q(chain.robot, pins, shifts)
     exact = ExactConditions(

@@ -18,7 +18,7 @@ from typing import TypeVar
 
 from rankdrop.algebra.decompose import decompose
 from rankdrop.algebra.field import Point
-from rankdrop.algebra.polynomial import SIMPLE, Polynomial, primitive, used
+from rankdrop.algebra.polynomial import SIMPLE, Polynomial, primitive, used_by
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet
@@ -208,7 +208,7 @@ def tidy(piece: ZeroSet, work: Work) -> ZeroSet:
 def _relations(piece: ZeroSet) -> Iterator[Polynomial]:
     """Polynomials of Σ ± θ_j = 0, π or ±π/2 that hold on a set, for its joints that are bound together."""
     ring = piece.ring
-    bound = {place for f in piece.equations for place in used(f) if place < ring.angles}
+    bound = {place for place in used_by(piece.equations) if place < ring.angles}
     joints = [j for j in ring.revolute if ring.index[f"t{j}"] in bound]
     covered: list[set[int]] = []
     for size in range(2, _MOST + 1):

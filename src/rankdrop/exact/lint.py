@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import degrees, radians
 from typing import Any
 
@@ -25,6 +26,7 @@ from rankdrop.exact.tree import rank_on
 from rankdrop.formula.equation import System
 from rankdrop.formula.reading import Parsed, parse_conditions
 from rankdrop.formula.writing import RADIANS, Condition
+from rankdrop.lists import flat_map
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, JointKind
@@ -133,7 +135,7 @@ def round_points(piece: ZeroSet, chain: Chain, *, seed: int = 0, step: float = _
     conditions = [Condition(piece.ring, chain.own_polynomial(f)) for f in piece.equations]
     equations = tuple(condition.equation(chain.own_numbers, chain.n) for condition in conditions)
     system = System(equations)
-    moving = sorted({j for condition in conditions for j in condition.joints} - set(piece.pins))
+    moving = sorted(set(flat_map(lambda one: one.joints, conditions)) - set(piece.pins))
     low, high = sampling_box(chain.own, chain.own_task, limits=False)
     for _ in range(STARTS):
         theta = np.where([j in piece.ring.revolute for j in range(1, chain.n + 1)],
@@ -216,7 +218,7 @@ class _Comparison:
         self.columns = [[p.subs(self.values) if self.values else p for p in column] for column in chain.columns]
         self.full = rank_on(self.columns, ZeroSet.whole(self.ring))
         self.parsed = [replace(one, form=replace(one.form, f=one.form.f.subs(self.values))) for one in parsed]
-        self.singular = independent([part for piece in independent(pieces) for part in self.specialised(piece)])
+        self.singular = independent(flat_map(self.specialised, independent(pieces)))
         self.users = self.zeros()
         self.unknown = [piece for piece in self.users if len(piece.rest) > 2 and not piece.samples]
         self.missing = [piece for piece in self.singular if not self.holds(piece)]
@@ -228,17 +230,18 @@ class _Comparison:
             return [piece]
         found = [ZeroSet(self.ring, {})]
         for joint, value in piece.pins.items():
-            found = [part for one in found for part in pinned(one, joint, value, self.work)]
+            found = flat_map(partial(pinned, joint=joint, value=value, work=self.work), found)
         for f in piece.equations:
             own = replace(self.ring.form(f), f=f.subs(self.values))
-            found = [part for one in found for part in self.cut(one, Parsed(own))]
+            cut = partial(self.cut, one=Parsed(own))
+            found = flat_map(cut, found)
         return [one for one in independent(found) if one.samples and rank_on(self.columns, one) < self.full]
 
     def zeros(self) -> list[ZeroSet]:
         found = [ZeroSet.whole(self.ring)]
         for one in self.parsed:
             self.work.check()
-            found = independent([part for piece in found for part in self.cut(piece, one)])
+            found = independent(flat_map(partial(self.cut, one=one), found))
         return found
 
     def cut(self, piece: ZeroSet, one: Parsed) -> list[ZeroSet]:

@@ -87,6 +87,7 @@ from rankdrop.exact.determinants import MinorChoice, maximal_minors
 from rankdrop.exact.family import merge_pairs
 from rankdrop.exact.reciprocal import reciprocal_screws
 from rankdrop.exact.stratum import meet
+from rankdrop.lists import flat_map, smallest_sets
 from rankdrop.local.block import sample
 from rankdrop.robot.model import JointKind
 from rankdrop.units import out_of_units
@@ -342,8 +343,7 @@ def _simplest(atoms: Atoms) -> tuple[int, int]:
 
 def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
     """Sets that differ in one angle of one joint alone as one; those inside another one left out."""
-    every = list(dict.fromkeys(map(frozenset, sets)))
-    kept = [one for one in every if not any(other < one for other in every)]
+    kept = smallest_sets(dict.fromkeys(map(frozenset, sets)))
     return [tuple(sorted(one, key=place_of)) for one in merge_pairs(kept, _merge_equalities)]
 
 
@@ -517,7 +517,7 @@ def _eliminated(builder: Derivation, step: _Pivots) -> list[_Pivots]:
     entries = [builder.factors(case, entry) for _, _, entry in left]
     met = conjunctions(equality_of(factors) for factors in entries if factors is not None)
     builder.conditions += [within(case, piece) for piece in met]
-    longest = max((equality.terms for piece in met for equality in piece.equal), default=0)
+    longest = max((one.terms for one in flat_map(lambda piece: piece.equal, met)), default=0)
     builder.sizes["longest"] = max(builder.sizes["longest"], longest)
     return []
 

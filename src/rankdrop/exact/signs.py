@@ -36,6 +36,7 @@ from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import name_family
 from rankdrop.formula.writing import ratio, text_of
 from rankdrop.kinematics import one_configuration
+from rankdrop.lists import flat_map
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family, words
 from rankdrop.robot.model import Array
@@ -198,7 +199,7 @@ def zeros_of(chain: Chain, atoms: Sequence[Atom], count: int) -> Array:
     """
     points = (round_points(ZeroSet.where(chain.ring, atom), chain, step=_TENTH) for atom in atoms)
     each = (islice(one, ceil(count / len(atoms))) for one in points)
-    found = [into_units(chain.robot, theta) - chain.shifts for some in each for theta in some]
+    found = [into_units(chain.robot, theta) - chain.shifts for theta in flat_map(list, each)]
     return np.array(found[:count]).reshape(-1, chain.n)
 
 
@@ -529,7 +530,7 @@ def between(chain: Chain, first: ArrayLike, second: ArrayLike, *, signs: Signs |
     one, two = (configuration_flags(chain, q, signs=known) for q in (first, second))
     products = [(a.sign or 0) * (b.sign or 0) for a, b in zip(one.flags, two.flags, strict=True)]
     start, end = np.array(one.q), np.array(two.q)
-    crossings = [c for k in range(len(known.factors)) for c in _crossings(known, k, start, end)]
+    crossings = flat_map(lambda k: _crossings(known, k, start, end), range(len(known.factors)))
     return Between(
         first=one,
         second=two,

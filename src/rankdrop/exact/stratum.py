@@ -21,7 +21,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from itertools import combinations, product
 from math import prod
 
@@ -40,6 +40,7 @@ from rankdrop.algebra.polynomial import (
 from rankdrop.algebra.ring import Form, Ring, letters_polynomial, polynomial_of
 from rankdrop.algebra.solving import Solved, plainly_positive
 from rankdrop.algebra.zeroset import ZeroSet
+from rankdrop.lists import flat_map
 
 Assumed = dict[str, Polynomial]
 """Half-angle polynomials in lengths alone that were taken for ≠ 0, by their text."""
@@ -78,7 +79,7 @@ class Stratum:
             >>> [dict(piece.pins) for piece in Stratum.whole(ring).meet(Equality((), ring.s[2])).pieces]
             [{2: '0'}, {2: 'pi'}]
         """
-        here = [part for piece in self.pieces for part in _holding(piece, condition, self.assumed)]
+        here = flat_map(lambda piece: _holding(piece, condition, self.assumed), self.pieces)
         parts = {(part.key, frozenset(part.nonzero)): part for part in here}
         return replace(self, pieces=_largest([*parts.values()]), equalities=(*self.equalities, condition.whole))
 
@@ -262,7 +263,7 @@ def _rebuild_set(
     for f in equations:
         if _root(piece.ring, f) is None:
             condition = Equality((Atom(0, "", f, str(f)),))
-            parts = [one for part in parts for one in _holding(part, condition, assumed)]
+            parts = flat_map(partial(_holding, condition=condition, assumed=assumed), parts)
     return parts
 
 
@@ -271,7 +272,7 @@ def _holding(piece: ZeroSet, condition: Equality, assumed: Assumed) -> list[Zero
     atoms = atoms_on(piece, condition, assumed)
     if atoms is None:
         return [piece]
-    return [part for atom in atoms for part in meet(piece, atom, assumed)]
+    return flat_map(lambda atom: meet(piece, atom, assumed), atoms)
 
 
 def _contradict(ring: Ring, f: Polynomial, g: Polynomial, assumed: Assumed) -> bool:

@@ -19,6 +19,7 @@ from itertools import combinations, product
 from typing import NamedTuple
 
 from rankdrop.algebra.field import rank, residues
+from rankdrop.algebra.matrix import each_entry, entries, submatrix
 from rankdrop.algebra.polynomial import Atom, Equality, Polynomial
 from rankdrop.algebra.ring import letters_polynomial
 from rankdrop.algebra.solving import plainly_positive
@@ -28,6 +29,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic, triples
 from rankdrop.exact.stratum import Product, Stratum, atoms_on, factor_on_stratum, joined, vanishes
 from rankdrop.formula.writing import Value
+from rankdrop.lists import flat_map
 
 Columns = Sequence[Sequence[Polynomial]]
 GRAM = 3
@@ -187,7 +189,7 @@ def independent(
 ) -> tuple[Proof | None, Obstacle | None]:
     """A proof that screws are independent everywhere on a stratum, or the minor that comes closest to one."""
     columns = chain.screws(frame)
-    chosen = [[stratum.short(x) for x in columns[j - 1]] for j in joints]
+    chosen = each_entry(stratum.short, (columns[j - 1] for j in joints))
     minors = list(_minors(stratum, chosen, work))
     proofs = [Proof("minor", frame, (rows,), (minor,)) for rows, minor, zeros in minors if not any(zeros)]
     if proofs:
@@ -206,7 +208,7 @@ def independent(
             if all(_no_common(atoms) for atoms in zip(*(zeros for *_, zeros in some), strict=True)):
                 return Proof("minors", frame, tuple(one[0] for one in some), tuple(one[1] for one in some)), None
     _, minor, zeros = minors[0]
-    return None, Obstacle(_weight(zeros), all(atom.pinned for atoms in zeros for atom in atoms), minor)
+    return None, Obstacle(_weight(zeros), all(atom.pinned for atom in entries(zeros)), minor)
 
 
 def _minors(
@@ -215,7 +217,7 @@ def _minors(
     """(rows, minor, its zeros on each piece) of the minors of some screws that vanish on no whole piece."""
     for rows in combinations(range(6), len(chosen)):
         work.check()
-        minor = stratum.short(stratum.ring.determinant([[column[r] for column in chosen] for r in rows]))
+        minor = stratum.short(stratum.ring.determinant(submatrix(chosen, range(len(chosen)), rows)))
         if minor != 0:
             zeros = _zeros(stratum, minor, work)
         else:
@@ -225,7 +227,7 @@ def _minors(
 
 
 def _weight(zeros: Sequence[Sequence[Atom]]) -> int:
-    return sum(atom.weight for atoms in zeros for atom in atoms)
+    return sum(atom.weight for atom in entries(zeros))
 
 
 def _zeros(stratum: Stratum, p: Polynomial, work: Work) -> list[tuple[Atom, ...]] | None:
@@ -550,7 +552,7 @@ class _Derivation:
         """Split a case whose pieces behave differently: by a condition that holds on some of them only."""
         stratum = case.stratum
         atoms = [self.ring.pin(j, value) for one in stratum.pieces for j, value in one.pins.items()]
-        atoms += [self.ring.atom(f) for one in stratum.pieces for f in one.equations]
+        atoms += map(self.ring.atom, flat_map(lambda one: one.equations, stratum.pieces))
         whole = [(condition, [condition]) for condition in joined(self.ring, list(dict.fromkeys(atoms)))]
         pairs = ((p.whole, atom) for p in joined(self.ring, atoms) for atom in p.atoms)
         single = [(Equality((atom,), p), joined(self.ring, [atom])) for p, atom in pairs]

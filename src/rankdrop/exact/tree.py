@@ -36,11 +36,13 @@ from math import prod
 
 from rankdrop.algebra.decompose import cut, meet, pinned, with_points, zero_where
 from rankdrop.algebra.field import P, rank, residues, roots_at, value_at
+from rankdrop.algebra.matrix import each_entry, entries, submatrix
 from rankdrop.algebra.polynomial import ROOTS, Atom, Polynomial, flint, image_modulo, primitive
 from rankdrop.algebra.ring import Form, Ring, Terms, replace_angles
 from rankdrop.algebra.work import OutOfTime, TooLong, Work, failure, spent, tick, watched
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.lists import flat_map
 from rankdrop.local.block import generic_rank
 
 _EACH, _PAIR = 6, 4  # polynomials kept of those in the same variables, and in the same two
@@ -83,7 +85,7 @@ def barren(
     lengths = {name: flint().fmpq(x.numerator, x.denominator) for name, x in own.items()}
     for f in conditions:
         known.add(turned(Form(ring, f.subs(lengths), ring.form(f).degrees)))
-    here = [[ring.at(x.subs(lengths) if x != 0 else x, pins) for x in column] for column in columns]
+    here = each_entry(lambda x: ring.at(x.subs(lengths) if x != 0 else x, pins), columns)
     until = spent() + _LIMIT
     for minor in islice(_nearby_minors(ring, here, order), _MINORS):
         work.check()
@@ -104,7 +106,7 @@ def _nearby_minors(ring: Ring, columns: Sequence[Sequence[Polynomial]], order: i
     n, m = len(columns), len(columns[0])
     for chosen in sorted(combinations(range(n), order), key=lambda c: c[-1] - c[0]):
         for rows in combinations(range(m), order):
-            minor = ring.determinant([[columns[c][r] for c in chosen] for r in rows])
+            minor = ring.determinant(submatrix(columns, chosen, rows))
             if minor != 0:
                 yield minor
 
@@ -498,7 +500,7 @@ def _cut(
 
     def parts(minor: Polynomial) -> list[ZeroSet]:
         cuts = with_points(meet(piece, minors, work) if together else cut(piece, minor, work), work)
-        return with_points([same for one in cuts for same in _by_rank(columns, one, work)], work)
+        return with_points(flat_map(lambda one: _by_rank(columns, one, work), cuts), work)
 
     with work.attempt(_EASY) as undo:
         open_before = len(work.unresolved)
@@ -522,7 +524,7 @@ def _cut(
 
 def _bending(columns: list[list[Polynomial]], ring: Ring) -> int:
     """Number of joints that the columns depend on: sets that bind as many are points."""
-    degrees = [x.degrees() for column in columns for x in column if x != 0]
+    degrees = [x.degrees() for x in entries(columns) if x != 0]
     angles = sum(any(d[2 * k] or d[2 * k + 1] for d in degrees) for k in range(ring.angles))
     return angles + sum(any(d[k + ring.angles] for d in degrees) for k in range(ring.angles, ring.moving))
 
@@ -609,12 +611,12 @@ def _chosen(columns: list[list[Polynomial]], piece: ZeroSet, order: int, work: W
 def _minors(columns: list[list[Polynomial]], piece: ZeroSet, order: int) -> Iterator[Polynomial]:
     """Minors of the given order that are not zero on all of a set, those with short entries first."""
     ring = piece.ring
-    here = [[ring.at(x, piece.pins) for x in column] for column in columns]
-    lengths = [[len(x) if x != 0 else 0 for x in column] for column in here]
+    here = each_entry(lambda x: ring.at(x, piece.pins), columns)
+    lengths = each_entry(len, here)
     known = residues(ring, columns, piece.samples)
     for columns_used, rows_used in by_length(lengths, order):
-        if any(rank([[m[c][r] for r in rows_used] for c in columns_used], prime) == order for m, prime in known):
-            yield ring.determinant([[here[c][r] for c in columns_used] for r in rows_used])
+        if any(rank(submatrix(m, columns_used, rows_used), prime) == order for m, prime in known):
+            yield ring.determinant(submatrix(here, columns_used, rows_used))
 
 
 def by_length(lengths: list[list[int]], order: int) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:

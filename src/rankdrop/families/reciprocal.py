@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian, task_jacobian
+from rankdrop.lists import flat_map
 from rankdrop.local.block import block, sample, sampling_box, singular_values
 from rankdrop.problem import Problem, into_one_turn
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -184,7 +185,7 @@ def _in_closed_form(robot: Robot, task: Task, rank: int) -> bool:
     if any(joint.mimic is not None or joint.kind is JointKind.HELICAL for joint in robot.joints) or rank != task.m:
         return False
     blocks = [block for block in ((0, 1, 2), (3, 4, 5)) if set(block) & set(task.rows)]
-    missing = [row for block in blocks for row in block if row not in task.rows]
+    missing = [row for row in flat_map(list, blocks) if row not in task.rows]
     if not missing:
         return True
     full = jacobian(robot, sample(robot, task, 16, seed=5), task.frame)

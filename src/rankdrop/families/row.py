@@ -28,6 +28,7 @@ from rankdrop.errors import OptionError
 from rankdrop.families.inspection import HIGHER, ROUNDING, Covector, Signature, descents
 from rankdrop.families.record import Check, Family, ways_to
 from rankdrop.formula.equation import Equation, Mask, System, Term, normalised
+from rankdrop.lists import flat_map
 from rankdrop.problem import Problem, into_limits, wrap, wrapped
 from rankdrop.robot.model import Array, Robot
 
@@ -591,7 +592,7 @@ def sharp_values(problem: Problem, linear: Linear, values: Values, q: Array, wit
 def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:
     joints = tuple(sorted(pins))
     rest = [one for one in family.equations if not {j - 1 for j in one.joints} <= set(joints)]
-    coupled = tuple(sorted({j - 1 for one in rest for j in one.joints} - set(joints)))
+    coupled = tuple(sorted({j - 1 for j in flat_map(lambda one: one.joints, rest)} - set(joints)))
     free = tuple(j for j in range(problem.n) if j not in joints and j not in coupled)
     signature = Signature(problem.n - family.dimension, joints, free, coupled)
     linear = Linear.of(problem.robot, signature.covectors(problem.n))
@@ -632,7 +633,8 @@ def solve_at_special_values(
         return 0, none
     system = System(row.residual)
     fixed = set(linear.pivots)
-    joints = [j - 1 for j in sorted({j for f in row.residual for j in f.joints}) if j - 1 not in fixed]
+    numbers = sorted(set(flat_map(lambda f: f.joints, row.residual)))
+    joints = [j - 1 for j in numbers if j - 1 not in fixed]
     begun: dict[tuple[int, ...], list[Array]] = {}
     values = np.array(row.combinations, dtype=np.float64).reshape(len(row.combinations), -1)
     for held in _held(problem, joints, marks, rng):

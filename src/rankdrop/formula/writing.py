@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import chain
 from math import atan2, pi, prod, tau
 from operator import add
 from typing import NamedTuple
@@ -281,7 +282,7 @@ class _Search:
             rest = range(ring.angles, len(ring.names))
             split = [(f, symbols([power * (k == place) for k in rest], ring)) for power, f in enumerate(powers)]
         parts = (_spread(self.best(Form(ring, f, left)), own) for f, own in split if f != 0)
-        return total(part for one in parts for part in one)
+        return total(chain.from_iterable(parts))
 
 
 def _spread(form: Product, own: list[tuple[Factor, int]]) -> list[Product]:

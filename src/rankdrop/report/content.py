@@ -39,6 +39,7 @@ from rankdrop.families import (
     upright_start,
     with_exact,
 )
+from rankdrop.lists import flat_map
 from rankdrop.local import (
     LARGEST_CHAIN,
     blame,
@@ -284,7 +285,7 @@ def _blame(analysis: Analysis, family: Family) -> tuple[tuple[int, ...], tuple[s
     nullity = robot.n - analysis.generic_rank + family.corank
     found = make_all(circuits_at(robot, family.witness, task), robot.n, nullity)
     smallest = blame(robot, family.witness, task)
-    numbers = sorted({number for circuit in smallest for number in circuit.numbers})
+    numbers = sorted(set(flat_map(lambda circuit: circuit.numbers, smallest)))
     words = [circuit.words for circuit in found]
     if words and (part := place_parts(robot, task, np.asarray(family.witness), family.corank)):
         words[0] = f"{part}: {words[0]}"

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import ConfigurationError
 from rankdrop.families import Family, upright_start
 from rankdrop.kinematics import link_poses
+from rankdrop.lists import flat_map
 from rankdrop.local import blame, lost_directions, singular_values
 from rankdrop.report.content import Content, first_view, limit_range, page_data, robot_data, slider_range, standing
 from rankdrop.report.sections import (
@@ -273,7 +274,8 @@ class ArmView:
         frame = self.task.frame
         axes = link_poses(self.robot, self.q)[link_index(frame.axes, len(self.robot.joints), "axes"), :3, :3]
         turned = lost_directions(self.robot, self.q, self.task, corank).reshape(-1, 2, 3) @ axes.T
-        numbers = sorted({number for one in blame(self.robot, self.q, self.task) for number in one.numbers})
+        blamed = blame(self.robot, self.q, self.task)
+        numbers = sorted(set(flat_map(lambda one: one.numbers, blamed)))
         return [{"v": v.tolist(), "w": w.tolist(), "faint": False} for v, w in turned], numbers
 
     def _repr_html_(self) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 from rankdrop.distance import Workspace
 from rankdrop.families import CorankSummary, Family, Slice, exact_of
 from rankdrop.formula import typeset
+from rankdrop.lists import flat_map
 from rankdrop.report.chart import look_of, projections, slice_chart, sweep_chart, workspace_chart
 from rankdrop.report.content import Content
 from rankdrop.results import Analysis, Conditions
@@ -438,8 +439,8 @@ def checks(content: Content) -> Iterator[str]:
 
 
 def _drawn(content: Content) -> Iterator[str]:
-    traces = [trace for plane in content.slices for trace in plane.traces]
-    curves = sum(len(line) for trace in traces for line in (*trace.curves, trace.points))
+    traces = flat_map(lambda plane: plane.traces, content.slices)
+    curves = sum(map(len, flat_map(lambda trace: (*trace.curves, trace.points), traces)))
     solid = sum(len(one.vertices) + sum(map(len, one.curves)) for one in content.solids)
     images = sum(len(points) for _, points in content.workspace.images)
     singular = content.analysis.settings.tolerances.singular

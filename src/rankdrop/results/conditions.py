@@ -22,6 +22,7 @@ from rankdrop.exact.undivided import UndividedSet
 from rankdrop.families.record import Check, Family, exact_of
 from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.formula.notation import Step
+from rankdrop.lists import flat_map
 from rankdrop.questions import ConditionsOptions
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section, words_of
@@ -157,7 +158,7 @@ class Conditions(Result):
                 got=words_of(self).unfinished_text(whole),
                 mend="allow more time: seconds=…", typed="allow more time: --time-limit",
             )  # fmt: skip
-        pieces = [piece for family in whole.families for piece in exact_of(family).pieces]
+        pieces = flat_map(lambda family: exact_of(family).pieces, whole.families)
         try:
             return lint(condition, pieces, whole.chain, work=Work(seconds / SLOWER, self.settings.seed))
         except OutOfTime as end:

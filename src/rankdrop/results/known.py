@@ -41,6 +41,7 @@ from rankdrop.families.record import Check, ExactConditions, Family, exact_of, f
 from rankdrop.formula.equation import Equation
 from rankdrop.formula.notation import Step
 from rankdrop.formula.writing import AnglePin, Condition
+from rankdrop.lists import flat_map
 from rankdrop.local.directions import lost_directions
 from rankdrop.questions import ConditionsOptions
 from rankdrop.results.aspect_summary import FILE as ASPECTS
@@ -240,7 +241,7 @@ def candidates(robot: Robot, *, tip: bool = True) -> tuple[str, ...]:
 
 def known_names() -> tuple[str, ...]:
     """Names of the arms that have a shipped analysis, sorted."""
-    return tuple(sorted({name for names in _index().values() for name in names}))
+    return tuple(sorted(set(flat_map(list, _index().values()))))
 
 
 @cache

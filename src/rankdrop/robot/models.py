@@ -27,6 +27,7 @@ import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
 from rankdrop.jobs.limited import run_limited
+from rankdrop.lists import flat_map
 from rankdrop.robot.files import MOST_BODIES, RANGE, Element, allowed_range, name_of_file, read_text, read_xml
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints, screw_of
 from rankdrop.robot.numbers import as_intended, nearest
@@ -526,8 +527,8 @@ def robot_of(
              for one, two in model["couplings"] if {one, two} <= moving]  # fmt: skip
     if ends.base in model["floating"]:
         notes.insert(0, f"body {ends.base!r} floats freely: its own motion is not counted")
-    links_of_chain = {"", *(link for step in ends.path for link in (step.parent, step.child))}
-    angles = Angles(as_written, [x for link in links_of_chain for x in model["changes"].get(link, ())])
+    links_of_chain = {"", *flat_map(lambda step: (step.parent, step.child), ends.path)}
+    angles = Angles(as_written, flat_map(lambda link: model["changes"].get(link, ()), links_of_chain))
     return chain_robot(tree, ends, "mjcf", lambda joint: _motion(tree, joint, steps[joint.name]), angles, notes)
 
 

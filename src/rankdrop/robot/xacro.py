@@ -21,6 +21,7 @@ from xml.sax.saxutils import quoteattr
 
 from rankdrop.errors import MissingExtraError, RobotError
 from rankdrop.jobs.limited import run_limited
+from rankdrop.lists import flat_map
 from rankdrop.robot.files import Element, name_of_file, read_text, read_xml
 from rankdrop.robot.model import Robot
 from rankdrop.robot.urdf import from_urdf
@@ -98,7 +99,7 @@ def _below(folder: Path, down: int, left: list[int]) -> Iterator[Path]:
         yield from level
         if depth < down:
             parents = [place for place in level if depth == 0 or not (place / "package.xml").is_file()]
-            level = [child for place in parents for child in _inside(place, left)]
+            level = flat_map(lambda place: _inside(place, left), parents)
 
 
 def _inside(folder: Path, left: list[int]) -> list[Path]:

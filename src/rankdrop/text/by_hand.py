@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from itertools import combinations, product
 
+from rankdrop.algebra.matrix import count_terms
 from rankdrop.algebra.polynomial import Equality, Polynomial
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.zeroset import ZeroSet
@@ -29,6 +30,7 @@ from rankdrop.formula.writing import (
     single_angles,
     text_of,
 )
+from rankdrop.lists import flat_map
 from rankdrop.sections import Formula
 from rankdrop.task import ROWS
 from rankdrop.text.structure import form_sentence, parting_text, structure_sentences
@@ -120,7 +122,7 @@ def _suppression(found: Suppression) -> Iterator[Step]:
 
 
 def _frames(chain: Chain) -> str:
-    terms = ", ".join(f"link {k}: {sum(len(x) for c in chain.screws(k) for x in c)}" for k in range(1, chain.n))
+    terms = ", ".join(f"link {k}: {count_terms(chain.screws(k))}" for k in range(1, chain.n))
     return f"the screws are shortest there; terms, multiplied out: {terms}"
 
 
@@ -354,7 +356,7 @@ _NOTES = {
 def notes_of(found: Derivation) -> tuple[str, ...]:
     """What is to be said of the answer of a method."""
     words = Words(found.chain.ring)
-    return tuple(line for note in found.notes for line in _note(words, note))
+    return tuple(flat_map(lambda note: _note(words, note), found.notes))
 
 
 def _note(words: Words, note: Note) -> Iterator[str]:

@@ -15,6 +15,7 @@ from rankdrop.errors import OptionError
 from rankdrop.families.record import Family, exact_of
 from rankdrop.formula.notation import C, Latex, Python, functions_of, joints_of, latex_name
 from rankdrop.formula.writing import AnglePin, Condition
+from rankdrop.lists import flat_map
 from rankdrop.text.latex import as_text
 
 if TYPE_CHECKING:
@@ -153,7 +154,7 @@ class Code:
     def python(self) -> str:
         """A Python module: one function per family, q (..., n) -> residuals (..., m), lengths as keyword arguments."""
         functions = [*map(self._python_family, self.families), *map(self._python_minor, self.determinants)]
-        forms = [one.form for family in self.families for one in _stated(family)]
+        forms = [one.form for one in flat_map(_stated, self.families)]
         needed = functions_of([*forms, *(one.value.form for one in self.determinants)])
         minors = "".join(f'    "{one.mark}": {one.mark},\n' for one in self.determinants)
         return _PYTHON.format(
@@ -170,7 +171,7 @@ class Code:
         return self._python_function(
             _function(family.id), "\n".join(said), [one.polynomial for one in exact_of(family).polynomials],
             f"(..., {len(residuals)}) residuals, all zero exactly on the family.",
-            {joint for one in stated for joint in one.joints},
+            set(flat_map(lambda one: one.joints, stated)),
             _RESIDUALS.format(",\n        ".join(residuals)),
         )  # fmt: skip
 

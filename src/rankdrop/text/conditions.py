@@ -37,6 +37,7 @@ from rankdrop.families.summary import (
 )
 from rankdrop.formula.equation import pretty_angle, share_of_pi
 from rankdrop.formula.notation import typeset
+from rankdrop.lists import flat_map
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
@@ -127,7 +128,7 @@ def condition_sections(conditions: Any, *, families: bool = True) -> tuple[Secti
     """
     parts = (_steps, _determinants, *((_coranks,) if families else ()), _no_coranks, _undivided, _assumed, _not_real,
              _checks, _unfinished)  # fmt: skip
-    return tuple(section for part in parts for section in part(conditions))
+    return tuple(flat_map(lambda part: part(conditions), parts))
 
 
 def conditions_html(conditions: Any) -> str:
@@ -180,7 +181,7 @@ def _coranks(conditions: Any) -> Iterator[Section]:
     r = conditions.generic_rank
     for corank in range(1, _highest(conditions) + 1):
         rows = conditions.of_corank(corank)
-        lines = tuple(line for family in rows for line in _family(family, conditions.robot))
+        lines = tuple(flat_map(lambda family: _family(family, conditions.robot), rows))
         so_far = "" if conditions.complete else " so far"
         if rows:
             number = f"{count(len(rows), 'family', 'families')}{so_far}"

@@ -24,6 +24,7 @@ from rankdrop.configuration import Cause, at
 from rankdrop.distance.distance import FamilyDistance
 from rankdrop.families.record import Family, Incidence
 from rankdrop.kinematics import pose
+from rankdrop.lists import flat_map
 from rankdrop.local.directions import FramedDirections, constraint, in_short, is_nearly_pure
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.pointing import pointing_task, turn_follows
@@ -335,7 +336,7 @@ def sections_of(explanation: Explanation, *, full: bool = False, parts: Sequence
         parts: names out of `PARTS`; none: all of them, those in `DETAILS` only with `full`.
     """
     names = parts or [name for name in PARTS if full or name not in DETAILS]
-    return tuple(section for name in names for section in PARTS[name](explanation, full))
+    return tuple(flat_map(lambda name: PARTS[name](explanation, full), names))
 
 
 def _summary(explanation: Explanation, full: bool) -> Iterator[Section]:

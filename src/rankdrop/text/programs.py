@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.lists import flat_map
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
@@ -157,7 +158,7 @@ def summary(check: Any) -> tuple[str, ...]:
     """The verdict, what was read, corners, frames, where parts begin, turns, the nearest singularity, how it is known.
     """
     parts = (_next_lines, _read_lines, _begin_lines, _turn_lines, _near_lines, _verified_lines)
-    return (sentence(check), *(line for part in parts for line in part(check)))
+    return (sentence(check), *flat_map(lambda part: part(check), parts))
 
 
 def _next_lines(check: Any) -> Iterator[str]:

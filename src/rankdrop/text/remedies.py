@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.lists import flat_map
 from rankdrop.options import advised
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
@@ -203,7 +204,7 @@ def remedies_sentence(mending: Any) -> str:
 
 def remedy_sections(mending: Any, *, deg: bool) -> tuple[Section, ...]:
     """The remedies, and the kinds of which none was found."""
-    lines = tuple(line for one in mending.remedies for line in _remedy_lines(one, deg=deg))
+    lines = tuple(flat_map(lambda one: _remedy_lines(one, deg=deg), mending.remedies))
     if mending.notes:
         others = [Section("Remedies that were not found", lines=mending.notes)]
     else:

@@ -10,6 +10,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.geometry import Deviation
 from rankdrop.exact.arm.structure import BlockForm, listed, structure_of
 from rankdrop.exact.method_reason import MethodReason, Parting, PartingKind
+from rankdrop.lists import flat_map
 from rankdrop.robot.model import Robot
 from rankdrop.tolerances import ALIGNED
 
@@ -45,7 +46,7 @@ def structure_sentences(chain: Chain) -> tuple[str, ...]:
     for triple in structure.points:
         part = {structure.wrist: " (spherical wrist)", structure.shoulder: " (spherical shoulder)"}.get(triple, "")
         found.append(f"the axes of joints {listed(triple)} meet in one point{part}")
-    within = {pair for triple in structure.points for pair in pairwise(triple)}
+    within = set(flat_map(pairwise, structure.points))
     found += [f"axes {i} and {j} meet" for i, j in structure.meeting if (i, j) not in within]
     found += [f"the axes of joints {listed(group)} are parallel" for group in structure.parallel]
     found += [f"near-structural: {near}" for near in near_structure_texts(chain)]

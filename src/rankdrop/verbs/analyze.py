@@ -26,6 +26,7 @@ from rankdrop.families.record import (
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
 from rankdrop.kinematics import check_robot
+from rankdrop.lists import flat_map
 from rankdrop.local.block import generic_rank
 from rankdrop.options import takes
 from rankdrop.problem import Problem
@@ -141,8 +142,8 @@ def _tested(
     said = list(derived.disagreements)
     if derived.generic_rank != rank:
         said.append(f"the rank is {derived.generic_rank} almost everywhere exactly, {rank} numerically")
-    said += [_sentence(*one) for table in tables for one in table.contradictions]
-    listed = {family.id for table in tables for family in table.families}
+    said += [_sentence(*one) for one in flat_map(lambda table: table.contradictions, tables)]
+    listed = {family.id for family in flat_map(lambda table: table.families, tables)}
     if not limits:  # within them a family without a point is no family
         said += [
             f"derived {one.id} ({one.name}) is not listed: its corank is {one.corank}, and the rank found is {rank}"
@@ -293,7 +294,8 @@ def _finished(tables: Iterator[CorankFamilies]) -> tuple[list[CorankFamilies], b
 
 def _listed(robot: Robot, task: Task, tables: Sequence[CorankFamilies]) -> tuple[Family, ...]:
     """All families as the analysis lists them, in the arm's own unit of length."""
-    rows = tuple(family_out_of_units(family, robot) for one in tables for family in one.families)
+    found = flat_map(lambda table: table.families, tables)
+    rows = tuple(family_out_of_units(family, robot) for family in found)
     return tuple(posed(robot, task, row, rows) for row in rows)
 
 

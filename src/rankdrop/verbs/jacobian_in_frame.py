@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from math import atan2
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.algebra.matrix import each_entry
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.errors import OptionError
@@ -204,10 +206,11 @@ def _largest_difference(
     chain: Chain, rows: Sequence[Sequence[Polynomial]], places: Sequence[Array], matrices: Sequence[Array]
 ) -> float:
     """Largest difference of closed and numeric Jacobians at places (n,), of the largest entry there."""
-    forms = [[single_angles(chain.ring, x) for x in row] for row in rows]
+    forms = each_entry(lambda x: single_angles(chain.ring, x), rows)
     worst = 0.0
     for q, matrix in zip(places, matrices, strict=True):
-        found = np.array([[number_at(form, q + chain.shifts, chain.numbers) for form in row] for row in forms])
+        here = partial(number_at, theta=q + chain.shifts, letters=chain.numbers)
+        found: Array = np.array(each_entry(here, forms))
         worst = max(worst, float(np.abs(found - matrix).max() / np.abs(matrix).max()))
     return worst
 
@@ -231,6 +234,6 @@ def _checks_of_inverse(
 
 def _gap(entries: Sequence[Sequence[Quotient]], theta: Array, letters: Mapping[str, float], matrix: Array) -> float:
     """Largest entry of J⁻¹ J − 1, over the size of J⁻¹ times that of J."""
-    found = np.array([[x.at(theta, letters) for x in row] for row in entries])
+    found: Array = np.array(each_entry(lambda x: float(x.at(theta, letters)), entries))
     size = np.linalg.norm(found) * np.linalg.norm(matrix)
     return float(np.abs(found @ matrix - np.eye(len(matrix))).max() / max(size, 1.0))

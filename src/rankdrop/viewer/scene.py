@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -172,7 +172,7 @@ def axis_lines(body: Body, links: Array, variables: Sequence[int]) -> Array:
 
 def circuit_of(circuits: Sequence[Sequence[int]]) -> dict[int, int]:
     """Variable -> the first of the circuits (from 0) that it belongs to: the smallest, as they are ordered."""
-    blamed = dict.fromkeys(number for numbers in circuits for number in numbers)
+    blamed = dict.fromkeys(chain.from_iterable(circuits))
     return {number: next(k for k, one in enumerate(circuits) if number in one) for number in blamed}
 
 

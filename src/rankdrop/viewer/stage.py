@@ -9,6 +9,7 @@ import numpy as np
 
 from rankdrop.families import VIEW
 from rankdrop.kinematics import link_poses
+from rankdrop.lists import flat_map
 from rankdrop.local import spine
 from rankdrop.robot import Array, Mesh, Robot, reach
 from rankdrop.viewer.panel import CIRCUITS, ORANGE, SKY, VERMILION
@@ -310,8 +311,8 @@ class Stage:
         heads = [[1.05 * arrow.neck - 0.05 * arrow.end, arrow.end] for arrow in turning]
         self._set(self._solid, shafts, lit)
         self._set(self._heads, heads, lit)
-        self._set(self._dashes, [line for arrow in turning for line in arrow.segments()], colour)
-        self._set(self._rings, [line for arrow in shown for line in arrow.ring], colour)
+        self._set(self._dashes, flat_map(lambda arrow: arrow.segments(), turning), colour)
+        self._set(self._rings, flat_map(lambda arrow: arrow.ring, shown), colour)
 
     def _set(self, handle: viser.ArrowsHandle | viser.LineSegmentsHandle, lines: list[Any], colour: Rgb) -> None:
         handle.visible = bool(lines)

@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rankdrop.algebra.matrix import count_terms, each_entry, with_rows
 from rankdrop.algebra.polynomial import (
     ROOTS,
     Number,
@@ -37,6 +38,7 @@ from rankdrop.exact.arm.geometry import (
     sections,
     tip_roundings,
 )
+from rankdrop.lists import flat_map
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import BODY, WORLD_ALIGNED, Task, resolve_task
 from rankdrop.units import exponent, in_units, task_in_units
@@ -225,7 +227,7 @@ class Chain:
     @cached_property
     def roots(self) -> list[str]:
         """Names of the roots in the arm's numbers, out of `ROOTS`."""
-        turns = [turn for section in self.sections for turn in (section.twist, section.phase)]
+        turns = flat_map(lambda section: (section.twist, section.phase), self.sections)
         if self.task.m == 6:
             axes = []
         else:
@@ -296,7 +298,7 @@ class Chain:
         terms: dict[int, int] = {}
         for k in sorted(self.frames, key=lambda k: abs(2 * k - self.links)):
             try:
-                terms[k] = sum(len(x) for column in self.screws(k) for x in column)
+                terms[k] = count_terms(self.screws(k))
             except OutOfTime:
                 if not terms:  # not even in the middle
                     raise
@@ -325,10 +327,10 @@ class Chain:
             return self.screws(self.frame)
         if rows in ((0, 1, 2), (3, 4, 5)):
             return min(
-                ([[c[r] for r in rows] for c in self.screws_at_tip(k)] for k in (*self.frames, self.links)),
-                key=lambda columns: sum(len(x) for c in columns for x in c),
+                (with_rows(self.screws_at_tip(k), rows) for k in (*self.frames, self.links)),
+                key=count_terms,
             )
-        return [[column[r] for r in rows] for column in self._in_task_axes()]
+        return with_rows(self._in_task_axes(), rows)
 
     @cached_property
     def cleared(self) -> tuple[list[list[Polynomial]], int]:
@@ -363,7 +365,7 @@ class Chain:
         for section, screw in zip(self.sections, screws, strict=True):
             column, m = found[section.variable - 1], self.ring.constant(section.multiplier)
             found[section.variable - 1] = [x + m * y for x, y in zip(column, screw, strict=True)]
-        return [[self.ring.reduce(x) for x in column] for column in found]
+        return each_entry(self.ring.reduce, found)
 
     def screws_about(self, k: int, m: int) -> list[list[Polynomial]]:
         """The n columns in the axes of link k, the linear part taken at the origin of the frame of link m."""
@@ -471,7 +473,7 @@ class Chain:
         screws = self.screws_at_tip(k)
         if about_z and paired:
             return screws
-        rotation = [[ring.constant(x) for x in row] for row in turned]
+        rotation = each_entry(ring.constant, turned)
         if not self.in_body:  # link 1 turned by joint 1, seen from the base
             joint = self._joint(1)
             rotation = [
@@ -583,4 +585,4 @@ def _tip(robot: Robot) -> list[Fraction]:
 
 def _exact(rotation: Array) -> list[list[Number]]:
     """The entries as cosines of multiples of 15° and 18° where they are that, else to `DIGITS` decimals."""
-    return [[exact_cosine(float(x)) for x in row] for row in rotation]
+    return each_entry(exact_cosine, np.asarray(rotation, dtype=float).tolist())

@@ -21,6 +21,7 @@ import numpy as np
 
 from rankdrop.algebra.polynomial import ROOTS, Number, surd
 from rankdrop.errors import OptionError, RobotError
+from rankdrop.lists import flat_map
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.numbers import Line, Normal, axis_lines, common_normals, frame_at, reach
 from rankdrop.robot.quantities import LETTERS_ALLOWED, is_letter
@@ -409,7 +410,7 @@ def _values(links: Sequence[Section], tip: Sequence[Fraction] | None) -> dict[Pl
 
 def _without_structure(links: Sequence[Section], values: Mapping[Place, Fraction]) -> bool:
     """Whether letters would make conditions too long: several twists that are no quarter turns, or many lengths."""
-    turns = [t for s in links for t in (s.twist, s.phase)]  # the phase of a variable that turns is of quarter turns
+    turns = flat_map(lambda s: (s.twist, s.phase), links)  # the phase of a variable that turns is of quarter turns
     odd = {abs(float(t.sin)) for t in turns if t.quarters is None}
     return len({abs(value) for value in values.values()}) > MANY or len(odd) > ODD
 

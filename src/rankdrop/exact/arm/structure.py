@@ -23,6 +23,7 @@ from math import acos
 
 import numpy as np
 
+from rankdrop.algebra.matrix import count_terms, entries, submatrix, with_rows
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import Chain
@@ -112,7 +113,7 @@ def triples(chain: Chain) -> list[tuple[tuple[int, int, int], str]]:
     for first in range(1, 0 if chain.coupled else chain.n - 1):
         three = chain.screws(first + 1)[first - 1 : first + 2]
         for name, rows in (("spherical", (0, 1, 2)), ("planar", (2, 3, 4))):
-            if all(column[r] == 0 for column in three for r in rows):
+            if all(x == 0 for x in entries(with_rows(three, rows))):
                 found.append(((first, first + 1, first + 2), name))
     return found
 
@@ -147,7 +148,7 @@ def _meet_in_one(chain: Chain, triple: tuple[int, int, int]) -> bool:
     """Both normals have no length and their feet on the middle axis coincide; no two of the axes are parallel."""
     first, middle, _ = triple
     apart = all(_twisted(chain.sections[j - 1]) for j in (first, middle))
-    return apart and not any(x != 0 for screw in chain.near(middle, triple) for x in screw[:3])
+    return apart and not any(x != 0 for x in entries(with_rows(chain.near(middle, triple), range(3))))
 
 
 def _parallel(chain: Chain, revolute: list[bool]) -> tuple[tuple[int, ...], ...]:
@@ -289,10 +290,10 @@ def _views(chain: Chain) -> Iterator[tuple[int, int, Columns]]:
     if rows == POSE:
         yield from ((k, k, chain.screws(k)) for k in links)
     elif rows == POSITION:
-        yield from ((k, 0, [c[:3] for c in chain.screws_at_tip(k)]) for k in links)
+        yield from ((k, 0, with_rows(chain.screws_at_tip(k), POSITION)) for k in links)
     elif {0, 1, 5} <= set(rows) and flat(chain):  # of a motion in planes any point will do
         last = max(chain.ring.revolute)
-        yield last, last, [[c[r] for r in rows] for c in chain.screws(last)]
+        yield last, last, with_rows(chain.screws(last), rows)
 
 
 def flat(chain: Chain) -> bool:
@@ -318,7 +319,7 @@ def _best_axes(chain: Chain, form: BlockForm) -> BlockForm:
 
 
 def _terms(columns: Columns) -> int:
-    return sum(len(x) for column in columns for x in column)
+    return count_terms(columns)
 
 
 def _part(structure: ExactStructure, kind: str, group: tuple[int, ...]) -> str:
@@ -364,7 +365,7 @@ def frame_jacobian(chain: Chain, k: int, at: int | None = None) -> list[list[Pol
         screws = chain.screws_at_tip(k)
     else:
         screws = chain.screws_about(k, at)
-    return [[column[r] for column in screws] for r in chain.task.rows]
+    return submatrix(screws, range(len(screws)), chain.task.rows)
 
 
 def check_frame(chain: Chain, k: int, at: int | None) -> None:
@@ -404,7 +405,7 @@ def sizes(chain: Chain) -> list[tuple[int, int, int | None]]:
     check_frame(chain, 1, None)
     points: list[int | None] = [None, *(range(1, chain.links + 1) if moves(chain) else ())]
     found = [
-        (sum(len(x) for row in frame_jacobian(chain, k, at) for x in row), k, at)
+        (count_terms(frame_jacobian(chain, k, at)), k, at)
         for at in points
         for k in range(1, chain.links + 1)
     ]

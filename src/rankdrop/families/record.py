@@ -103,6 +103,7 @@ class ExactConditions:
         numbers: values of the letters [m].
         shifts: θ = q + shift, per joint [rad].
         pieces: its irreducible sets, one for each combination of pins; none of shipped conditions.
+        written: `stated` in words, where these were stored beside it: making them takes longest.
     """
 
     pinned: tuple[Pin, ...]
@@ -112,16 +113,17 @@ class ExactConditions:
     numbers: Mapping[str, float] = field(default_factory=dict)
     shifts: tuple[float, ...] = ()
     pieces: tuple[ZeroSet, ...] = ()
+    written: tuple[WrittenCondition, ...] = ()
 
     @cached_property
     def conditions(self) -> tuple[str, ...]:
         """Every condition for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0"."""
-        return tuple(one.text() for one in self.stated)
+        return tuple(one.text() for one in self.written or self.stated)
 
     @cached_property
     def latex(self) -> tuple[str, ...]:
         """Every condition as LaTeX mathematics."""
-        return tuple(one.latex() for one in self.stated)
+        return tuple(one.latex() for one in self.written or self.stated)
 
     @property
     def pins(self) -> tuple[AnglePin, ...]:

@@ -40,7 +40,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, html
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, TIE, Tolerances
-from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
+from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
 STARTS = (128, 512)  # that walk, for corank 1, for more: failures to reach the global minimum are rarer than 1 % then
 NEWTON = (24, 32)  # that take Newton's steps before, around q and in the ball in which a nearer point must lie
@@ -161,25 +161,25 @@ def nearest_singularity(
     asked = NearestOptions.of(options, given)
     centre, extra = one_configuration(robot, q), [one_configuration(robot, one) for one in seeds]
     resolved = resolve_task(task, robot)
-    if metre_exponent(robot):
-        there = nearest_singularity(
-            in_metres(robot),
-            into_metres(robot, centre),
-            task_in_metres(resolved, robot),
-            asked,
-            seeds=[into_metres(robot, one) for one in extra],
-            tolerances=tolerances,
-        )
-        return None if there is None else _out_of_metres(there, robot)
-    resolved = replace(resolved, length_scale=resolved.scale(robot))  # the reach is worked out once
+    there, there_task = in_metres(robot), task_in_metres(resolved, robot)
+    there_task = replace(there_task, length_scale=there_task.scale(there))  # the reach is worked out once
+    problem = Problem(there, there_task, asked.corank, tolerances, asked.limits)
+    first = np.array([into_metres(robot, one) for one in extra]).reshape(-1, robot.n)
+    found = _nearest(problem, into_metres(robot, centre), first, asked)
+    if found is None or there is robot:
+        return found
+    return _out_of_metres(found, robot)
+
+
+def _nearest(problem: Problem, centre: Array, first: Array, asked: NearestOptions) -> Nearest | None:
+    """The nearest singular configuration of an arm in metres; `first` (k, n) are further starts."""
+    robot, tolerances = problem.robot, problem.tolerances
     corank, starts = asked.corank, asked.starts
-    problem = Problem(robot, resolved, corank, tolerances, asked.limits)
     walks = starts
     if walks is None:
         walks = STARTS[0 if corank == 1 else 1]
     whole_number("corank", corank, 1, problem.generic_rank)
     check_joints(problem)
-    first = np.array(extra).reshape(-1, robot.n)
     walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if asked.limits else None)
     if starts is None and walk.smooth:
         ends, distances, lost = walk.newton(first, asked.seed)

@@ -37,7 +37,7 @@ from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import EVIDENCE, Assumption, UnrealSet, pins_in_q, slides_at_zero
 from rankdrop.exact.method_reason import MethodReason
 from rankdrop.families.lost import LostFreedom, freedoms_at_witness
-from rankdrop.families.record import Check, ExactConditions, Family, exact_of, family_from_metres
+from rankdrop.families.record import Check, ExactConditions, Family, WrittenCondition, exact_of, family_from_metres
 from rankdrop.formula.equation import Equation
 from rankdrop.formula.notation import Step
 from rankdrop.formula.writing import AnglePin, Condition
@@ -466,9 +466,8 @@ def _family(
         rank_check=restored(Check, record["rank_check"]),
         numbers={**whole["letters"], **roots},
         shifts=shifts,
+        written=tuple(map(WrittenCondition, record["conditions"], record["latex"])),
     )
-    written = {"conditions": tuple(record["conditions"]), "latex": tuple(record["latex"])}
-    vars(exact).update(written)  # where functools.cached_property keeps them
     return Family(
         id=record["id"],
         called=name_of(record),

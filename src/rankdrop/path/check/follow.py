@@ -33,6 +33,7 @@ Pull = Callable[[Array], Array]
 
 _LONGEST = 0.15  # of a step in joint space [rad; slides divided by the length scale]
 _BENT = 0.2  # share of a step that the corrector may add to the predictor
+_ROUNDING = 1e-9  # … and this much: where the tool stands still, both are rounding [rad; slides scaled]
 _GROWING, _KEPT = 2.0, 0.9  # a step is so many times as long as the last one at most, and of what it may be as long
 _SHORTEST = 1e-9  # step at which the branch has ended [of the way between two poses]
 _TRIES = (400, 1)  # steps at most, and for each pose: a branch that creeps along a singularity ends
@@ -489,11 +490,12 @@ class _Walk:
             return None
         end = found[0]
         added = float(np.linalg.norm((end - guess) / self.aim.joints))
-        if added > _BENT * first + 1e-9 or self._changed(end, side, touch=ahead == int(ahead) and first <= _TOUCH):
+        bent = _BENT * first + _ROUNDING
+        if added > bent or self._changed(end, side, touch=ahead == int(ahead) and first <= _TOUCH):
             return None
         at = np.append(np.arange(int(place) + 1.0, np.ceil(ahead - 1e-12)), ahead)
-        self.growth = min(_GROWING, _KEPT * _LONGEST / max(first, 1e-12), _KEPT * _BENT * first / max(added, 1e-12))
-        return self._filled(np.append(place, at), np.stack([now, end]), _BENT * first + 1e-9, ahead_of_now - end)
+        self.growth = min(_GROWING, _KEPT * _LONGEST / max(first, 1e-12), _KEPT * bent / max(added, 1e-12))
+        return self._filled(np.append(place, at), np.stack([now, end]), bent, ahead_of_now - end)
 
     def _changed(self, end: Array, side: float, *, touch: bool) -> bool:
         """The determinant changed its sign; with `touch` zero is no change for a branch that may go on from there."""

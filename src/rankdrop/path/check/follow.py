@@ -24,6 +24,7 @@ from rankdrop.path.check.passing import Departure, Turn, departures, internal_tu
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import numbered
 from rankdrop.poses.inverse import Aim
+from rankdrop.problem import Mask
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.text.paths import branch_chosen
@@ -50,6 +51,7 @@ _STRAIGHT = 0.97  # cosine of the turn of the joint motion at a singularity belo
 _CREEPS, _CREPT = 3, 1e-3  # so many departures from rest within that share of a move lead nowhere
 _STALLED, _STAYED = 150, 0.5  # so many tries within one move and so much joint motion: the branch creeps [rad]
 _CREPT_TO = 1e-4  # σ_r at which a branch that creeps ends at the singularity
+_SAME = 1e-11  # error of poses that a configuration has; translations divided by the length scale
 _SNAPPED = 0.02  # an internal turn so short at the start is made: the start is near enough [rad]
 
 
@@ -383,13 +385,22 @@ class _Walk:
             return 0.0
         return self.aim.side(q)
 
+    def _still(self, q: Array, poses: Array) -> Mask:
+        """(N,) whether a configuration has the poses (N, 4, 4), to rounding."""
+        rows = np.tile(q, (len(poses), 1))
+        return np.asarray(np.linalg.norm(self.aim.error(poses, rows), axis=1) <= _SAME)
+
     def _snapped(self, q: Array) -> Array:
         """A start at a singularity, brought to the nearest configuration of its self-motion from which the path goes on
         if that is very near.
         """
-        if departures(self.aim, self.poses, 0.0, q)[0]:
+        moved = np.flatnonzero(~self._still(q, self.poses[1:]))
+        if not len(moved):
             return q
-        end = internal_turn(self.aim, self.poses, 0.0, q, limits=self.limits)
+        begins = float(moved[0])
+        if departures(self.aim, self.poses, begins, q)[0]:
+            return q
+        end = internal_turn(self.aim, self.poses, begins, q, limits=self.limits)
         near = end is not None and np.linalg.norm((end - q) / self.aim.joints) <= _SNAPPED
         if end is not None and near:
             return end
@@ -400,6 +411,9 @@ class _Walk:
         the turn that it needs first.
         """
         now, place = made.now, made.place
+        following = int(place) + 1
+        if self._still(now, self.poses[following : following + 1])[0]:
+            return (np.array([float(following)]), now[None]), False, None
         sigma = singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1]
         if not self.decides or sigma > _SMALL:
             return None, False, None

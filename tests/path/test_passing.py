@@ -187,6 +187,18 @@ def test_a_start_that_waits_at_a_singularity_is_turned_before_the_tool_moves() -
     np.testing.assert_allclose(np.degrees(found.q[0]), [0, 0, 0, 90, 0, -90], atol=1e-6)
 
 
+@pytest.mark.parametrize("degrees", [1e-3, 1e-2, 0.0688833])
+def test_a_line_that_misses_a_wrist_does_not_fold_back(degrees: float) -> None:
+    """Of a PUMA, by some 1e-7 rad: joint 4 turns half around, in departures from rest that lead nowhere."""
+    robot = open_robot("puma560")
+    q = np.radians([-2.285303, 25.054618, 9.727722, 106.948241, degrees, -4.826506])
+    poses = line(robot, q, [-0.234686, -0.427842, -0.872854, 0, 0, 0], 0.0, -0.1, 0.1)
+    back = follow(robot, poses[:2], q, limits=False)
+    found = follow(robot, poses[1:], back.last, limits=False, tolerance=(1e-4, 1e-3), through=True)
+    assert 1.49 < found.reached < 1.5
+    assert (found.complete, found.reason, found.folds) == (False, "singular", False)
+
+
 @pytest.mark.slow
 def test_a_start_at_the_singularity_says_which_turn_comes_first() -> None:
     robot = open_robot("lrmate200id")

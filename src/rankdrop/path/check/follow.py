@@ -49,7 +49,8 @@ _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton 
 _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
 _STRAIGHT = 0.97  # cosine of the turn of the joint motion at a singularity below which it is a corner
 _CREEPS, _CREPT = 3, 1e-3  # so many departures from rest within that share of a move lead nowhere
-_STALLED, _STAYED = 150, 0.5  # so many tries within one move and so much joint motion: the branch creeps [rad]
+_STALLED, _STAYED = 150, 0.5  # so many tries within one move and so much joint motion: the branch may creep [rad]
+_NO_NEARER = 10.0  # … and does where σ_r changed by no more than this factor: on the way to a near miss it falls more
 _CREPT_TO = 1e-4  # σ_r at which a branch that creeps ends at the singularity
 _SAME = 1e-11  # error of poses that a configuration has; translations divided by the length scale
 _SNAPPED = 0.02  # an internal turn so short at the start is made: the start is near enough [rad]
@@ -306,16 +307,25 @@ class _Walk:
         return self._confirmed(self._as_followed(made, last))
 
     def _look_at_work(self, made: _Progress) -> None:
-        """Note whether the work of one path is used up, or the branch is still where it was `_STALLED` tries before.
-
-        Past a singularity the joints turn far while the tool hardly moves, within fewer tries.
-        """
+        """Note whether the work of one path is used up, or the branch creeps."""
         if made.tries > 0 and made.tries % _STALLED == 0:
-            moved = float(np.linalg.norm((made.now - made.seen[1]) / self.aim.joints))
-            made.creeps = made.place - made.seen[0] < 1.0 and moved < _STAYED
+            made.creeps = self._creeps(made)
             made.seen = made.place, made.now
         most = _TRIES[0] + _TRIES[1] * len(self.poses)
         made.spent = made.creeps or made.tries > most or made.size > _ROWS
+
+    def _creeps(self, made: _Progress) -> bool:
+        """Whether the branch is where it was `_STALLED` tries before, and no nearer to a singularity, nor farther.
+
+        Where it passes by a singularity, σ_r falls and rises by orders of magnitude while the joints hardly move, and
+        between that they turn far, within fewer tries.
+        """
+        place, q = made.seen
+        moved = float(np.linalg.norm((made.now - q) / self.aim.joints))
+        if made.place - place >= 1.0 or moved >= _STAYED:
+            return False
+        sigma = singular_values(self.aim.robot, np.stack([q, made.now]), self.aim.task)[:, self.aim.rank - 1]
+        return bool(sigma.max() <= _NO_NEARER * sigma.min())
 
     def _advanced(self, made: _Progress, last: float) -> bool:
         """Take one step or halve it, and return True; at the end of the branch, note why and return False."""

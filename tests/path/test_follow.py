@@ -196,3 +196,34 @@ def test_a_branch_that_creeps_along_a_singularity_ends_there_soon(monkeypatch: p
     assert (found.complete, found.reason) == (False, "singular")
     assert 145.0 < found.reached < 155.0
     assert len(solved) < 700  # 1,446 without an end
+
+
+@pytest.mark.parametrize("q5", [50.0, 0.001])
+def test_where_the_tool_stands_still_so_do_the_joints(q5: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """1,000 equal poses, a motion, 1,000 equal poses: steps that shrink with the joint motion would end there."""
+    robot = open_robot("irb120")
+    start = np.radians([0.0, -10.0, 10.0, 80.0, q5, 0.0])
+    share = np.clip(np.linspace(-20.0, 21.0, 2051), 0.0, 1.0)
+    rows = start + 0.1 * share[:, None]
+    solved = []
+    solve = Aim.solve
+    monkeypatch.setattr(Aim, "solve", lambda aim, goal, q: solved.append(len(q)) or solve(aim, goal, q))
+    found = follow(robot, pose(robot, rows), start, tolerance=(1e-4, 1e-3))
+    assert found.complete
+    at_poses = found.q[found.place == np.floor(found.place)]
+    np.testing.assert_allclose(at_poses, rows, atol=1e-6)
+    assert len(solved) < 400
+
+
+@pytest.mark.parametrize("degrees", [1e-1, 1e-3, 1e-5])
+def test_a_line_that_misses_a_wrist_by_however_little_is_followed(degrees: float) -> None:
+    """Within one move of a KUKA KR 6, in up to 250 steps: for 150 of them joints move by less than half a radian."""
+    robot = open_robot("kr6r900")
+    q = np.radians([0.0, -80.0, 90.0, 20.0, degrees, 0.0])
+    middle = pose(robot, q)
+    ends = np.stack([middle, middle])
+    ends[:, :3, 3] += np.outer([-0.1, 0.1], [0.5, 0.7, -0.5])
+    back = follow(robot, np.stack([middle, ends[0]]), q, limits=False)
+    found = follow(robot, ends, back.last, limits=False, tolerance=(1e-4, 1e-3))
+    assert found.complete
+    assert abs(np.degrees(found.q[-1, 3] - found.q[0, 3])) > 100.0

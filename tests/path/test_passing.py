@@ -163,6 +163,42 @@ def test_a_wrist_turned_for_the_line_passes_at_any_speed(rows: int) -> None:
     assert "goes on through it, at any speed" in check.sentence
 
 
+@pytest.mark.parametrize("before", [0, 20])
+def test_a_tool_that_waits_at_a_singularity_goes_on_from_there(before: int) -> None:
+    """50 equal poses, in the middle of a line or at its start: they have no direction to go on in."""
+    robot = open_robot("lrmate200id")
+    places = np.concatenate([np.linspace(-0.1, 0.0, before + 1)[:-1], np.zeros(50), np.linspace(0.0, 0.1, 20)])
+    poses = line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], *places)
+    start = np.radians([-14, 2, -2, 90, 14, -90] if before else [0, 0, 0, 90, 0, -90])
+    found = follow(robot, poses, start, tolerance=(1e-4, 1e-3), through=True)
+    assert found.complete
+    assert [(one.place, one.rest) for one in found.passed] == [(before + 51.0, False)]
+    np.testing.assert_allclose(pose(robot, found.q[-1]), poses[-1], atol=1e-9)
+    waits = found.q[(found.place >= before + 1.0) & (found.place <= before + 50.0)]
+    assert np.ptp(waits, axis=0).max() < 1e-9
+
+
+def test_a_start_that_waits_at_a_singularity_is_turned_before_the_tool_moves() -> None:
+    """By 0.7° of joint 4, which is near enough."""
+    robot = open_robot("lrmate200id")
+    poses = line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], 0.0, 0.0, 0.0, 0.1)
+    found = follow(robot, poses, np.radians([0, 0, 0, 89.3, 0, -89.3]), tolerance=(1e-4, 1e-3), through=True)
+    assert found.complete
+    np.testing.assert_allclose(np.degrees(found.q[0]), [0, 0, 0, 90, 0, -90], atol=1e-6)
+
+
+@pytest.mark.parametrize("degrees", [1e-3, 1e-2, 0.0688833])
+def test_a_line_that_misses_a_wrist_does_not_fold_back(degrees: float) -> None:
+    """Of a PUMA, by some 1e-7 rad: joint 4 turns half around, in departures from rest that lead nowhere."""
+    robot = open_robot("puma560")
+    q = np.radians([-2.285303, 25.054618, 9.727722, 106.948241, degrees, -4.826506])
+    poses = line(robot, q, [-0.234686, -0.427842, -0.872854, 0, 0, 0], 0.0, -0.1, 0.1)
+    back = follow(robot, poses[:2], q, limits=False)
+    found = follow(robot, poses[1:], back.last, limits=False, tolerance=(1e-4, 1e-3), through=True)
+    assert 1.49 < found.reached < 1.5
+    assert (found.complete, found.reason, found.folds) == (False, "singular", False)
+
+
 @pytest.mark.slow
 def test_a_start_at_the_singularity_says_which_turn_comes_first() -> None:
     robot = open_robot("lrmate200id")

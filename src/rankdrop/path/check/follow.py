@@ -24,6 +24,7 @@ from rankdrop.path.check.passing import Departure, Turn, departures, internal_tu
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import numbered
 from rankdrop.poses.inverse import Aim
+from rankdrop.problem import Mask
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.text.paths import branch_chosen
@@ -33,6 +34,7 @@ Pull = Callable[[Array], Array]
 
 _LONGEST = 0.15  # of a step in joint space [rad; slides divided by the length scale]
 _BENT = 0.2  # share of a step that the corrector may add to the predictor
+_ROUNDING = 1e-9  # … and this much: where the tool stands still, both are rounding [rad; slides scaled]
 _GROWING, _KEPT = 2.0, 0.9  # a step is so many times as long as the last one at most, and of what it may be as long
 _SHORTEST = 1e-9  # step at which the branch has ended [of the way between two poses]
 _TRIES = (400, 1)  # steps at most, and for each pose: a branch that creeps along a singularity ends
@@ -47,8 +49,10 @@ _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton 
 _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
 _STRAIGHT = 0.97  # cosine of the turn of the joint motion at a singularity below which it is a corner
 _CREEPS, _CREPT = 3, 1e-3  # so many departures from rest within that share of a move lead nowhere
-_STALLED, _STAYED = 150, 0.5  # so many tries within one move and so much joint motion: the branch creeps [rad]
+_STALLED, _STAYED = 150, 0.5  # so many tries within one move and so much joint motion: the branch may creep [rad]
+_NO_NEARER = 10.0  # … and does where σ_r changed by no more than this factor: on the way to a near miss it falls more
 _CREPT_TO = 1e-4  # σ_r at which a branch that creeps ends at the singularity
+_SAME = 1e-11  # error of poses that a configuration has; translations divided by the length scale
 _SNAPPED = 0.02  # an internal turn so short at the start is made: the start is near enough [rad]
 
 
@@ -303,16 +307,25 @@ class _Walk:
         return self._confirmed(self._as_followed(made, last))
 
     def _look_at_work(self, made: _Progress) -> None:
-        """Note whether the work of one path is used up, or the branch is still where it was `_STALLED` tries before.
-
-        Past a singularity the joints turn far while the tool hardly moves, within fewer tries.
-        """
+        """Note whether the work of one path is used up, or the branch creeps."""
         if made.tries > 0 and made.tries % _STALLED == 0:
-            moved = float(np.linalg.norm((made.now - made.seen[1]) / self.aim.joints))
-            made.creeps = made.place - made.seen[0] < 1.0 and moved < _STAYED
+            made.creeps = self._creeps(made)
             made.seen = made.place, made.now
         most = _TRIES[0] + _TRIES[1] * len(self.poses)
         made.spent = made.creeps or made.tries > most or made.size > _ROWS
+
+    def _creeps(self, made: _Progress) -> bool:
+        """Whether the branch is where it was `_STALLED` tries before, and no nearer to a singularity, nor farther.
+
+        Where it passes by a singularity, σ_r falls and rises by orders of magnitude while the joints hardly move, and
+        between that they turn far, within fewer tries.
+        """
+        place, q = made.seen
+        moved = float(np.linalg.norm((made.now - q) / self.aim.joints))
+        if made.place - place >= 1.0 or moved >= _STAYED:
+            return False
+        sigma = singular_values(self.aim.robot, np.stack([q, made.now]), self.aim.task)[:, self.aim.rank - 1]
+        return bool(sigma.max() <= _NO_NEARER * sigma.min())
 
     def _advanced(self, made: _Progress, last: float) -> bool:
         """Take one step or halve it, and return True; at the end of the branch, note why and return False."""
@@ -382,13 +395,22 @@ class _Walk:
             return 0.0
         return self.aim.side(q)
 
+    def _still(self, q: Array, poses: Array) -> Mask:
+        """(N,) whether a configuration has the poses (N, 4, 4), to rounding."""
+        rows = np.tile(q, (len(poses), 1))
+        return np.asarray(np.linalg.norm(self.aim.error(poses, rows), axis=1) <= _SAME)
+
     def _snapped(self, q: Array) -> Array:
         """A start at a singularity, brought to the nearest configuration of its self-motion from which the path goes on
         if that is very near.
         """
-        if departures(self.aim, self.poses, 0.0, q)[0]:
+        moved = np.flatnonzero(~self._still(q, self.poses[1:]))
+        if not len(moved):
             return q
-        end = internal_turn(self.aim, self.poses, 0.0, q, limits=self.limits)
+        begins = float(moved[0])
+        if departures(self.aim, self.poses, begins, q)[0]:
+            return q
+        end = internal_turn(self.aim, self.poses, begins, q, limits=self.limits)
         near = end is not None and np.linalg.norm((end - q) / self.aim.joints) <= _SNAPPED
         if end is not None and near:
             return end
@@ -399,6 +421,9 @@ class _Walk:
         the turn that it needs first.
         """
         now, place = made.now, made.place
+        following = int(place) + 1
+        if self._still(now, self.poses[following : following + 1])[0]:
+            return (np.array([float(following)]), now[None]), False, None
         sigma = singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1]
         if not self.decides or sigma > _SMALL:
             return None, False, None
@@ -489,11 +514,12 @@ class _Walk:
             return None
         end = found[0]
         added = float(np.linalg.norm((end - guess) / self.aim.joints))
-        if added > _BENT * first + 1e-9 or self._changed(end, side, touch=ahead == int(ahead) and first <= _TOUCH):
+        bent = _BENT * first + _ROUNDING
+        if added > bent or self._changed(end, side, touch=ahead == int(ahead) and first <= _TOUCH):
             return None
         at = np.append(np.arange(int(place) + 1.0, np.ceil(ahead - 1e-12)), ahead)
-        self.growth = min(_GROWING, _KEPT * _LONGEST / max(first, 1e-12), _KEPT * _BENT * first / max(added, 1e-12))
-        return self._filled(np.append(place, at), np.stack([now, end]), _BENT * first + 1e-9, ahead_of_now - end)
+        self.growth = min(_GROWING, _KEPT * _LONGEST / max(first, 1e-12), _KEPT * bent / max(added, 1e-12))
+        return self._filled(np.append(place, at), np.stack([now, end]), bent, ahead_of_now - end)
 
     def _changed(self, end: Array, side: float, *, touch: bool) -> bool:
         """The determinant changed its sign; with `touch` zero is no change for a branch that may go on from there."""

@@ -23,7 +23,7 @@ CONDITIONAL, NESTED = 22, 8
 BOUNDS: dict[str, tuple[int, int, int, int]] = {
     ".": (34, 2, 4, 0), "algebra": (28, 59, 18, 0), "aspects": (10, 10, 1, 0), "cli": (78, 2, 11, 0),
     "cover": (30, 3, 6, 0), "designs": (31, 7, 2, 0), "distance": (19, 1, 0, 0), "exact": (93, 156, 39, 0),
-    "families": (82, 32, 10, 0), "formula": (54, 21, 9, 0), "jobs": (3, 0, 1, 0), "local": (61, 12, 10, 0),
+    "families": (82, 32, 10, 0), "formula": (54, 21, 9, 0), "jobs": (3, 0, 1, 0), "local": (60, 12, 10, 0),
     "path": (145, 11, 19, 0), "poses": (14, 1, 1, 0), "proof": (43, 18, 20, 0), "report": (66, 11, 7, 0),
     "results": (23, 9, 6, 0), "robot": (88, 8, 15, 0), "schema": (11, 0, 0, 0), "text": (181, 27, 7, 0),
     "verbs": (27, 6, 0, 0), "viewer": (37, 7, 3, 0),

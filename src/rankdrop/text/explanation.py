@@ -38,6 +38,7 @@ from rankdrop.task import BASE, TIP, Task
 from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.inverse import tool_sentence
+from rankdrop.text.procedure import hunt_words
 from rankdrop.text.special import family_title, parts_words, special_words
 from rankdrop.text.words import (
     CHECKED_POINTING,
@@ -58,7 +59,6 @@ from rankdrop.text.words import (
     degrees_hint,
     failures_table,
     fixed,
-    hunt_words,
     jog_step,
     joint_word,
     lost_count,

@@ -54,6 +54,9 @@ _WORDED = {
     "SideBySide": "rankdrop.text.designs", "Chain": "rankdrop.text.structure",
     "MethodReason": "rankdrop.text.structure", "LintResult": "rankdrop.text.condition_tests",
     "Flags": "rankdrop.text.condition_tests", "Between": "rankdrop.text.condition_tests",
+    "Executed": "rankdrop.text.procedure", "Remark": "rankdrop.text.procedure",
+    "Disagreement": "rankdrop.text.procedure",
+    "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",
 }  # fmt: skip
 """Class of a record -> module that words it."""
 

@@ -10,7 +10,7 @@ from rankdrop.local.ordered import hunt
 from rankdrop.local.ways_out import escape
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.text.words import hunt_words
+from rankdrop.text.procedure import hunt_words
 
 PLACES = {
     "wrist": ("puma560", [0.3, 0.5, 0.4, 0.2, 0.0, 0.6]),

@@ -17,13 +17,14 @@ decides: with U₂ a basis of the lost directions and V₂ of the λ, the rank o
 product outside is not enough, because the weighted sum may vanish. Third the judge: the rank after a finite motion of
 the joint.
 
-`session` runs GR's instructions and prints what theirs print; `rankdrop.text.procedure_text` writes a report as text.
+`executed` runs GR's instructions, `session` prints what theirs print; `rankdrop.text.procedure_text` writes a report.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import cached_property, lru_cache
 from os import PathLike
 from pathlib import Path
@@ -39,6 +40,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, read_screw_list
 from rankdrop.robot.transform import bracket, cross, hat, unit
+from rankdrop.sections import words_of
 from rankdrop.task import SPACE, Task
 from rankdrop.tolerances import DEFAULT, DEPENDENT, Tolerances
 
@@ -326,8 +328,6 @@ def _middle(screws: Array) -> tuple[Array, float]:
 
 
 Instruction = tuple[str, int, int]
-Step = tuple[str, tuple[str, ...]]
-"""One instruction of a session and the lines it prints."""
 
 PRINTED_IN_GR: tuple[Instruction, ...] = (
     ("readoss", 1, 7),
@@ -348,8 +348,36 @@ GREATEST_RUN = 6
 """GR section 2.2: a run has at most six screws."""
 
 
-def session(screws: OrderedScrewSet, instructions: Sequence[Instruction] = PRINTED_IN_GR) -> tuple[Step, ...]:
-    """Run GR's instructions, each printing what theirs print; `newscrews` changes the set until `readoss` restores it.
+@dataclass(frozen=True, eq=False)
+class Executed:
+    """One instruction of a session, and what it finds.
+
+    Attributes:
+        name, first, last: the instruction and its arguments.
+        found: screws (k, 6) of `readoss` (first … last) and of `newscrews` (those after first, to last); the run of
+            `msos`; the Lie products of `subspace`; the number of `dimension`.
+    """
+
+    name: str
+    first: int
+    last: int
+    found: Array | OrderedSubset | Products | int
+
+    @property
+    def text(self) -> tuple[str, tuple[str, ...]]:
+        """The instruction as it is typed, and the lines that it prints."""
+        text: tuple[str, tuple[str, ...]] = words_of(self).step_text(self)
+        return text
+
+    def __json__(self) -> list[object]:
+        instruction, lines = self.text
+        return [instruction, list(lines)]
+
+
+def session(
+    screws: OrderedScrewSet, instructions: Sequence[Instruction] = PRINTED_IN_GR
+) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Run GR's instructions: each as it is typed, with the lines that it prints. `executed` has them as numbers.
 
     Raises:
         OptionError: an instruction or a run that does not exist.
@@ -360,48 +388,46 @@ def session(screws: OrderedScrewSet, instructions: Sequence[Instruction] = PRINT
         >>> [lines for instruction, lines in steps if instruction.startswith("newscrews")]
         [('S(5) = [1, 0, -1, 0, 5, 0]',), ('S(4) = [0, 1, 0, 5, 0, 5]', 'S(5) = [1, 0, -1, 0, 0, 0]')]
     """
-    current, steps = screws, list[Step]()
+    return tuple(step.text for step in executed(screws, instructions))
+
+
+def executed(
+    screws: OrderedScrewSet, instructions: Sequence[Instruction] = PRINTED_IN_GR
+) -> tuple[Executed, ...]:
+    """Run GR's instructions; `newscrews` changes the set until `readoss` restores it.
+
+    Args:
+        screws: the set that the first instruction works on.
+        instructions: (name, first, last) of each, `PRINTED_IN_GR` those of section 5.
+
+    Raises:
+        OptionError: an instruction or a run that does not exist.
+    """
+    current, steps = screws, list[Executed]()
     for name, first, last in instructions:
-        if name not in _PRINTED:
-            raise OptionError("there is no such instruction", got=repr(name), allowed=", ".join(_PRINTED))
-        if name == "newscrews":
-            current = current.newscrews(first, last)
-        elif name == "readoss":
-            rows = current.screws.copy()
-            rows[first - 1 : last] = screws.readoss(first, last)
-            current = OrderedScrewSet(rows, screws.tolerance)
-        steps.append((f"{name}({first}, {last})", _PRINTED[name](current, first, last)))
+        found: Array | OrderedSubset | Products | int
+        match name:
+            case "newscrews":
+                current = current.newscrews(first, last)
+                found = current.screws[first:last]
+            case "readoss":
+                rows = current.screws.copy()
+                rows[first - 1 : last] = screws.readoss(first, last)
+                current = OrderedScrewSet(rows, screws.tolerance)
+                found = current.readoss(first, last)
+            case "msos":
+                found = current.msos(first, last)
+            case "subspace":
+                found = current.subspace(first, last)
+            case "dimension":
+                found = current.dimension(first, last)
+            case _:
+                raise OptionError("there is no such instruction", got=repr(name), allowed=", ".join(_INSTRUCTIONS))
+        steps.append(Executed(name, first, last, found))
     return tuple(steps)
 
 
-def _products_lines(found: Products) -> tuple[str, ...]:
-    pairs = tuple(f"[{u}, {v}] {'yes' if inside else 'no'}" for u, v, inside in found.entries)
-    return pairs + tuple(f"actuating screw {u} can restore ({found.first}, {found.last})" for u in found.actuators)
-
-
-def _msos_lines(subset: OrderedSubset) -> tuple[str, ...]:
-    if subset.last - subset.first > GREATEST_RUN:  # the guard as printed: 6 < j − i
-        return ("more than seven screws: take a shorter run",)
-    if subset.msos:
-        end = "a minimal singular ordered subset"
-    else:
-        end = "not a minimal singular ordered subset"
-    return (f"dimension = {subset.dimension}", f"lost freedoms = {subset.loss}", end)
-
-
-def _row(screw: Array) -> str:
-    return f"[{', '.join(f'{x + 0.0:.6g}' for x in np.where(np.abs(screw) < 1e-12, 0.0, screw))}]"
-
-
-_PRINTED: dict[str, Callable[[OrderedScrewSet, int, int], tuple[str, ...]]] = {
-    "readoss": lambda screws, first, last: tuple(map(_row, screws.readoss(first, last))),
-    "msos": lambda screws, first, last: _msos_lines(screws.msos(first, last)),
-    "subspace": lambda screws, first, last: _products_lines(screws.subspace(first, last)),
-    "newscrews": lambda screws, first, last: tuple(
-        f"S({k}) = {_row(screws.screws[k - 1])}" for k in range(first + 1, last + 1)),
-    "dimension": lambda screws, first, last: (str(screws.dimension(first, last)),),
-}  # fmt: skip
-"""Instruction -> the lines that it prints."""
+_INSTRUCTIONS = ("readoss", "msos", "subspace", "newscrews", "dimension")
 
 _AMOUNTS = (0.37, -0.23, 0.1)  # finite motions that judge [rad, or the set's unit of length]: no simple fractions of π
 
@@ -424,6 +450,64 @@ class Trial:
     dimensions: tuple[tuple[int, int, int], ...]
     carried: tuple[tuple[int, int, int], ...]
     restores: bool
+
+
+class RemarkKind(StrEnum):
+    """How GR's printed procedure and a finite motion of one joint compare."""
+
+    AGREES = "agrees"
+    NOT_RESTORED = "not restored"
+    NO_GAIN = "no gain"
+    NAMED_BY_NO_RUN = "named by no run"
+    LEFT_SINGULAR = "left singular"
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """Why the printed procedure and the motion of a joint disagree, or what misleads; a sentence as text and in JSON.
+
+    Attributes:
+        kind: `NOT_RESTORED`: named, and the motion does not restore the rank; `NO_GAIN`: it does not escape, with Lie
+            products outside the span; `NAMED_BY_NO_RUN`: it escapes, and no run names it; `LEFT_SINGULAR`: it escapes,
+            and the printed update leaves runs singular.
+        number: of the joint, from 1.
+        outside: later screws with Lie products outside the span, where nothing is gained.
+        vanishes: the weighted sum of these is zero, and not only inside the span.
+        last: of the run that the printed update moves, where it leaves runs singular.
+    """
+
+    kind: RemarkKind
+    number: int
+    outside: tuple[int, ...] = ()
+    vanishes: bool = False
+    last: int = 0
+
+    def __str__(self) -> str:
+        words: str = words_of(self).remark_text(self)
+        return words
+
+    def __json__(self) -> str:
+        return str(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Disagreement:
+    """Where the printed procedure and the motion differ; a sentence as text and in JSON.
+
+    Attributes:
+        remark: on one joint; None where the procedure names other joints for other runs.
+        named: (first, last, actuators) of each run that the procedure may start from, where these differ.
+    """
+
+    remark: Remark | None
+    named: tuple[tuple[int, int, tuple[int, ...]], ...] = ()
+
+    def __str__(self) -> str:
+        words: str = words_of(self).disagreement_text(self)
+        return words
+
+    def __json__(self) -> str:
+        return str(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -452,7 +536,7 @@ class JointVerdict:
     rate: float
     gain: int
     escapes: bool
-    remark: str
+    remark: Remark
 
 
 @dataclass(frozen=True, slots=True)
@@ -470,7 +554,7 @@ class OrderedReport:
         printed: those that its conclusion names, for the first minimal run; GR stop there.
         joints: verdicts, one for every joint.
         escapes: joints that do escape, by finite motion.
-        disagreements: where the printed procedure and the motion differ, in words.
+        disagreements: where the printed procedure and the motion differ.
     """
 
     dimension: int
@@ -478,12 +562,12 @@ class OrderedReport:
     lost: int
     dependencies: int
     subsets: tuple[OrderedSubset, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[Executed, ...]
     trials: tuple[Trial, ...]
     printed: tuple[int, ...]
     joints: tuple[JointVerdict, ...]
     escapes: tuple[int, ...]
-    disagreements: tuple[str, ...]
+    disagreements: tuple[Disagreement, ...]
 
 
 def report(screws: OrderedScrewSet, seed: int = STRUCTURE_SEED) -> OrderedReport:
@@ -518,7 +602,7 @@ def report(screws: OrderedScrewSet, seed: int = STRUCTURE_SEED) -> OrderedReport
     joints = tuple(_verdict(screws, k, k in printed, generic, trials, everywhere) for k in range(1, n + 1))
     return OrderedReport(
         dimension=dimension, generic=generic, lost=generic - dimension, dependencies=n - dimension, subsets=subsets,
-        steps=session(screws, instructions), trials=tuple(trials), printed=printed, joints=joints,
+        steps=executed(screws, instructions), trials=tuple(trials), printed=printed, joints=joints,
         escapes=tuple(joint.number for joint in joints if joint.escapes),
         disagreements=_disagreements(joints, trials),
     )
@@ -562,21 +646,17 @@ def _verdict(
     )
 
 
-def _disagreements(joints: Sequence[JointVerdict], trials: Sequence[Trial]) -> tuple[str, ...]:
-    told = [f"joint {joint.number}: {joint.remark}" for joint in joints if joint.remark]
+def _disagreements(joints: Sequence[JointVerdict], trials: Sequence[Trial]) -> tuple[Disagreement, ...]:
+    found = [Disagreement(joint.remark) for joint in joints if joint.remark.kind is not RemarkKind.AGREES]
     named: dict[tuple[int, int], list[int]] = {}
     for trial in trials:
         actuators = named.setdefault(trial.subset, [])
         if trial.restores:
             actuators.append(trial.actuator)
-    if len({tuple(sorted(actuators)) for actuators in named.values()}) > 1:
-        parts = [f"{first}–{last}: {_list(sorted(found))}" for (first, last), found in named.items()]
-        told.append(f"what the printed procedure names depends on the run it starts from ({'; '.join(parts)})")
-    return tuple(told)
-
-
-def _list(numbers: Sequence[int]) -> str:
-    return ", ".join(map(str, numbers)) or "none"
+    runs = tuple((first, last, tuple(sorted(actuators))) for (first, last), actuators in named.items())
+    if len({actuators for _, _, actuators in runs}) > 1:
+        found.append(Disagreement(None, runs))
+    return tuple(found)
 
 
 def _first_order(screws: OrderedScrewSet, number: int, dimension: int, generic: int) -> tuple[float, float]:
@@ -601,32 +681,22 @@ def _first_order(screws: OrderedScrewSet, number: int, dimension: int, generic: 
 def _remark(
     number: int, printed: bool, escapes: bool, trials: Sequence[Trial], outside: tuple[int, ...], weighted: float,
     gain: int,
-) -> str:  # fmt: skip
-    """Why the printed procedure and the motion disagree; empty where they agree and nothing misleads."""
+) -> Remark:  # fmt: skip
+    """Why the printed procedure and the motion disagree, or what misleads."""
     if escapes and not printed:
         return _escapes_unnamed(number, [trial for trial in trials if trial.actuator == number])
     if printed and not escapes:
-        return "named by the printed procedure, but a finite motion does not restore the rank"
+        return Remark(RemarkKind.NOT_RESTORED, number)
     if outside and gain == 0:
-        later = ", ".join(f"[{number}, {k}]" for k in outside)
-        if weighted == 0.0:
-            how = "vanishes"
-        else:
-            how = "stays in the span"
-        verb = "lies" if len(outside) == 1 else "lie"
-        return f"does not escape although {later} {verb} outside the span: Σ λ_i [S_{number}, S_i] {how}"
-    return ""
+        return Remark(RemarkKind.NO_GAIN, number, outside, vanishes=weighted == 0.0)
+    return Remark(RemarkKind.AGREES, number)
 
 
-def _escapes_unnamed(number: int, trials: Sequence[Trial]) -> str:
+def _escapes_unnamed(number: int, trials: Sequence[Trial]) -> Remark:
     """Why the printed procedure does not name a joint that escapes: its own trials."""
     if all(trial.dimensions == trial.carried for trial in trials):
-        return "escapes, though no run with all its products outside names it"
-    last = trials[0].subset[1]
-    return (
-        f"escapes, though the printed update finds runs still singular: newscrews({number}, {last}) leaves "
-        f"the screws behind {last} where they were, and joint {number} carries them too"
-    )
+        return Remark(RemarkKind.NAMED_BY_NO_RUN, number)
+    return Remark(RemarkKind.LEFT_SINGULAR, number, last=trials[0].subset[1])
 
 
 def _special(screws: OrderedScrewSet, subsets: Sequence[OrderedSubset], seed: int) -> tuple[OrderedSubset, ...]:

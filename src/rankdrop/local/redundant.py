@@ -23,6 +23,7 @@ recognised at second order, and never followed.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,7 +38,7 @@ from rankdrop.local.rates import Factored, factor, joint_direction, task_sigma
 from rankdrop.local.ways_out import FLAT, definite, distinct, forms, null_basis, vanishing
 from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import Section, html
+from rankdrop.sections import html, words_of
 from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import DEFAULT, Tolerances
 
@@ -168,26 +169,7 @@ class Redundancy:
 
     def _repr_html_(self) -> str:
         """For notebooks: range, null space and projector with their checks."""
-        n = self.projector.shape[0]
-        joints = tuple(f"joint {number}" for number in range(1, n + 1))
-        rank = self.rank
-        checks = (
-            f"largest entry of PP − P {self.idempotent:.1g}, of JP {self.annihilates:.1g}, of P less its closed form "
-            f"{self.difference:.1g}",
-        )
-        return html(
-            [
-                Section("Redundancy", f"rank {rank.rank}, nullity {rank.nullity}, corank {rank.corank}"),
-                Section(
-                    "Twists that can be made", "rows (v; ω)", columns=("vx", "vy", "vz", "wx", "wy", "wz"),
-                    rows=_cells(self.range_basis), texts=(),
-                ),
-                Section(
-                    "Joint rates that leave the task still", columns=joints, rows=_cells(self.null_basis), texts=()
-                ),
-                Section("Projector P = I − J⁺J", columns=joints, rows=_cells(self.projector), texts=(), notes=checks),
-            ]
-        )  # fmt: skip
+        return html(words_of(self).redundancy_sections(self))
 
 
 def redundancy(
@@ -359,6 +341,51 @@ def _vectors(name: str, value: ArrayLike, size: int, batch: tuple[int, ...]) -> 
 
 CLOSED, LIMIT, REACHED = "closed loop", "joint limit", "length reached"
 BRANCHES, NONE, STUCK = "singular: branches here", "no null space", "no convergence"
+
+
+class Ending(StrEnum):
+    """Why the trace of a self-motion ends, or why it does not begin."""
+
+    NO_NULL_SPACE = "no null space"
+    BENDS_AWAY = "direction bends away"
+    DEFINITE = "definite"
+    NO_TANGENT = "no tangent"
+    NO_START = "no start"
+    STARTS_BEYOND = "starts beyond a limit"
+    AT_LIMIT = "reaches a limit"
+    LONG_ENOUGH = "length reached"
+    CLOSED = "closed"
+    CROSSING = "crossing"
+    NARROW_BEND = "bends without end"
+    NOT_CONVERGED = "no convergence"
+
+
+_ENDED = {
+    Ending.NO_NULL_SPACE: NONE, Ending.BENDS_AWAY: BRANCHES, Ending.DEFINITE: BRANCHES, Ending.NO_TANGENT: BRANCHES,
+    Ending.NO_START: BRANCHES, Ending.STARTS_BEYOND: LIMIT, Ending.AT_LIMIT: LIMIT, Ending.LONG_ENOUGH: REACHED,
+    Ending.CLOSED: CLOSED, Ending.CROSSING: BRANCHES, Ending.NARROW_BEND: BRANCHES, Ending.NOT_CONVERGED: STUCK,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """How the trace of a self-motion ends.
+
+    Attributes:
+        reason: why it ends, or does not begin.
+        number, joint: which joint is at its limit, from 1, and its name; 0 and "" where none is.
+        travelled: length of the curve where it was long enough or closed [rad].
+        bend: largest second derivative of the displacement along the given null motion, where it leaves the task
+            [1/rad²].
+    """
+
+    reason: Ending
+    number: int = 0
+    joint: str = ""
+    travelled: float = 0.0
+    bend: float = 0.0
+
+
 _STRAIGHT = 0.9  # cosine between two steps below which the step is halved
 _SHORTEST = 1e-4  # share of the step at which the tracer gives up
 _AT_LIMIT = 1e-6  # a step this short onto a limit counts as having reached it [rad]
@@ -374,9 +401,7 @@ class SelfMotion:
         task_error: (N,) norm of the displacement from the start, translations divided by the length scale; ≤ 1e-10.
         sigma_min: (N,) σ_r of the task Jacobian, r the generic rank [1].
         length: of the curve, in scaled joint coordinates [rad].
-        ended: "closed loop", "joint limit", "length reached", "singular: branches here", "no null space" or
-            "no convergence".
-        words: the reason as a sentence.
+        end: why the curve ends there.
         nullity: dimension of the null space at the start; above 1 the curve is one of many.
         corank: at the start; above 0 not every null motion need belong to a self-motion.
     """
@@ -385,10 +410,24 @@ class SelfMotion:
     task_error: Array
     sigma_min: Array
     length: float
-    ended: str
-    words: str
+    end: End
     nullity: int
     corank: int
+
+    @property
+    def ended(self) -> str:
+        """Kind of the end.
+
+        One of "closed loop", "joint limit", "length reached", "singular: branches here", "no null space" and "no
+        convergence".
+        """
+        return _ENDED[self.end.reason]
+
+    @property
+    def words(self) -> str:
+        """The reason of the end as a sentence."""
+        words: str = words_of(self).end_sentence(self.end)
+        return words
 
 
 def self_motion(
@@ -447,24 +486,23 @@ def self_motion(
         wanted = None
     else:
         wanted = joint_direction(robot, direction) / where.joints
-    points, ended, words = [start], NONE, "nothing can move without the task: the null space is empty"
+    points, end = [start], End(Ending.NO_NULL_SPACE)
     if verdict.nullity:
-        units, refusal = _units(here, wanted)
-        points, ended, words = [start], BRANCHES, refusal
+        units, end = _units(here, wanted)
         for unit in units:
             trace = _Trace(where, low, high, length, step)
-            points, ended, words = trace.run(unit)
-            if len(points) > 1 or ended == LIMIT:
+            points, end = trace.run(unit)
+            if len(points) > 1 or _ENDED[end.reason] == LIMIT:
                 break
     found = read_only(np.array(points))
     errors = read_only(np.linalg.norm(where.error(found), axis=-1))
     sigma = read_only(task_sigma(robot, found, here.task)[:, verdict.generic_rank - 1])
     travelled = float(np.linalg.norm(np.diff(found, axis=0) / where.joints, axis=1).sum())
-    return SelfMotion(found, errors, sigma, travelled, ended, words, verdict.nullity, verdict.corank)
+    return SelfMotion(found, errors, sigma, travelled, end, verdict.nullity, verdict.corank)
 
 
-def _units(place: Configuration, wanted: Array | None) -> tuple[list[Array], str]:
-    """Unit null motions (scaled) to try at the start, best first; and what to say if none can be followed."""
+def _units(place: Configuration, wanted: Array | None) -> tuple[list[Array], End]:
+    """Unit null motions (scaled) to try at the start, best first; and why, if there are none."""
     null = null_basis(place)
     quadratic = forms(place, null)
     given = wanted is not None
@@ -478,19 +516,15 @@ def _units(place: Configuration, wanted: Array | None) -> tuple[list[Array], str
     first = coefficients / np.linalg.norm(coefficients)
     bent = float(np.abs(np.einsum("pij,i,j->p", quadratic, first, first)).max(initial=0.0))
     if bent <= FLAT:
-        return [null @ first], "no curve follows this null motion, though nothing forbids it at second order"
+        return [null @ first], End(Ending.NO_START)
     if given:
-        return [], (
-            f"the start is singular, and along this null motion the task leaves at second order ({bent:.3g} per rad²): "
-            "it is not part of a self-motion"
-        )
+        return [], End(Ending.BENDS_AWAY, bend=bent)
     if definite(quadratic, seed=0):
-        return [], "the start is singular, and every null motion leaves the task at second order: no self-motion exists"
+        return [], End(Ending.DEFINITE)
     tangents, _ = vanishing(quadratic, seed=0)
     along = tangents @ first
-    words = "the start is singular, and no null motion was found that belongs to a self-motion; that is no proof"
     kept = distinct(tangents, np.argsort(-np.abs(along)))
-    return [null @ tangents[i] * np.sign(along[i] or 1.0) for i in kept], words
+    return [null @ tangents[i] * np.sign(along[i] or 1.0) for i in kept], End(Ending.NO_TANGENT)
 
 
 @dataclass
@@ -505,18 +539,18 @@ class _Trace:
     points: list[Array] = field(default_factory=list)
     weakest: list[float] = field(default_factory=list)
 
-    def run(self, unit: Array) -> tuple[list[Array], str, str]:
-        """Points, reason and sentence."""
+    def run(self, unit: Array) -> tuple[list[Array], End]:
+        """Points, and why they end."""
         where, now, first = self.where, self.where.start, unit
         self.points = [now]
         outside = self._beyond(now)
         if outside.size:
-            return self.points, LIMIT, f"{self._name(outside[0])} starts beyond its limit"
+            return self.points, self._at_limit(Ending.STARTS_BEYOND, outside[0])
         kept, h, travelled = -1, self.step, 0.0
         while True:
             goal = min(h, self.length - travelled)
             if goal <= 1e-9 * self.length:
-                return self.points, REACHED, f"length {travelled:.3g} rad reached"
+                return self.points, End(Ending.LONG_ENOUGH, travelled=travelled)
             there, turned, sigma = self._ahead(now, unit, goal)
             if there is None:
                 h = goal / 2
@@ -526,7 +560,7 @@ class _Trace:
             beyond = self._beyond(there)
             if beyond.size:
                 if goal <= _AT_LIMIT:
-                    return self.points, LIMIT, f"{self._name(beyond[0])} reaches its limit"
+                    return self.points, self._at_limit(Ending.AT_LIMIT, beyond[0])
                 h = goal / 2
                 continue
             if kept < 0:
@@ -535,10 +569,10 @@ class _Trace:
             self.weakest.append(float(sigma[kept - 1]) if kept else np.inf)
             travelled += float(np.linalg.norm((there - now) / where.joints))
             if self._crossed():
-                return self.points, BRANCHES, "the curve runs into a singular configuration, where branches meet"
+                return self.points, End(Ending.CROSSING)
             now, unit = there, turned
             if self._closes(now, unit, first, travelled):
-                return self.points, CLOSED, f"closed after {travelled:.3g} rad"
+                return self.points, End(Ending.CLOSED, travelled=travelled)
             near = (np.minimum(now - self.low, self.high - now) / where.joints).min() < 2 * h
             h = h if near else min(self.step, 1.5 * h)
 
@@ -600,20 +634,12 @@ class _Trace:
             self.points.append(now + way)
         return True
 
-    def _stuck(self, kept: int) -> tuple[list[Array], str, str]:
+    def _stuck(self, kept: int) -> tuple[list[Array], End]:
         if self.weakest and self.weakest[-1] < 10 * self.step:
-            return self.points, BRANCHES, "the curve bends without end near a singular configuration"
+            return self.points, End(Ending.NARROW_BEND)
         if kept < 0:
-            return self.points, BRANCHES, "no curve starts along this null motion: it is not part of a self-motion"
-        return self.points, STUCK, "the corrector does not converge"
+            return self.points, End(Ending.NO_START)
+        return self.points, End(Ending.NOT_CONVERGED)
 
-    def _name(self, index: int) -> str:
-        return f"joint {index + 1} ({self.where.robot.variables[index].name})"
-
-
-def _cells(matrix: Array) -> tuple[tuple[str, ...], ...]:
-    return tuple(_row(row) for row in matrix)
-
-
-def _row(values: Array) -> tuple[str, ...]:
-    return tuple(f"{x + 0.0:.4g}" if abs(x) > 1e-12 else "0" for x in values)
+    def _at_limit(self, reason: Ending, index: int) -> End:
+        return End(reason, int(index) + 1, self.where.robot.variables[index].name)

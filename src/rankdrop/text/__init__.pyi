@@ -69,6 +69,8 @@ from .lost import lost_sentence as lost_sentence
 from .lost import lost_sentences as lost_sentences
 from .paths import free_words as free_words
 from .paths import many_section as many_section
+from .procedure import hunt_words as hunt_words
+from .procedure import procedure_text as procedure_text
 from .remedies import NO_POSES as NO_POSES
 from .remedies import poses_written as poses_written
 from .special import family_label as family_label
@@ -79,10 +81,8 @@ from .words import angle as angle
 from .words import angle_below as angle_below
 from .words import cover_sections as cover_sections
 from .words import cover_sentence as cover_sentence
-from .words import hunt_words as hunt_words
 from .words import motion as motion
 from .words import numbers as numbers
-from .words import procedure_text as procedure_text
 from .words import short as short
 from .words import tolerant_lines as tolerant_lines
 from .words import tolerant_sections as tolerant_sections

@@ -39,6 +39,7 @@ from rankdrop.task import BASE, TIP, Task
 from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.inverse import tool_sentence
+from rankdrop.text.procedure import hunt_words
 from rankdrop.text.special import family_title, parts_words, special_words
 from rankdrop.text.words import (
     CHECKED_POINTING,
@@ -59,7 +60,6 @@ from rankdrop.text.words import (
     degrees_hint,
     failures_table,
     fixed,
-    hunt_words,
     jog_step,
     joint_word,
     lost_count,

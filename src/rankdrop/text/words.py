@@ -15,7 +15,6 @@ import numpy as np
 from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions, Tolerant
 from rankdrop.local.directions import Screw
 from rankdrop.local.failures import Failures
-from rankdrop.local.ordered import Hunt, OrderedReport
 from rankdrop.local.ways_out import Escape
 from rankdrop.options import advised
 from rankdrop.robot.model import Array, Robot
@@ -583,99 +582,3 @@ def _account_sections(account: Any, joints: tuple[int, ...], *, deg: bool) -> It
             columns=("boxes", "proven", "", "σ", f"joints {numbers(joints)} [{unit}]"), rows=places, texts=(2, 4),
             after=(f"and {more:,} more places",) if more > 0 else (),
         )  # fmt: skip
-
-
-def procedure_text(report: OrderedReport) -> str:
-    """GR's procedure on an ordered screw set, one line a fact; lines end without blanks.
-
-    Example:
-        >>> from rankdrop.local.ordered import OrderedScrewSet, report
-        >>> from rankdrop.robot.open import open_robot
-        >>> text = procedure_text(report(OrderedScrewSet.of(open_robot("rcrrrr"), [0.0] * 7)))
-        >>> print(text.splitlines()[0])
-        7 screws of dimension 5, elsewhere 6: 1 task freedom lost, 2 dependencies
-    """
-    return "\n".join(_procedure_lines(report)) + "\n"
-
-
-def _procedure_lines(report: OrderedReport) -> Iterator[str]:
-    screws = report.dimension + report.dependencies
-    if report.lost:
-        lost = f"{report.lost} task {plural('freedom', report.lost)} lost"
-    else:
-        lost = "not singular"
-    both = f"{report.dependencies} dependenc{'y' if report.dependencies == 1 else 'ies'}"
-    yield f"{screws} screws of dimension {report.dimension}, elsewhere {report.generic}: {lost}, {both}"
-    if report.subsets:
-        yield from ("", "Runs with a loss (screws, dimension, loss):")
-    for run in report.subsets:
-        marks = (", passes the msos test" if run.msos else "") + (", minimal" if run.minimal else "")
-        yield f"  {run.first}–{run.last}  {run.dimension}  {run.loss}{marks}"
-    yield from ("", "As printed (screws moved up to the end of the run only):")
-    for instruction, lines in report.steps:
-        yield f"  {instruction};"
-        yield from (f"    {line}" for line in lines)
-    if report.lost:
-        yield from (f"  conclusion: actuate {_joints(report.printed)}", "", *_corrected(report))
-
-
-def _corrected(report: OrderedReport) -> Iterator[str]:
-    """The same with every later screw carried along, and what finite motion says."""
-    for trial in report.trials:
-        if trial.dimensions != trial.carried:
-            yield (
-                f"newscrews({trial.actuator}, {trial.subset[1]}): dimensions {_runs(trial.dimensions)} as printed, "
-                f"{_runs(trial.carried)} with every later screw carried along"
-            )
-    yield from ("", "Every joint, carried to the end of the chain, and judged by finite motion:")
-    for joint in report.joints:
-        if joint.escapes:
-            verdict = "escapes"
-        elif joint.gain:
-            verdict = f"gains {joint.gain}"
-        else:
-            verdict = "does not escape"
-        yield f"  joint {joint.number}  {verdict}, rate {joint.rate:.4f}, dimensions {_runs(joint.dimensions)}"
-    yield f"  conclusion: actuate {_joints(report.escapes)}"
-    if report.disagreements:
-        yield from ("", "Disagreements with the printed procedure:", *(f"  {one}" for one in report.disagreements))
-
-
-def _runs(dimensions: Iterable[tuple[int, int, int]]) -> str:
-    return " ".join(f"{first}–{last}:{dimension}" for first, last, dimension in dimensions)
-
-
-def _joints(members: Sequence[int]) -> str:
-    return numbers(members) or "none"
-
-
-def hunt_words(hunt: Hunt) -> str:
-    """Whom Hunt's matrix of cofactors names, and whether finite motion agrees; or why it names nobody."""
-    rows, joints = hunt.shape
-    if rows != joints:
-        return f"Hunt's matrix of cofactors is of a square Jacobian; this one has {rows} rows, {joints} joints"
-    if not hunt.applies:
-        if hunt.lost:
-            what = f"is zero where {hunt.lost} freedoms are lost"
-        else:
-            what = "shows nothing at a regular configuration"
-        return f"Hunt's matrix of cofactors {what}: it names no screw"
-    named = [one.number for one in hunt.joints if one.named]
-    leading = [one.number for one in hunt.joints if one.tells]
-    text = f"Hunt's cofactors name the screws {numbers(named)}; they tell that "
-    if leading:
-        text += f"joint {numbers(leading)} leads out at first order"
-    else:
-        text += "no joint leads out at first order"
-    return f"{text}{_finite_motion(hunt)}"
-
-
-def _finite_motion(hunt: Hunt) -> str:
-    """What finite motion shows of the joints that Hunt's cofactors tell to lead out, as the end of a sentence."""
-    missed = [one.number for one in hunt.joints if one.escapes and not one.tells]
-    wrong = [one.number for one in hunt.joints if one.tells and not one.escapes]
-    if missed:
-        return f"; finite motion shows that joint {numbers(missed)} leads out too, at a higher order"
-    if wrong:
-        return f"; finite motion does not confirm it of joint {numbers(wrong)}"
-    return ", and finite motion agrees"

@@ -181,4 +181,4 @@ def test_escape_says_first_which_joint_which_way_and_how_far(run) -> None:
     assert "Hunt's cofactors next to" in full
     assert "carries out" in full
     farther = run("escape", "ur5e", "--deg", "--q", "0,-60,20,40,50,0").out
-    assert "Get farther away: jog joint 3 by +5.7°; σ6 is 0.063 then." in farther
+    assert "Get farther away: jog joint 3 by +5.7°; σ6 rises from 0.049 to 0.063." in farther

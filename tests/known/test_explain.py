@@ -11,7 +11,7 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.kinematics import jacobian
+from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.block import joint_scale, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.ways_out import escape
@@ -249,10 +249,45 @@ def test_a_redundant_arm_is_blamed_for_all_it_takes() -> None:
     assert np.abs(jacobian(arm, whole.q, task.frame) @ made.T).max() < 1e-12
 
 
+def test_a_joint_that_a_whole_turn_brings_inside_its_limits_is_said() -> None:
+    """Kinova's interface counts joints from 0° to 360°, their limits from −180° to 180°."""
+    arm = open_robot("gen3")
+    counted = np.radians([17.72, 66.61, 299.37, 235.97, 292.97, 280.77, 296.12])
+    found = explain(arm, counted, evaluations=0)
+    assert found.outside_limits == (4, 6)
+    assert [number for number, _ in found.same_inside] == [4, 6]
+    moved = counted.copy()
+    for number, value in found.same_inside:
+        assert arm.lower[number - 1] <= value <= arm.upper[number - 1]
+        moved[number - 1] = value
+    np.testing.assert_allclose(pose(arm, moved), pose(arm, counted), atol=1e-12)
+    assert "the same posture inside the limits: joint 4 at −124°, joint 6 at −79.2°" in " ".join(str(found).split())
+    alone = explain(arm, np.radians([0, 20, 0, 236, 0, 20, 0]), evaluations=0)
+    assert "is outside its limits, −152.4° … 152.4°; −124° is the same angle inside" in " ".join(str(alone).split())
+    assert not explain(open_robot("scara"), [0.1, 0.2, 0.3, 0.0], evaluations=0).same_inside  # a slide makes no turns
+
+
+def test_no_jog_is_advised_that_does_not_raise_sigma() -> None:
+    """The table of jogs once listed one that lowers σ, and the answer one that raises it by 0.1 %."""
+    place = [0.0916, -0.1983, -0.0199, -2.4732, -0.0131, 2.304, 0.8481]
+    found = explain(open_robot("panda"), place, evaluations=0)
+    lowered = [one for one in found.escape.single if one.step and one.sigma_after < found.rank.sigma[5]]
+    assert lowered
+    assert not found.summary.way_out
+    shown = str(found)
+    assert "no small jog of one joint raises σ6 by 1 %" in " ".join(shown.split())
+    assert not [one for one in found.escape.single if f"{one.number} {one.joint}  " in shown]
+    away = explain(open_robot("puma560"), np.radians([10, 20, 30, 40, 50, 60]), evaluations=0)
+    before, after = away.rank.sigma[5], away.summary.sigma_after
+    assert after > 1.01 * before
+    assert f"rises from {before:.2g} to {after:.2g}." in " ".join(str(away).split())
+
+
 def test_what_stands_beyond_or_at_a_limit_is_said() -> None:
     arm = open_robot("ur5")
     typed = explain(arm, [0, -135, 45, 90, -90, 0])  # degrees, forgotten to say so
     assert typed.outside_limits == (2, 3, 4, 5)
+    assert not typed.same_inside
     assert str(typed).startswith("Degrees?\n  angles up to 135 look like degrees and are read as radians")
     panda = open_robot("panda")
     found = explain(panda, [0.0, 0.3, 0.0, panda.upper[3], 0.0, 1.9, 0.7])

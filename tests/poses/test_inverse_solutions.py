@@ -9,8 +9,10 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
 from rankdrop.poses.branches import JOINTS, ORIENTATION, POSITION, inverse, matrix_of
 from rankdrop.poses.inverse import Aim, apart, rotation
+from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.text.inverse import tool_sentence
 
 GENERIC = {
     "puma560": [0.1, 0.5, 0.3, 0.2, 0.9, 0.6],
@@ -21,6 +23,30 @@ GENERIC = {
     "scara": [0.3, 0.7, 0.1, 0.2],
     "planar3r": [0.3, 0.7, 0.4],
 }
+
+
+def test_lengths_have_the_unit_in_which_they_are_read() -> None:
+    """An arm in centimetres reaches 70 m as it is read; its tool was once printed in mm."""
+    centimetres = from_dh([(40.0, 0, 0, 0), (30.0, 0, 0, 0)], convention="standard")
+    assert tool_sentence(centimetres, pose(centimetres, [0.0, 0.0])).startswith("Tool at (70.0, 0.0, 0.0) m,")
+    small = from_dh([(0.01, 0, 0, 0), (0.01, 0, 0, 0)], convention="standard")
+    assert tool_sentence(small, pose(small, [0.0, 0.0])).startswith("Tool at (20.0, 0.0, 0.0) mm,")
+    there = matrix_of([100.0, 0.0, 0.0])
+    assert "by 30 m" in inverse(centimetres, there, "planar-position", starts=64).sentence
+
+
+def test_a_pose_that_was_typed_in_millimetres_is_recognised() -> None:
+    arm = from_dh([(0.4, 0, 0, 0), (0.3, 0, 0, 0)], convention="standard")
+    far = inverse(arm, [600.0, 200.0, 0.0], "planar-position", starts=64).sentence
+    assert "are the numbers millimetres? Write 600mm" in far
+    assert "millimetres" not in inverse(arm, [6.0, 2.0, 0.0], "planar-position", starts=64).sentence
+
+
+def test_a_quaternion_of_another_length_is_refused_with_the_unit_one() -> None:
+    with pytest.raises(ConfigurationError, match=r"length 2; .*; fix: divided by its length it is 0,1,0,0$"):
+        matrix_of([0.6, 0.2, 0.3, 0.0, 2.0, 0.0, 0.0])
+    with pytest.raises(ConfigurationError, match=r"got length 0; allowed: [^;]*$"):
+        matrix_of([0.6, 0.2, 0.3, 0.0, 0.0, 0.0, 0.0])
 
 
 @pytest.mark.by_hand_at("crx10ia", "stanford", "ur5e")

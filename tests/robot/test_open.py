@@ -35,6 +35,13 @@ def test_files_are_known_by_what_they_hold(tmp_path: Path, name: str, text: str,
     assert open_robot(str(path)).source.origin == str(path)
 
 
+def test_a_name_with_a_slash_finds_the_arm_before_it() -> None:
+    with pytest.raises(UnknownRobotError, match=r"fix: did you mean lrmate200id\?"):
+        open_robot("FANUC LR Mate 200iD/7L")
+    with pytest.raises(UnknownRobotError, match=r"got 'robots/arm.urdf'$"):
+        open_robot("robots/arm.urdf")
+
+
 def test_a_toml_robot_without_a_name_has_the_name_of_its_file(tmp_path: Path) -> None:
     path = tmp_path / "two.toml"
     path.write_text(DH, encoding="utf-8")

@@ -30,6 +30,8 @@ _LEAST = 0.5  # a jog below it is none [°]
 _MARGIN = 1.1  # a jog is not exact: the bars of the verdict are exceeded by a tenth
 _FIRST_ORDER = 0.4  # the distance is hardly larger than σ_r/‖∇σ_r‖, or twice that where σ_r is of second order
 _SEARCHES = 40  # searches of the nearest singular configuration
+WORTH = 1.01
+"""From a regular configuration a jog that raises σ_r by a smaller factor is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +78,7 @@ def jog_out(here: Configuration, options: ExplainOptions) -> Jog:
 
 
 def jog_farther(here: Configuration, options: ExplainOptions) -> Jog:
-    """The jog of one joint by `options.step` that raises σ_r most; no motion where σ_r does not grow."""
+    """The jog of one joint by `options.step` that raises σ_r most; no motion where σ_r grows by less than 1 %."""
     size = max(float(np.degrees(options.step)), _LEAST)
     trial = _Trial(here, options)
     jogs = trial.inside(next(_alone(here, (size,))))
@@ -84,7 +86,7 @@ def jog_farther(here: Configuration, options: ExplainOptions) -> Jog:
         return _NONE
     sigma = trial.estimates(here.q + jogs)[0]
     for row in np.argsort(-sigma):
-        if sigma[row] <= here.measured.sigma[here.generic - 1]:
+        if sigma[row] < WORTH * here.measured.sigma[here.generic - 1]:
             break
         if trial.regular(jogs[row]):
             return trial.jog(jogs[row], float(sigma[row]), regular=True)

@@ -180,6 +180,22 @@ class InverseSolutions(Result):
         return inverse_sections(self, deg=deg)
 
 
+def _unit_quaternion(given: Array) -> Array:
+    """A quaternion (4,) of unit length to rounding, divided by its length.
+
+    Raises:
+        ConfigurationError: it has another length.
+    """
+    length = float(np.linalg.norm(given))
+    if abs(length - 1.0) <= _QUATERNION:
+        return np.asarray(given / length)
+    mend = None
+    if length > _QUATERNION:
+        mend = f"divided by its length it is {','.join(f'{value:.9g}' for value in given / length)}"
+    raise ConfigurationError("the quaternion has no unit length", where="pose", got=f"length {length:.6g}",
+                             allowed="qx² + qy² + qz² + qw² = 1", mend=mend)  # fmt: skip
+
+
 def matrix_of(pose: ArrayLike) -> Array:
     """(4, 4) the pose that numbers write.
 
@@ -197,11 +213,7 @@ def matrix_of(pose: ArrayLike) -> Array:
     if not np.isfinite(given).all():
         raise ConfigurationError("the pose is not finite", where="pose", got=given.tolist(), allowed=forms)
     if given.shape == (7,):
-        length = float(np.linalg.norm(given[3:]))
-        if abs(length - 1.0) > _QUATERNION:
-            raise ConfigurationError("the quaternion has no unit length", where="pose", got=f"length {length:.6g}",
-                                     allowed="qx² + qy² + qz² + qw² = 1")  # fmt: skip
-        x, y, z, w = given[3:] / length
+        x, y, z, w = _unit_quaternion(given[3:])
         made = np.eye(4)
         made[:3, 3] = given[:3]
         k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

@@ -340,6 +340,7 @@ def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, d
     return "regular"
 
 
+_TURNS = 1  # whole turns that may bring a joint inside its limits
 _SEEDS = 8  # nearest points of families that the search begins from
 
 
@@ -782,6 +783,18 @@ class Explanation(Result):
         """Joints (from 1) whose value is beyond a limit by more than `AT_LIMIT`."""
         out = np.maximum(self.robot.lower - self.q, self.q - self.robot.upper) / self._scale
         return tuple(int(i) + 1 for i in np.flatnonzero(out > AT_LIMIT))
+
+    @property
+    def same_inside(self) -> tuple[tuple[int, float], ...]:
+        """(joint from 1, value) of joints outside their limits that whole turns bring inside [rad]."""
+        out = []
+        for number in self.outside_limits:
+            lower, upper = self.robot.lower[number - 1], self.robot.upper[number - 1]
+            turned = self.q[number - 1] + 2 * np.pi * np.arange(-_TURNS, _TURNS + 1)
+            inside = turned[(turned >= lower) & (turned <= upper)]
+            if self.robot.periodic[number - 1] and len(inside):
+                out.append((number, float(inside[np.abs(inside).argmin()])))
+        return tuple(out)
 
     @property
     def at_limits(self) -> tuple[int, ...]:

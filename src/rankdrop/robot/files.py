@@ -87,6 +87,8 @@ def read_text(path: Path, *, largest: int | None = None) -> str:
     where, largest = str(path), LARGEST_FILE if largest is None else largest
     if path.is_dir():
         raise RobotError("this is a folder", where=where, mend="name the file in it")
+    if not path.exists():
+        raise RobotError("there is no such file", where=where)
     if not path.is_file():  # a device or a pipe could be read for ever
         raise RobotError("this is not a file", where=where)
     try:

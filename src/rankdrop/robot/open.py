@@ -358,10 +358,16 @@ def _same_names(name: str) -> list[str]:
 
 
 def _close_names(name: str) -> list[str]:
-    plain = _plain(name[:80])
-    inside = [entry.name for entry in search_catalog(name[:80])]
     alike = difflib.get_close_matches(name.lower()[:80], robot_names(), n=3, cutoff=0.5)
-    return _same_names(name) or (inside if 1 <= len(inside) <= _SUGGESTED and len(plain) >= _TELLING else alike)
+    return _same_names(name) or _listed_names(name) or alike
+
+
+def _listed_names(name: str) -> list[str]:
+    """The few arms that hold every word of a name."""
+    found = [entry.name for entry in search_catalog(name[:80])]
+    if len(_plain(name)) < _TELLING or len(found) > _SUGGESTED:
+        return []
+    return found
 
 
 def _unknown(name: str) -> UnknownRobotError:
@@ -370,7 +376,8 @@ def _unknown(name: str) -> UnknownRobotError:
     else:
         shown = name[:499] + "…"
     if "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES):
-        mend = _meant(_same_names(Path(name).stem))  # ur5e.urdf: the catalogue has ur5e
+        before = re.split(r"[/\\]", name, maxsplit=1)[0]  # "LR Mate 200iD/7L": the catalogue has lrmate200id
+        mend = _meant(_same_names(Path(name).stem) or _listed_names(before))  # ur5e.urdf: the catalogue has ur5e
         return UnknownRobotError("there is no such file", got=repr(shown), allowed=None, mend=mend)
     mend = _meant(_close_names(name))
     fitting = 0

@@ -26,6 +26,7 @@ from rankdrop.families.record import Family, Incidence
 from rankdrop.kinematics import pose
 from rankdrop.lists import flat_map
 from rankdrop.local.directions import FramedDirections, constraint, in_short, is_nearly_pure
+from rankdrop.local.jog import WORTH
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.pointing import pointing_task, turn_follows
 from rankdrop.local.rates import DirectionRates, StraightMotion
@@ -149,6 +150,8 @@ _NEAR = "near a singularity: {name}{place}"
 _OUT, _FARTHER = "Get out: {jog}. Cartesian jogging fails", "Get farther away: {jog}"
 _NO_JOG = {_OUT: f"Get out: {NO_JOG}", _FARTHER: f"Get farther away: {NO_JOG}"}
 """What to do -> the same where no jog was found."""
+_NO_BETTER = "Get farther away: no small jog of one joint raises σ{r} by 1 %"
+"""The same from a regular configuration."""
 _SLOW, _SLOWEST = "Slow: at most {slowest}", "Slowest straight motion: at most {slowest}"
 _FAMILY, _PROVEN = "; family from {source}", "{proven}"
 _SUMMARY = {
@@ -198,7 +201,9 @@ def _templates(explanation: Explanation) -> tuple[str, str, str, str]:
         lost = "Lost: nothing"
     if summary.cause == Cause.NONE and explanation.task.m > explanation.rank.generic_rank:
         what = _REGULAR_BUT_NEVER
-    if not summary.way_out:
+    if not summary.way_out and summary.cause == Cause.NONE:
+        way = _NO_BETTER
+    elif not summary.way_out:
         way = _NO_JOG.get(way, way)
     return what, lost, way, sure
 
@@ -262,7 +267,8 @@ def _jog_words(explanation: Explanation) -> str:
         f"{joint_word(i, joints[i - 1].name)} by {jog_step(value, joints[i - 1].unit)}" for i, value in summary.way_out
     )
     if summary.cause == Cause.NONE:
-        return f"jog {jog}; σ{rank.generic_rank} is {short(summary.sigma_after or 0.0, 2)} then"
+        before, after = float(rank.sigma[rank.generic_rank - 1]), summary.sigma_after or 0.0
+        return f"jog {jog}; σ{rank.generic_rank} rises from {short(before, 2)} to {short(after, 2)}"
     return f"jog {jog}{after_jog(rank.generic_rank, regular=summary.regular_after, deficient=rank.always_singular)}"
 
 
@@ -425,14 +431,21 @@ def _warnings(explanation: Explanation, full: bool) -> Iterator[str]:
     else:
         both = ((explanation.outside_limits, "outside the limits"), (explanation.at_limits, "at a limit"))
         yield "; ".join(f"{plural('joint', len(x))} {numbers(x)} {where}" for x, where in both if x)
+        if explanation.same_inside:
+            turned = ", ".join(f"joint {i} at {_degrees(value)}" for i, value in explanation.same_inside)
+            yield f"the same posture inside the limits: {turned}"
 
 
 def _limit_words(explanation: Explanation) -> Iterator[str]:
     """Each joint that is outside its limits or stands at one, with its value and the limits."""
+    inside = dict(explanation.same_inside)
     for number, (joint, value) in enumerate(zip(explanation.robot.variables, explanation.q, strict=True), start=1):
         at, low, high = (_angle_or_length(x, joint.unit) for x in (value, joint.lower, joint.upper))
         if number in explanation.outside_limits:
-            yield f"{joint_word(number, joint.name)} at {at} is outside its limits, {low} … {high}"
+            same = ""
+            if number in inside:
+                same = f"; {_degrees(inside[number])} is the same angle inside them"
+            yield f"{joint_word(number, joint.name)} at {at} is outside its limits, {low} … {high}{same}"
         elif number in explanation.at_limits:
             yield f"{joint_word(number, joint.name)} at {at} stands at a limit ({low} … {high})"
 
@@ -725,13 +738,16 @@ def _lost_numbered(which: list[int], count: int) -> str:
 
 def _away(explanation: Explanation, full: bool) -> Section:
     out, r = explanation.escape, explanation.rank.generic_rank
+    sigma = float(explanation.rank.sigma[r - 1])
     best = max(abs(one.rate) for one in out.single)
-    helpful = [one for one in out.single if abs(one.rate) > max(IDLE * best, NO_RATE)]
+    helpful = [
+        one for one in out.single if abs(one.rate) > max(IDLE * best, NO_RATE) and one.sigma_after >= WORTH * sigma
+    ]
     rows = tuple(
         (f"{one.number} {one.joint}", *_rate_and_step(explanation, one))
         for one in (out.single if full else helpful[:_SHOWN])
     )
-    now = f"one joint alone, best first; σ{r} = {short(explanation.rank.sigma[r - 1])} here"
+    now = f"one joint alone, best first; σ{r} = {short(sigma)} here"
     return Section("How to get away", now if rows else "", (), ("joint", f"σ{r} changes by", "try", f"σ{r} then"), rows,
                    (0,), (f"best direction: {_direction(explanation, out.best_direction)}",))  # fmt: skip
 
@@ -1012,10 +1028,11 @@ def _lengths(values: Iterable[float]) -> str:
     return " ".join(short(round(float(value), 6)) for value in values)
 
 
-def _place(explanation: Explanation, _: bool) -> Iterator[Section]:
-    """Where the tool is."""
+def _place(explanation: Explanation, full: bool) -> Iterator[Section]:
+    """Where the tool is, and how the file of the arm was read: which tip was chosen, units that look wrong."""
     robot = explanation.robot
-    yield Section("", "", (tool_sentence(robot, pose(robot, explanation.q)),))
+    notes = [f"Note: {note}" for note in robot.notes if not full]
+    yield Section("", "", (tool_sentence(robot, pose(robot, explanation.q)), *notes))
 
 
 def _more(_: Explanation, full: bool) -> Iterator[Section]:

@@ -10,16 +10,20 @@ import numpy as np
 
 from rankdrop.local.orientation import orientation_coordinates, rotation_vector
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import reach
 from rankdrop.sections import Section
 from rankdrop.text.words import joint_word, minus, motion, plural, power, short
-from rankdrop.units import counted_length
+from rankdrop.units import counted_exponent
 
 _SHAPES = {1: "curve", 2: "surface"}
 _AXIS = 1e-3  # components below it are not shown
+_FAR = 30.0  # a position farther outside, in reaches of the arm, was hardly meant in metres
 
 
 def tool_place(robot: Robot, pose: Array) -> str:
     """Where the tool is, in base axes: "(300.0, 200.0, 400.0) mm, roll 0.0°, pitch 68.8°, yaw 22.9°".
+
+    The lengths of an arm that is not given in metres are printed as they are read, in m.
 
     Args:
         robot: the arm.
@@ -28,22 +32,31 @@ def tool_place(robot: Robot, pose: Array) -> str:
     place, angles = _place_and_angles(robot, pose)
     at = ", ".join(_fixed(value) for value in place)
     roll, pitch, yaw = (_fixed(value, 2) for value in angles)
-    return f"({at}) mm, roll {roll}°, pitch {pitch}°, yaw {yaw}°"
+    return f"({at}) {_length_unit(robot)}, roll {roll}°, pitch {pitch}°, yaw {yaw}°"
 
 
 def tool_sentence(robot: Robot, pose: Array) -> str:
-    """Where the tool is, as a sentence that fits a line: base axes, mm, roll, pitch and yaw in degrees."""
+    """Where the tool is, as a sentence that fits a line: base axes, mm or m, roll, pitch and yaw in degrees."""
     place, angles = _place_and_angles(robot, pose)
     at = ", ".join(_fixed(value) for value in place)
     turned = ", ".join(_fixed(value) for value in angles)
-    return f"Tool at ({at}) mm, rpy ({turned})°, base axes."
+    return f"Tool at ({at}) {_length_unit(robot)}, rpy ({turned})°, base axes."
 
 
 def _place_and_angles(robot: Robot, pose: Array) -> tuple[Array, Array]:
-    """(3,) place of the tool in the base [mm]; (3,) roll, pitch, yaw of its axes [°]."""
-    place = pose[:3, 3] * 1e3 / counted_length(robot)
+    """(3,) place of the tool in the base [mm, or m]; (3,) roll, pitch, yaw of its axes [°]."""
+    place = pose[:3, 3]
+    if _length_unit(robot) == "mm":
+        place = 1e3 * place
     angles = np.degrees(orientation_coordinates(pose[:3, :3], "rpy"))
     return place, angles
+
+
+def _length_unit(robot: Robot) -> str:
+    """The unit of printed lengths: mm, but for an arm that reaches so far that its numbers are hardly metres."""
+    if counted_exponent(robot) > 0:
+        return "m"
+    return "mm"
 
 
 def _fixed(value: float, digits: int = 1) -> str:
@@ -129,6 +142,9 @@ def _why(found: Any) -> str:
             more = f"; {shift}"
         else:
             more = ""
+        most = float(np.abs(found.pose[:3, 3]).max())
+        if why.position > _FAR * reach(robot):
+            more += f". The position is read in metres; are the numbers millimetres? Write {most:.4g}mm"
         return f"Out of reach by {_length(why.position, robot)}{more}"
     apart = " or ".join(one for one in (shift, turn) if one is not None) or "an amount that was not found"
     if why.kind == "joints":
@@ -138,10 +154,13 @@ def _why(found: Any) -> str:
 
 
 def _length(value: float, robot: Robot) -> str:
-    size = 1e3 * value / counted_length(robot)
+    unit = _length_unit(robot)
+    size = value
+    if unit == "mm":
+        size = 1e3 * value
     if size >= 100:
-        return f"{size:,.0f} mm"
-    return f"{short(size, 3)} mm"
+        return f"{size:,.0f} {unit}"
+    return f"{short(size, 3)} {unit}"
 
 
 def _cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:

@@ -19,8 +19,8 @@ from sources import FILES, ROOT, SOURCE, nodes, parsed
 import rankdrop
 
 FLOORS = {
-    "errors": 0, "disk": 0, "lists": 0, "tolerances": 0, "version": 0, "sections": 0, "headers": 0, "_core": 0, "jobs": 0,
-    "options": 0, "questions": 0, "codec": 0, "proof": 0, "named_tasks": 0,
+    "errors": 0, "disk": 0, "lists": 0, "tolerances": 0, "version": 0, "sections": 0, "headers": 0, "_core": 0,
+    "jobs": 0, "options": 0, "questions": 0, "codec": 0, "proof": 0, "named_tasks": 0,
     "robot": 1,
     "kinematics": 2, "task": 2, "units": 2,
     "local": 3, "problem": 3, "configuration": 3, "solve": 2,

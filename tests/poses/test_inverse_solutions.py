@@ -43,7 +43,7 @@ def test_a_pose_that_was_typed_in_millimetres_is_recognised() -> None:
 
 
 def test_a_quaternion_of_another_length_is_refused_with_the_unit_one() -> None:
-    with pytest.raises(ConfigurationError, match=r"length 2; .*; fix: divided by its length it is 0,1,0,0$"):
+    with pytest.raises(ConfigurationError, match=r"length 2; .*; fix: write 0,1,0,0$"):
         matrix_of([0.6, 0.2, 0.3, 0.0, 2.0, 0.0, 0.0])
     with pytest.raises(ConfigurationError, match=r"got length 0; allowed: [^;]*$"):
         matrix_of([0.6, 0.2, 0.3, 0.0, 0.0, 0.0, 0.0])

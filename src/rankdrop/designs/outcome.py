@@ -173,7 +173,7 @@ class SideBySide(Result):
 
     @property
     def doubtful(self) -> tuple[str, ...]:
-        """The arms that could not be measured as a whole, or whose families are not verified."""
+        """The arms that could not be measured as a whole, or have families that are not verified."""
         return tuple(name for name, one in zip(self.names, self.records, strict=True) if in_doubt(one))
 
     def distinguished(self, measure: str) -> tuple[int, ...]:

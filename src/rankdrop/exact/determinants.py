@@ -73,8 +73,43 @@ from rankdrop.tolerances import DEFAULT, ENTRY
 from rankdrop.units import out_of_units
 
 
-def across_statement(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...]) -> str:
-    """The motion lost where one block of an arm with a planar triple loses rank one; "" where there is no such line.
+class LostLine(Enum):
+    """The line along which, or about which, a block that loses rank one leaves no motion.
+
+    Of a planar triple: ACROSS, in the plane across its axes, along the line that meets these axes; ALONG, the points of
+    a line parallel to them do not move along it. Of a centre where axes meet, which does not move: ABOUT, no rotation
+    about the perpendicular to two axes; or which does not translate: TO_MEETING, along the line to it from where two
+    axes meet; PARALLEL to an axis; FROM_AXIS, along the perpendicular from an axis to it; PERPENDICULAR to two axes.
+    """
+
+    ACROSS = auto()
+    ALONG = auto()
+    ABOUT = auto()
+    TO_MEETING = auto()
+    PARALLEL = auto()
+    FROM_AXIS = auto()
+    PERPENDICULAR = auto()
+
+
+@dataclass(frozen=True)
+class Loss:
+    """The motion that a block loses where its rank falls by one.
+
+    Attributes:
+        line: along which, or about which.
+        joints: from 1; their axes give the line.
+        others: joints; the line of `ALONG` meets their axes.
+        centre: of the "wrist", the "shoulder" or another group, "".
+    """
+
+    line: LostLine
+    joints: tuple[int, ...]
+    others: tuple[int, ...] = ()
+    centre: str = ""
+
+
+def loss_beside_plane(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...]) -> Loss | None:
+    """The motion lost where one block of an arm with a planar triple loses rank one; None where there is no such line.
 
     Args:
         robot: the arm; all joints of `group` and `joints` are revolute.
@@ -86,17 +121,13 @@ def across_statement(robot: Robot, points: Array, group: tuple[int, ...], joints
     bundle = [j - 1 for j in group]
     if joints == group:
         if not scene.coplanar(bundle).all():
-            return ""
-        return f"motions in the plane across axes {listed(group)} have no part along the line that meets these axes"
+            return None
+        return Loss(LostLine.ACROSS, group)
     others = [j - 1 for j in joints]
     if not _has_line(scene, bundle[0], others):
-        return ""
+        return None
     met = tuple(i + 1 for i in others if not scene.parallel[bundle[0], i].any())
-    if len(met) > 1:
-        which = f"axes {listed(met)}"
-    else:
-        which = f"axis {listed(met)}"
-    return f"the points of the line that is parallel to axes {listed(group)} and meets {which} cannot move along it"
+    return Loss(LostLine.ALONG, group, met)
 
 
 def _has_line(scene: Scene, parallel: int, others: list[int]) -> bool:
@@ -110,55 +141,48 @@ def _has_line(scene: Scene, parallel: int, others: list[int]) -> bool:
     return bool((np.abs(np.linalg.svd(rows)[0][:, 0, -1]) > ENTRY).all())
 
 
-def centre_statement(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...], part: str) -> str:
-    """The motion lost at the centre, by the first of the directions tried that is lost at every sample; else "".
+def loss_at_centre(
+    robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...], part: str
+) -> Loss | None:
+    """The motion lost at the centre, by the first of the lines tried along which it is lost at every sample; else None.
 
     Args:
         robot: the arm.
         points: (N, n) configurations at which one block loses rank one.
         group: joints (from 1) whose axes meet in the centre.
         joints: of the block that loses rank: the group or all others.
-        part: "wrist", "shoulder", or else what the group is called.
+        part: "wrist", "shoulder" or "": what the group is.
     """
     scene = Scene(robot, points)
     centre = scene.common_point([j - 1 for j in group])[0]
     own = [j - 1 for j in joints]
-    if part in ("wrist", "shoulder"):
-        name = f"{part} centre"
-    else:
-        name = "centre"
     if joints == group:
         for i, j in combinations(own, 2):
             if _lost(np.cross(scene.z[i], scene.z[j]), scene.screws[:, 3:, own]):
-                where = f"the perpendicular to axes {i + 1} and {j + 1}"
-                return f"with the {name} at rest the end effector cannot rotate about {where}"
-        return ""
+                return Loss(LostLine.ABOUT, (i + 1, j + 1), centre=part)
+        return None
     velocity = scene.screws[:, :3, own] + np.cross(scene.screws[:, 3:, own], centre[:, :, None], axis=1)
-    for text, direction in _directions(scene, centre, own, name):
+    for line, axes, direction in _directions(scene, centre, own):
         if _lost(direction, velocity):
-            return f"the {name} cannot translate {text}"
-    return ""
+            return Loss(line, tuple(i + 1 for i in axes), centre=part)
+    return None
 
 
-def _directions(scene: Scene, centre: Array, own: list[int], name: str) -> Iterator[tuple[str, Array]]:
-    """Directions that an arm's lines give, the plainest first."""
+def _directions(scene: Scene, centre: Array, own: list[int]) -> Iterator[tuple[LostLine, tuple[int, ...], Array]]:
+    """Directions that an arm's lines give, the plainest first: the line, its axes from 0, and (N, 3)."""
     axes = [i for i in own if i in scene.axes]
     for i, j in pairwise(axes):
         if scene.meeting(i, j).all():
-            if (i, j) == (0, 1):
-                shoulder = "the shoulder, "
-            else:
-                shoulder = ""
             meeting = scene.common_point((i, j))[0]
-            yield f"along the line from {shoulder}where axes {i + 1} and {j + 1} meet, to it", centre - meeting
+            yield LostLine.TO_MEETING, (i, j), centre - meeting
     for i in axes:
-        yield f"parallel to axis {i + 1}", scene.z[i]
+        yield LostLine.PARALLEL, (i,), scene.z[i]
     for i in axes:
         offset = centre - scene.p[i]
         across = offset - scene.z[i] * np.sum(offset * scene.z[i], axis=-1, keepdims=True)
-        yield f"along the perpendicular from axis {i + 1} to it", across
+        yield LostLine.FROM_AXIS, (i,), across
     for i, j in combinations(own, 2):
-        yield f"perpendicular to axes {i + 1} and {j + 1}", np.cross(scene.z[i], scene.z[j])
+        yield LostLine.PERPENDICULAR, (i, j), np.cross(scene.z[i], scene.z[j])
 
 
 def _lost(direction: Array, velocities: Array) -> bool:
@@ -185,8 +209,8 @@ class Part:
         text: the condition.
         witness: a configuration q on it [rad, m]; None where no real one was found.
         lost: the motion lost there, seen in a frame in which it stands still or at one configuration.
-        statement: the motion lost at the centre of a spherical group, or beside a planar triple, by the lines of the
-            arm; checked at several configurations; "" where there is none in words.
+        loss: the motion lost at the centre of a spherical group, or of a planar triple, by the lines of the arm;
+            checked at several configurations; None where there is no such line.
     """
 
     called: FamilyName | None
@@ -196,7 +220,15 @@ class Part:
     text: str
     witness: tuple[float, ...] | None
     lost: tuple[str, ...]
-    statement: str
+    loss: Loss | None
+
+    @property
+    def statement(self) -> str:
+        """The motion lost in words; "" where no line of the arm says it."""
+        if self.loss is None:
+            return ""
+        statement: str = words_of(self.loss).loss_text(self.loss)
+        return statement
 
     @property
     def name(self) -> str:
@@ -261,16 +293,18 @@ class Block:
             text=atoms_text(chain.ring, atoms),
             witness=tuple(map(float, out_of_units(chain.robot, points[0]))) if len(points) else None,
             lost=lost,
-            statement=self._statement(points) if len(points) else "",
+            loss=self._loss(points),
         )
 
-    def _statement(self, points: Array) -> str:
+    def _loss(self, points: Array) -> Loss | None:
         chain, form = self.chain, self.form
+        if not len(points):
+            return None
         if form.kind == "point":
-            return centre_statement(chain.own, points, form.group, self.joints, form.names[0])
+            return loss_at_centre(chain.own, points, form.group, self.joints, form.part)
         if form.kind == "plane" and chain.task.rows == POSE and not chain.ring.prismatic:
-            return across_statement(chain.own, points, form.group, self.joints)
-        return ""
+            return loss_beside_plane(chain.own, points, form.group, self.joints)
+        return None
 
 
 @dataclass(frozen=True, eq=False)

@@ -103,7 +103,7 @@ class ExactConditions:
         numbers: values of the letters [m].
         shifts: θ = q + shift, per joint [rad].
         pieces: its irreducible sets, one for each combination of pins; none of shipped conditions.
-        written: `stated` in words, where these were stored beside it: making them takes longest.
+        written: `stated` in words, where these were stored too: making them takes longest.
     """
 
     pinned: tuple[Pin, ...]

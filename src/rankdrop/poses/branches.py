@@ -191,7 +191,7 @@ def _unit_quaternion(given: Array) -> Array:
         return np.asarray(given / length)
     mend = None
     if length > _QUATERNION:
-        mend = f"divided by its length it is {','.join(f'{value:.9g}' for value in given / length)}"
+        mend = f"write {','.join(f'{value:.9g}' for value in given / length)}"
     raise ConfigurationError("the quaternion has no unit length", where="pose", got=f"length {length:.6g}",
                              allowed="qx² + qy² + qz² + qw² = 1", mend=mend)  # fmt: skip
 

@@ -9,6 +9,7 @@ from math import degrees
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.geometry import Deviation
 from rankdrop.exact.arm.structure import BlockForm, listed, structure_of
+from rankdrop.exact.determinants import Loss, LostLine
 from rankdrop.exact.method_reason import MethodReason, Parting, PartingKind
 from rankdrop.lists import flat_map
 from rankdrop.robot.model import Robot
@@ -144,6 +145,38 @@ def _group_text(parting: Parting) -> str:
         planar = _PLANAR[len(parting.joints)]
         return f"{planar}: axes {joints} are parallel, and turning about them moves every point in a plane across them"
     return f"planar group: joints {joints} move every point in one plane"
+
+
+def loss_text(loss: Loss) -> str:
+    """The motion that a block loses, by the lines of the arm."""
+    axes = listed(loss.joints)
+    if loss.line is LostLine.ACROSS:
+        return f"motions in the plane across axes {axes} have no part along the line that meets these axes"
+    if loss.line is LostLine.ALONG:
+        others = f"axis {listed(loss.others)}"
+        if len(loss.others) > 1:
+            others = f"axes {listed(loss.others)}"
+        return f"the points of the line that is parallel to axes {axes} and meets {others} cannot move along it"
+    centre = f"{loss.centre} centre".strip()
+    first, last = loss.joints[0], loss.joints[-1]
+    if loss.line is LostLine.ABOUT:
+        where = f"the perpendicular to axes {first} and {last}"
+        return f"with the {centre} at rest the end effector cannot rotate about {where}"
+    return f"the {centre} cannot translate {_line_text(loss.line, first, last)}"
+
+
+def _line_text(line: LostLine, first: int, last: int) -> str:
+    """Where a centre cannot translate."""
+    if line is LostLine.PARALLEL:
+        return f"parallel to axis {first}"
+    if line is LostLine.FROM_AXIS:
+        return f"along the perpendicular from axis {first} to it"
+    if line is LostLine.PERPENDICULAR:
+        return f"perpendicular to axes {first} and {last}"
+    shoulder = ""
+    if (first, last) == (1, 2):
+        shoulder = "the shoulder, "
+    return f"along the line from {shoulder}where axes {first} and {last} meet, to it"
 
 
 def reason_text(reason: MethodReason) -> str:

@@ -195,7 +195,7 @@ def test_a_branch_that_creeps_along_a_singularity_ends_there_soon(monkeypatch: p
     found = follow(robot, poses, start, tolerance=(1e-4, 1e-3))
     assert (found.complete, found.reason) == (False, "singular")
     assert 145.0 < found.reached < 155.0
-    assert len(solved) < 700  # 1,446 without an end
+    assert len(solved) < 400  # 1,446 without an end
 
 
 @pytest.mark.parametrize("q5", [50.0, 0.001])

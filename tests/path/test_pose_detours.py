@@ -16,15 +16,15 @@ from rankdrop.local.block import singular_values
 from rankdrop.path.check.check import check_poses
 from rankdrop.path.check.record import PathCheck
 from rankdrop.path.mend.detours import Hindrance
-from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
+from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, Window
 from rankdrop.path.mend.remedies import LOCAL, mend_path
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.text.remedies import remedy_note
 from rankdrop.text.words import short
 
-STARTS = {"kr6r900": (0, -80, 90, 20, 12, 0), "pa10": (0, 30, 20, 20, 20, 40, 0)}
-JOINT = {"kr6r900": 4, "pa10": 3}
+STARTS = {"kr6r900": (0, -80, 90, 20, 12, 0), "pa10": (0, 30, 20, 20, 20, 40, 0), "ur10e": (-2, -71, 85, -79, 45, 2)}
+JOINT = {"kr6r900": 4, "pa10": 3, "ur10e": 4}
 CLEARANCE = float(np.radians(0.2))
 
 
@@ -57,7 +57,7 @@ def test_no_tool_motion_of_the_same_size_goes_farther_along_the_lost_direction()
         other = rng.normal(size=(500, 6)) * np.repeat(10.0 ** rng.uniform(-2.0, 2.0, (500, 2)), 3, axis=1)
         other = np.concatenate([other, lost[None]])
         other /= (np.linalg.norm(other[:, :3], axis=1) + np.linalg.norm(other[:, 3:], axis=1))[:, None]
-        way = work.least_motion(q)
+        way = work.motions(q)[0]
         assert np.linalg.norm(way[:3]) + np.linalg.norm(way[3:]) == pytest.approx(1.0)
         assert lost @ way >= (other @ lost).max() - 1e-12
         gains.append(lost @ way / (other[-1] @ lost))
@@ -96,6 +96,37 @@ def test_the_tool_is_led_around_and_all_other_poses_stay(name: str) -> None:
     best = mend_path(check, kinds=LOCAL).best
     assert best is not None
     assert (best.kind, best.check.verdict, len(best.changes)) == ("detour", "free", 1)
+
+
+@pytest.mark.slow
+def test_the_way_lost_before_the_joints_turn_leads_around(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the wrist of a UR10e joints 4 and 6 turn half around between two poses. Along the direction that is lost while
+    they turn, the share of a turn is larger; no such turn leads around, and the other motion is tried.
+    """
+    _, t, check = checked("ur10e")
+    work = PoseDetourer(check, float(np.radians(2.0)), CLEARANCE)
+    way, turn = work.motions(np.radians([-1, -69, 87, -78, 0.1, 4]))
+    assert not way[3:].any()
+    assert not turn[:3].any()
+    (window,) = _windows(work)
+    assert 1e-3 < window.off[0] < 4e-3
+    assert window.off[1] == 0.0
+    made = work.trajectory()
+    assert singular_values(check.robot, made.q, check.task)[:, 5].min() > 1e-4
+    assert (made.times[0], made.times[-1]) == (t[0], t[-1])
+    again = PoseDetourer(check, float(np.radians(2.0)), CLEARANCE)
+    monkeypatch.setattr(again, "motions", lambda q: [np.array([0.0, 0.0, 0.0, 0.867, -0.015, 0.498]), way])
+    tried: list[object] = []
+    led = again._led_along
+    monkeypatch.setattr(again, "_led_along", lambda *arguments: tried.append(led(*arguments)) or tried[-1])
+    assert [one.off[1] for one in _windows(again)] == [0.0]
+    assert [isinstance(one, Blocked) for one in tried] == [True, False]
+
+
+def _windows(work: PoseDetourer) -> list[Window]:
+    found = work.found(lambda done, count: None)
+    assert not isinstance(found, Blocked)
+    return found
 
 
 @pytest.mark.slow

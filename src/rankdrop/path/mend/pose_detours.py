@@ -1,8 +1,8 @@
 """Local changes of a tool path that was given as poses: the tool led around each singularity that ends its branch.
 
 The branch is followed from the first pose until it ends at a singularity, or comes to one. There the poses of a
-window are moved, T′ = exp(ε B ŵ) T (`path.mend.detours`), w the way or the turn of the tool with the largest share
-along the direction lost, and the branch goes on along them: past a wrist, where two joints turn half around, or
+window are moved, T′ = exp(ε B ŵ) T (`path.mend.detours`), w the way or the turn of the tool with the larger share
+along the direction lost, or else the other one, and the branch goes on along them: past a wrist, where two joints turn half around, or
 inside the edge of reach, which the poses leave. Of both ways along w, windows of some lengths and sizes, all followed
 side by side, the least is taken that the joints can follow with room to the singularity. After the window the poses
 are as they were, and the joints are on the branch to which the window led. All other poses stay as they are, to the
@@ -40,6 +40,7 @@ _NEARER = 0.9  # share of the clearance that is kept
 _BESIDE = 15.0  # times the clearance: a joint that reaches its limit after coming so near turned because of that
 _SHORTEST = 0.02  # half of a core at least, by the clock
 _INSTANT = 1e-9  # rows nearer in time are one [s]
+_SHARE = 1e-3  # along the lost direction of a way or a turn that is tried, at least
 _MET = 0.05  # share of the clearance below which a path counts as at the singularity
 _ROWS = 40  # of a window at least
 _MOST = 12  # windows
@@ -229,14 +230,14 @@ class PoseDetourer:
         spans = self._spans(places[: end + 1], last_clear, place)
         if not spans:
             return Blocked(place, Hindrance.END)
-        blocked: Blocked | None = None
-        for motion in (self.least_motion(run.q[end]), self._lost_direction(run.q[end])):
-            made = self._led_along(motion, spans, places, run.q, place)
+        larger, *smaller = self.motions(run.q[clear[-1]])  # nearer, two joints may have begun to turn half around
+        made = self._led_along(larger, spans, places, run.q, place)
+        for motion in smaller:
             if not isinstance(made, Blocked):
-                return made
-            blocked = blocked or made
-        assert blocked is not None
-        return blocked
+                break
+            other = self._led_along(motion, spans, places, run.q, place)
+            made = made if isinstance(other, Blocked) else other
+        return made
 
     def _led_along(
         self, motion: Array, spans: list[Span], places: Array, q: Array, place: float
@@ -280,16 +281,19 @@ class PoseDetourer:
         left = np.linalg.svd(self.aim.jacobian(q[None])[0])[0]
         return np.asarray(left[:, self.tool.rank - 1])
 
-    def least_motion(self, q: Array) -> Array:
-        """(m,) the tool motion of size 1 with the largest share û·w along the direction lost at a configuration.
+    def motions(self, q: Array) -> list[Array]:
+        """Tool motions (m,) of size 1: the way and the turn along the lost direction û, the larger share û·w first.
 
-        Sizes are sums of a way and a turn, |w_v| + |w_ω|, so that it is a way alone, or a turn alone.
+        A size is a sum, |w_v| + |w_ω|: a way alone, or a turn alone, has the largest share. The branch goes on along w
+        only where its shares along û before the singularity, and along û′ after it, half a turn of two joints on, have
+        opposite signs: û·w û′·w < 0. Where that is so for w = û, it is so for its way, or for its turn.
         """
         lost = self._lost_direction(q)
         ways = np.array([row < 3 for row in self.task.rows])
         parts = [np.where(ways, lost, 0.0), np.where(ways, 0.0, lost)]
-        larger = max(parts, key=lambda part: float(np.linalg.norm(part)))
-        return np.asarray(larger / np.linalg.norm(larger))
+        parts.sort(key=lambda part: -float(np.linalg.norm(part)))
+        sizes = [float(np.linalg.norm(part)) for part in parts]
+        return [part / size for part, size in zip(parts, sizes, strict=True) if size > _SHARE]
 
     def _limited(self, place: float, spans: list[Span], q: Array, lost: Array, sizes: Array) -> Blocked:
         """Why no window does: the joint that would have to go least beyond its limit, where one would do without."""

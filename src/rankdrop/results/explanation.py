@@ -46,7 +46,7 @@ from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Ellipsoids, Rates, StraightMotion, ellipsoids, joint_rates, slowest_motions
 from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.relations import Relation, relations_at
-from rankdrop.local.screw_systems import ScrewSystem, always_singular_reason, systems_at
+from rankdrop.local.screw_systems import AlwaysSingular, ScrewSystem, always_singular_reason, systems_at
 from rankdrop.local.special import Special, specials_at
 from rankdrop.local.ways_out import Escape, JointEscape, escape
 from rankdrop.problem import wrap
@@ -160,7 +160,7 @@ class Blame:
     smallest: tuple[Circuit, ...]
     ordered: tuple[OrderedSubset, ...]
     systems: tuple[ScrewSystem, ...]
-    always: str | None
+    always: AlwaysSingular | None
     complete: bool = True
     hunt: Hunt | None = None
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 from functools import cached_property, lru_cache
 from operator import itemgetter
 from typing import ClassVar
@@ -174,7 +175,7 @@ class Far:
         nearest: the nearest singular configuration that was found; None where none was.
         nearest_family: a family it belongs to.
         families: distance to each known family that does not hold here, nearest first.
-        unasked: why no radius is certified at all; empty where one is.
+        unasked: why a regular configuration has no certified radius; empty where it has.
         near_miss: σ_r of the smallest nonzero local minimum met from here; None unless that is what is near.
     """
 
@@ -202,6 +203,8 @@ class Far:
         if self.unasked:
             return None, self.unasked
         here, options = self.explanation.here, self.explanation.options
+        if here.measured.corank:
+            return None, words_of(self.explanation).SINGULAR_HERE
         if self.nearest is not None and not options.limits:
             distance = self.nearest.distance
         else:
@@ -241,23 +244,53 @@ def _never_possible(here: Configuration) -> Array:
 _AGREE = 1e-6  # distances that differ by less are the same: σ of second order leaves half the digits [rad]
 
 
-def disagreements(far: Far, single: Sequence[JointEscape]) -> Iterator[str]:
+class DifferenceKind(StrEnum):
+    """Which two methods give two answers."""
+
+    GAIN = "gain"
+    RADIUS = "radius"
+    SEARCH_MISSED = "missed by the search"
+    FAMILIES_MISSED = "beyond the families"
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Two methods, two answers.
+
+    Attributes:
+        kind: `GAIN`: predicted and measured for one joint alone; `RADIUS`: the certified one is beyond a singularity;
+            `SEARCH_MISSED`: a family has a point nearer than the search found; `FAMILIES_MISSED`: the search found one
+            nearer than every family.
+        number, predicted, measured: the joint, from 1, and its gains of rank.
+        radius, distance: certified, and to the singularity [rad; slides in length scales].
+        family: the one that has a nearer point.
+    """
+
+    kind: DifferenceKind
+    number: int = 0
+    predicted: int = 0
+    measured: int = 0
+    radius: float = 0.0
+    distance: float = 0.0
+    family: Family | None = None
+
+
+def differences(far: Far, single: Sequence[JointEscape]) -> Iterator[Difference]:
     """Two methods, two answers: on what a joint alone regains, and on how far."""
     for one in single:
         if not one.agrees:
-            yield (
-                f"joint {one.number} alone: a rank gain of {one.gain} was predicted, finite motion gains "
-                f"{one.measured_gain}"
+            yield Difference(
+                DifferenceKind.GAIN, number=one.number, predicted=one.gain, measured=one.measured_gain
             )
     nearest, certificate = far.nearest, far.certificate
     if nearest is not None and certificate is not None and certificate.radius > nearest.distance * (1 + 1e-8):
-        yield f"certified radius {certificate.radius:.6g} beyond a singularity at {nearest.distance:.6g}"
+        yield Difference(DifferenceKind.RADIUS, radius=certificate.radius, distance=nearest.distance)
     if nearest is not None and far.families and all(one.family.named for one in far.families):
         first = min(far.families, key=lambda one: one.distance)
         if first.distance < nearest.distance - _AGREE:
-            yield f"the search missed a nearer point of family {first.family.id} ({first.family.name})"
+            yield Difference(DifferenceKind.SEARCH_MISSED, family=first.family)
         elif not first.distance <= nearest.distance + _AGREE:
-            yield "the search found a singularity nearer than every family"
+            yield Difference(DifferenceKind.FAMILIES_MISSED)
 
 
 def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Incidence]) -> FamilyDistance:
@@ -390,7 +423,7 @@ class Explanation(Result):
         """How far the next singularity is."""
         here, options, away = self.here, self.options, self._families_away
         if here.measured.corank:
-            return Far(self, None, None, away, "the configuration is singular")
+            return Far(self, None, None, away)
         try:
             nearest = nearest_singularity(
                 here.robot, here.q, here.task, limits=options.limits, seed=options.seed,
@@ -769,8 +802,13 @@ class Explanation(Result):
 
     @cached_property
     def disagreements(self) -> tuple[str, ...]:
-        """Where two methods disagree; empty when all is well."""
-        return tuple(disagreements(self.far, self.escape.single))
+        """Where two methods disagree, one sentence each; empty when all is well."""
+        return tuple(map(words_of(self).difference_sentence, self.differences))
+
+    @cached_property
+    def differences(self) -> tuple[Difference, ...]:
+        """The same as facts."""
+        return tuple(differences(self.far, self.escape.single))
 
     @property
     def nearly_lost(self) -> int:

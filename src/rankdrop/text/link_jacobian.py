@@ -40,7 +40,7 @@ def entry_texts(found: LinkJacobian) -> tuple[tuple[str, ...], ...]:
 
 
 def inverse_texts(found: LinkJacobian, most: int | None) -> tuple[tuple[str, ...], ...]:
-    """The entries of the inverse as text; `most`: longer sums are told by their size."""
+    """The entries of the inverse as text; longer sums than `most` by their size."""
     if found.closed is None:
         return ()
     return _each_entry(found.closed.entries, lambda entry: entry.text(most))
@@ -73,7 +73,7 @@ def _latex_entries(found: LinkJacobian) -> tuple[tuple[str, ...], ...]:
 
 
 def sections_of(found: LinkJacobian, most: int | None) -> tuple[Section, ...]:
-    """Matrix, determinant, inverse, numbers and checks; `most`: longer sums of the inverse are told by their size."""
+    """Matrix, determinant, inverse, numbers and checks; longer sums than `most` by their size."""
     return tuple(_sections(found, most))
 
 
@@ -131,7 +131,8 @@ def _agreement_text(check: Agreement) -> str:
 
 def _table(title: str, left: Sequence[str], above: Sequence[str], entries: Sequence[Sequence[str]]) -> Section:
     """A matrix as a table where it is narrow, else entry by entry, zeros left out."""
-    widths = [max(len(head), *(len(row[i]) for row in entries)) for i, head in enumerate(above)]
+    columns = zip(above, *entries, strict=True)
+    widths = [max(map(len, column)) for column in columns]
     if sum(widths) + 2 * len(widths) + max(map(len, left)) <= _WIDTH:
         return _as_table(title, left, above, entries, texts=tuple(range(len(above) + 1)))
     lines = []

@@ -31,13 +31,11 @@ from rankdrop.local.directions import (
     FRAMES,
     FramedDirections,
     Screw,
-    blocked_words,
     lost_directions,
     lost_in_sparsest_frame,
     lost_seen_from,
     readable_basis,
     screw_of,
-    words,
 )
 from rankdrop.local.failures import Failures, failures_at
 from rankdrop.local.jog import Jog, jog_farther, jog_out
@@ -726,8 +724,8 @@ class Explanation(Result):
         return Lost(
             directions=lost_directions(robot, self.focus, task, corank),
             weakest=weakest,
-            words=tuple(words(one, framed.name, length) for one in framed.directions),
-            blocked_words=tuple(blocked_words(one, framed.name, length) for one in framed.directions),
+            words=framed.sentences(length),
+            blocked_words=framed.blocked_sentences(length),
             framed=framed,
             twist_screws=tuple(screw_of(one * lengths) for one in framed.directions),
             wrench_screws=tuple(screw_of(np.roll(one, 3) * lengths) for one in framed.directions),

@@ -56,7 +56,7 @@ def sentences(tree: ast.AST) -> Iterator[str]:
 
 SENTENCES = {
     "algebra": 1, "cover": 2, "designs": 1, "distance": 1, "exact": 28, "families": 19, "formula": 3, "jobs": 7,
-    "local": 47, "path": 1, "proof": 41, "results": 19, "robot": 54, "units": 2, "verbs": 40,
+    "local": 7, "path": 1, "proof": 41, "results": 6, "robot": 54, "units": 2, "verbs": 16,
 }  # fmt: skip
 """Room -> sentences in it today."""
 
@@ -146,20 +146,20 @@ def test_a_place_that_takes_no_sentence_apart_is_left_out(line: str) -> None:
 
 
 PHRASES = {
-    r"\b(?:is|are|was|were|be|been) told\b": 61,
+    r"\b(?:is|are|was|were|be|been) told\b": 59,
     r"\btells\b": 19,
     r"\b(?:held|hold|holds) against\b": 12,
     r"\blook(?:ed|s|ing)? into\b": 8,
     r"\blook(?:ed|s|ing)? through\b": 0,
     r"\blooked at\b": 36,
-    r"\btaken as\b": 11,
+    r"\btaken as\b": 10,
     r"\bas it is meant\b": 1,
     r"\bbeside\b": 41,
     r"\bwhose own\b": 1,
     r"\bgoes on there\b": 5,
     r"\bhand(?:s|ed)? over\b": 3,
     r"\basked about\b": 13,
-    r"\bis there twice\b": 2,
+    r"\bis there twice\b": 1,
     r"\bparts the\b": 1,
     r"\bno other one\b": 9,
     r"\babsence of a find\b": 0,
@@ -168,9 +168,9 @@ PHRASES = {
     r"\bthere is no place\b": 0,
     r"\bmet\b": 55,
     r"\bfresh (?:singular )?points?\b": 12,
-    r"\btold\b": 71,
+    r"\btold\b": 69,
     r"\bwhose\b": 183,
-    r"\bwhat (?:is|are)\b": 262,
+    r"\bwhat (?:is|are)\b": 260,
 }
 """Phrase of the old dialect, as a pattern -> how often docstrings may contain it: to be fewer, never more."""
 NAMES = re.compile(

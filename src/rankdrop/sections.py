@@ -57,6 +57,11 @@ _WORDED = {
     "Flags": "rankdrop.text.condition_tests", "Between": "rankdrop.text.condition_tests",
     "Executed": "rankdrop.text.procedure", "Remark": "rankdrop.text.procedure",
     "Disagreement": "rankdrop.text.procedure",
+    "Representation": "rankdrop.text.orientation", "Representations": "rankdrop.text.orientation",
+    "LinkJacobian": "rankdrop.text.link_jacobian", "Agreement": "rankdrop.text.link_jacobian",
+    "LostDirection": "rankdrop.text.directions", "FramedDirections": "rankdrop.text.directions",
+    "Idealised": "rankdrop.text.ideal", "Nearest": "rankdrop.text.nearest",
+    "ScrewSystem": "rankdrop.text.screw_systems", "AlwaysSingular": "rankdrop.text.screw_systems",
     "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",
 }  # fmt: skip
 """Class of a record -> module that words it."""

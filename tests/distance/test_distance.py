@@ -18,10 +18,11 @@ from rankdrop.local.block import joint_scale
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation import disagreements
+from rankdrop.results.explanation import Difference, DifferenceKind, differences
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
+from rankdrop.text.explanation import difference_sentence
 from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain
@@ -172,18 +173,19 @@ def test_disagreement_is_said() -> None:
     nearest = far.nearest
     assert nearest is not None
 
-    def verdict(some: tuple[FamilyDistance, ...], **changed: float) -> list[str]:
+    def verdict(some: tuple[FamilyDistance, ...], **changed: float) -> list[Difference]:
         changed_far = replace(far, families=some, nearest=replace(nearest, **changed))
-        return list(disagreements(changed_far, ()))
+        return list(differences(changed_far, ()))
 
     first, *rest = far.families
     assert verdict(far.families) == []
-    assert verdict(tuple(rest)) == ["the search found a singularity nearer than every family"]
+    assert verdict(tuple(rest)) == [Difference(DifferenceKind.FAMILIES_MISSED)]
     assert verdict(tuple(replace(one, distance=inf) for one in far.families)) == verdict(tuple(rest))
     unnamed = replace(first, family=replace(first.family, named=False), distance=inf)
     assert verdict((*rest, unnamed)) == []  # a family without conditions was not asked
     (missed,) = verdict(far.families, distance=0.5)
-    assert missed.startswith(f"the search missed a nearer point of family {first.family.id} (")
+    told = f"the search missed a nearer point of family {first.family.id} ("
+    assert difference_sentence(missed).startswith(told)
 
 
 def test_one_configuration_is_needed() -> None:

@@ -11,6 +11,7 @@ from robot.test_structure import noisy
 
 from rankdrop.families.points import members
 from rankdrop.results.conditions import Conditions
+from rankdrop.results.ideal_vs_actual import Idealised, Nearby
 from rankdrop.results.known import known_analysis, known_conditions, shipped
 from rankdrop.robot.ideal import Tolerance, read_tolerance
 from rankdrop.robot.model import Robot
@@ -18,7 +19,7 @@ from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.verbs.conditions import conditions
 from rankdrop.verbs.explain import explain
-from rankdrop.verbs.ideal_vs_actual import Idealised, Nearby, here, idealised, nearby
+from rankdrop.verbs.ideal_vs_actual import here, idealised, nearby
 
 CALIBRATED = Path(__file__).parents[1] / "data" / "ur5_calibrated.toml"
 

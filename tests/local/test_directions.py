@@ -11,7 +11,6 @@ import pytest
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local.directions import (
-    frame_name,
     lost_directions,
     lost_in_sparsest_frame,
     lost_over_family,
@@ -23,6 +22,7 @@ from rankdrop.robot.model import Array, Joint, Mimic, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import revolute
 from rankdrop.task import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame, resolve_task, six_rows
+from rankdrop.text.directions import frame_name
 
 H = pi / 2
 

@@ -223,8 +223,8 @@ def test_why_an_arm_is_deficient_everywhere(robot: Robot, task: str, told: str |
     resolved = resolve_task(task, robot)
     reason = always_singular_reason(robot, resolved)
     assert (reason is None) is (generic_rank(robot, resolved) == min(resolved.m, robot.n))
-    assert reason is None if told is None else told in (reason or "")
-    assert "accounts for" not in (reason or "")
+    assert reason is None if told is None else told in str(reason)
+    assert "accounts for" not in str(reason)
 
 
 def test_a_spherical_system_that_takes_the_first_axis_in(rng: np.random.Generator) -> None:
@@ -232,7 +232,7 @@ def test_a_spherical_system_that_takes_the_first_axis_in(rng: np.random.Generato
     robot = built(revolute(Z, C), *wrist, *other(1))
     reason = always_singular_reason(robot, resolve_task("pose", robot))
     assert reason is not None
-    assert "spherical" in reason
+    assert [loss.kind for loss in reason.losses] == ["spherical"]
     two = from_screws([revolute((1, 0, 0), (0, 0, 0)), revolute((0, 1, 0), (0, 0, 0))], order="linear-first")
     words = always_singular_reason(two, resolve_task("position", two))
     assert words is not None, "both axes through the tip: nothing moves it"

@@ -19,7 +19,7 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from rankdrop import results, text, verbs
+from rankdrop import results, text
 from rankdrop.cli.command import (
     NO_IDEAL,
     PROGRESS,
@@ -145,7 +145,7 @@ def _speed_and_aspects(analysis: results.Analysis) -> Iterator[Block]:
 
 
 def _brief(
-    analysis: results.Analysis, task: Task, made: verbs.Idealised | None, own: results.Analysis | None, *,
+    analysis: results.Analysis, task: Task, made: results.Idealised | None, own: results.Analysis | None, *,
     seconds: float,
 ) -> list[Block]:  # fmt: skip
     """The answer, one row per family, and what the largest families lose, in at most 40 lines."""
@@ -170,7 +170,7 @@ def _brief(
 
 
 def _blocks(
-    analysis: results.Analysis, task: Task, made: verbs.Idealised | None, about_ideal: Sequence[Sequence[Section]],
+    analysis: results.Analysis, task: Task, made: results.Idealised | None, about_ideal: Sequence[Sequence[Section]],
     own: results.Analysis | None, *, seconds: float, every: bool,
 ) -> Iterator[Block]:  # fmt: skip
     console, settings, (moved, there) = screen(), analysis.settings, about_ideal

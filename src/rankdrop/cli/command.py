@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_type_hints
 from cyclopts import Group, Parameter, Token
 
 from rankdrop import robot as arms
+from rankdrop import text as text_of
 from rankdrop import verbs
 from rankdrop.cli import exits
 from rankdrop.cli.terminal import STDOUT, Report, check_targets, print_blocks, reporter, say, write
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from cyclopts.help import HelpEntry, HelpPanel
     from rich.console import Console, ConsoleOptions, RenderableType
 
+    from rankdrop import results
     from rankdrop.cli.terminal import Block
     from rankdrop.families import Family, Verdict
     from rankdrop.task import Task
@@ -617,7 +619,7 @@ OFF = "off"
 
 def open_ideal(
     name: str, options: IdealOptions, tool: ToolOptions = NO_TOOL, *, intended: bool = False
-) -> tuple[arms.Robot, Task, verbs.Idealised | None]:
+) -> tuple[arms.Robot, Task, results.Idealised | None]:
     """The arm to look at, its task, and how it was made where it is an ideal one.
 
     Args:
@@ -640,7 +642,7 @@ def open_ideal(
     return made.ideal, task, made
 
 
-def subject(robot: arms.Robot, made: verbs.Idealised | None) -> str:
+def subject(robot: arms.Robot, made: results.Idealised | None) -> str:
     """The first words of an output: whether it is about the ideal arm or the arm as written; "" where no ideal arm is
     near.
     """
@@ -655,7 +657,7 @@ def subject(robot: arms.Robot, made: verbs.Idealised | None) -> str:
     return f"Arm as written (--ideal {near.tolerance.text}: the ideal arm near it): "
 
 
-def near_line(robot: arms.Robot, made: verbs.Idealised | None) -> dict[str, str]:
+def near_line(robot: arms.Robot, made: results.Idealised | None) -> dict[str, str]:
     """The label and the line that says which ideal arm is near and what to type; empty where none is, or it was."""
     if made is None:
         near = arms.near_ideal(robot)
@@ -667,8 +669,8 @@ def near_line(robot: arms.Robot, made: verbs.Idealised | None) -> dict[str, str]
 
 
 def ideal_sections(
-    made: verbs.Idealised | None, task: Task, families: Sequence[Family], seed: int
-) -> tuple[Sequence[verbs.Nearby], tuple[Section, ...], tuple[Section, ...]]:
+    made: results.Idealised | None, task: Task, families: Sequence[Family], seed: int
+) -> tuple[Sequence[results.Nearby], tuple[Section, ...], tuple[Section, ...]]:
     """What the arm itself does on the families of the ideal one, and in words what was moved, and this.
 
     Nothing where the arm is not an ideal one.
@@ -676,10 +678,10 @@ def ideal_sections(
     if made is None:
         return (), (), ()
     there = verbs.nearby(made, task, families, seed=seed)
-    return there, (verbs.moved_section(made),), ((verbs.there_section(there),) if there else ())
+    return there, (text_of.moved_section(made),), ((text_of.there_section(there),) if there else ())
 
 
-def of_ideal(verdict: Verdict, made: verbs.Idealised | None) -> Verdict:
+def of_ideal(verdict: Verdict, made: results.Idealised | None) -> Verdict:
     """A verdict that says that it is about the ideal arm, where it is."""
     if made is None or not made.changes:
         return verdict

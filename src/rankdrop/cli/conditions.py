@@ -35,7 +35,6 @@ from rankdrop.questions import ConditionsOptions
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
-    from rankdrop import verbs
     from rankdrop.cli.terminal import Block
     from rankdrop.families import Verdict
     from rankdrop.task import Task
@@ -190,7 +189,7 @@ def conditions(
 
 
 def _brief(
-    found: results.Conditions, task: Task, made: verbs.Idealised | None, verdict: Verdict,
+    found: results.Conditions, task: Task, made: results.Idealised | None, verdict: Verdict,
     answers: Sequence[Section],
 ) -> list[Block]:  # fmt: skip
     """The answer, one row per family, and what the largest families lose, in at most 40 lines."""

@@ -139,7 +139,7 @@ def _place(q: str | None, model: arms.Robot, tool: ToolOptions) -> list[float]:
 
 
 def _of_configuration(
-    found: results.Explanation, made: verbs.Idealised | None, near: covers.ModelTolerance | None,
+    found: results.Explanation, made: results.Idealised | None, near: covers.ModelTolerance | None,
     options: ExplainOptions, output: Parts,
 ) -> Done:  # fmt: skip
     """The explanation; with options also the ideal arm here, the certificate and the Lie procedure."""
@@ -198,7 +198,7 @@ def stopped_early(found: results.Explanation) -> bool:
 
 
 def _sections(
-    found: results.Explanation, made: verbs.Idealised | None, here: verbs.Here | None, output: Parts
+    found: results.Explanation, made: results.Idealised | None, here: results.Here | None, output: Parts
 ) -> Iterable[Block]:
     if output.only == "nearest":
         if output.full:
@@ -211,13 +211,14 @@ def _sections(
     more = found.sections(parts=("more",), full=output.full)
     first, *sections = (*found.sections(full=output.full), *more)
     if made is not None and here is not None:
-        sections[:0] = [verbs.here_section(made, here), *([verbs.moved_section(made)] if output.full else [])]
+        sections[:0] = [text.here_section(made, here), *([text.moved_section(made)] if output.full else [])]
     sections += [Section("", "", (line,)) for line in near_line(found.robot, made).values()]
     return [first, *sections]
 
 
 def _record(
-    found: results.Explanation, made: verbs.Idealised | None, here: verbs.Here | None, procedure: Any, only: str | None
+    found: results.Explanation, made: results.Idealised | None, here: results.Here | None, procedure: Any,
+    only: str | None,
 ) -> dict[str, Any]:
     from rankdrop.codec import plain, record_of
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from rankdrop import results, verbs
+from rankdrop import results
 from rankdrop import robot as arms
 from rankdrop.cli import exits
 from rankdrop.cli.command import NO_IDEAL, OUTPUT, PROGRESS, IdealOptions, Output, command, open_ideal
@@ -138,7 +138,7 @@ def _code(shown: Content, analysis: results.Analysis) -> int:
 
 def _analysis(
     robot: str, arm: IdealOptions, options: AnalyzeOptions, report: Report
-) -> tuple[results.Analysis, verbs.Idealised | None]:
+) -> tuple[results.Analysis, results.Idealised | None]:
     from rankdrop import analyze
 
     plain = options == AnalyzeOptions(starts=options.starts, seed=options.seed, threads=options.threads)

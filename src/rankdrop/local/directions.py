@@ -1,7 +1,7 @@
-"""Lost directions: which end-effector motions no joint rate can make, in a readable basis and frame, and in words.
+"""Lost directions: which end-effector motions no joint rate can make, in a readable basis and frame.
 
 A twist or a wrench is a screw with an axis, a pitch and a magnitude, whatever the frame it is written in. A readable
-basis of a subspace is orthonormal, with as many zeros as plane rotations find.
+basis of a subspace is orthonormal, with as many zeros as plane rotations find. Words: `rankdrop.text.directions`.
 """
 
 from __future__ import annotations
@@ -21,9 +21,10 @@ from rankdrop.local.block import decompose, generic_rank, svd
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.transform import cross
+from rankdrop.sections import words_of
 from rankdrop.task import BASE, TIP, Frame, Task, link_index, six_rows
 from rankdrop.tolerances import ENTRY
-from rankdrop.units import counted, given_exponent, in_metres, into_metres, shifted, task_in_metres
+from rankdrop.units import counted, given_exponent, in_metres, into_metres, task_in_metres
 
 _NO_TURN = 1e-9  # rotation below this share of the whole: numbers of rounding, not a turn about a far axis
 
@@ -75,7 +76,7 @@ def screw_of(twist: ArrayLike) -> Screw:
         >>> screw_of([0, -2, 0, 0, 0, 1]).point  # a turn about Z through x = 2
         (2.0, 0.0, 0.0)
     """
-    v, w, slide, turn = _parts(twist)
+    v, w, slide, turn = parts_of_direction(twist)
     if turn <= _NO_TURN * slide:
         return Screw((0.0, 0.0, 0.0), _three(v / slide), inf, slide)
     return Screw(_three(cross(w, v) / turn**2), _three(w / turn), float(w @ v) / turn**2, turn)
@@ -101,11 +102,25 @@ def _three(vector: Array) -> tuple[float, float, float]:
 
 ENTRY_SHARE = 1e-6
 """A part of a direction below this share of the other part is not there."""
-_AXIS = 1e-6  # an axis is X, Y or Z when its other components are below this
+AXIS = 1e-6
+"""An axis is X, Y or Z when its other components are below this."""
 
 
 NEARLY_SHARE = 0.25
 """A part of a direction below this share of the whole: what the other part alone says is true to 3 %."""
+
+
+@dataclass(frozen=True, eq=False)
+class LostDirection:
+    """One lost direction; its words are in `rankdrop.text.directions`.
+
+    Attributes:
+        direction: (6,) vx vy vz wx wy wz of any length and sign, metres and radians.
+        length: the direction's own unit of length, `units.counted_length` [m].
+    """
+
+    direction: ArrayLike
+    length: float = 1.0
 
 
 def constraint(direction: ArrayLike, length: float = 1.0) -> str:
@@ -127,27 +142,31 @@ def constraint(direction: ArrayLike, length: float = 1.0) -> str:
         >>> constraint([0, 0, 0.05, 0.6, -0.8, 0])
         '−0.6 ωx + 0.8 ωy − 0.05 rad/m·vz = 0'
     """
-    v, w, slide, turn = _parts(direction)
-    larger, smaller, names, per = v / max(slide, turn), w / max(slide, turn), ("v", "m·ω"), length
-    if turn > slide:
-        larger, smaller, names, per = smaller, larger, ("ω", "rad/m·v"), 1.0 / length
+    lost = LostDirection(direction, length)
+    text: str = words_of(lost).constraint_text(lost)
+    return text
+
+
+def constraint_values(direction: ArrayLike, length: float = 1.0) -> tuple[Array, bool]:
+    """(6,) coefficients of the `constraint`, its larger part first, rounding set to zero; and whether that part is ω.
+
+    Coefficients of the larger part have no unit; the others are in m, or in rad/m where the larger part is ω.
+
+    Args, Raises: as `constraint`.
+    """
+    v, w, slide, turn = parts_of_direction(direction)
+    turns = turn > slide
+    if turns:
+        larger, smaller, per = w / turn, v / turn, 1.0 / length
+    else:
+        larger, smaller, per = v / slide, w / slide, length
     if np.linalg.norm(smaller) <= ENTRY_SHARE:
         smaller = np.zeros(3)
     values = np.concatenate([larger, smaller])
-    values *= np.sign(larger[int(np.argmax(np.abs(larger) >= np.abs(larger).max() - _AXIS))])
-    labels = [f"{name}{axis}" for name in names for axis in "xyz"]
-    text = ""
-    for i in np.flatnonzero(np.abs(values) > _AXIS).tolist():
-        value = float(values[i]) * (1.0 if i < 3 else per)
-        if i < 3 and _number(abs(value)) == "1":
-            number = ""
-        else:
-            number = f"{_number(abs(value))} "
-        if text:
-            text += f" {'−' if value < 0 else '+'} {number}{labels[i]}"
-        else:
-            text = f"{'−' if value < 0 else ''}{number}{labels[i]}"
-    return f"{text} = 0"
+    values *= np.sign(larger[int(np.argmax(np.abs(larger) >= np.abs(larger).max() - AXIS))])
+    values[np.abs(values) <= AXIS] = 0.0
+    values[3:] *= per
+    return values, turns
 
 
 def is_nearly_pure(direction: ArrayLike) -> bool:
@@ -155,7 +174,7 @@ def is_nearly_pure(direction: ArrayLike) -> bool:
 
     Args, Raises: as `constraint`.
     """
-    _, _, slide, turn = _parts(direction)
+    _, _, slide, turn = parts_of_direction(direction)
     return ENTRY_SHARE < min(slide, turn) / float(np.hypot(slide, turn)) <= NEARLY_SHARE
 
 
@@ -168,15 +187,8 @@ def in_short(direction: ArrayLike) -> str:
         >>> in_short([0, 0.6, 0.8, 0, 0, 0]), in_short([0, 0, 0.05, 1, 0, 0]), in_short([0, 0.7, 0, 0, 0.7, 0])
         ('no motion along (0, 0.6, 0.8)', 'nearly no turning about X', '')
     """
-    v, w, slide, turn = _parts(direction)
-    if min(slide, turn) > NEARLY_SHARE * np.hypot(slide, turn):
-        return ""
-    if slide >= turn:
-        text = f"no motion along {axis_text(v)}"
-    else:
-        text = f"no turning about {axis_text(w)}"
-    if is_nearly_pure(direction):
-        return f"nearly {text}"
+    lost = LostDirection(direction)
+    text: str = words_of(lost).short_text(lost)
     return text
 
 
@@ -201,13 +213,9 @@ def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.
         >>> words([0, -0.91, 0, 0, 0, -0.1], "the tool")
         'can only move so that vy + 0.11 m·ωz = 0 in axes of the tool: nearly no motion along Y'
     """
-    v, w, slide, turn = _parts(direction)
-    if turn <= ENTRY_SHARE * slide:
-        return f"cannot translate along {axis_text(v)} of {frame_name}"
-    if slide <= ENTRY_SHARE * turn:
-        return f"cannot rotate about {axis_text(w)} of {frame_name}"
-    short = in_short(direction)
-    return f"can only move so that {constraint(direction, length)} in axes of {frame_name}{f': {short}' * bool(short)}"
+    lost = LostDirection(direction, length)
+    text: str = words_of(lost).lost_text(lost, frame_name)
+    return text
 
 
 def blocked_words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.0) -> str:
@@ -223,22 +231,9 @@ def blocked_words(direction: ArrayLike, frame_name: str = "the base", length: fl
         >>> blocked_words([0, 0.91, 0, 0, 0, 0.41])
         'the point (0.451, 0, 0) m from the reference point cannot move along Y of the base'
     """
-    f, m, force, moment = _parts(direction)
-    if force <= ENTRY_SHARE * moment:
-        return f"cannot rotate about {axis_text(m)} of {frame_name}"
-    line = screw_of(np.concatenate([m, f]))
-    point = np.array(line.point)
-    near = float(np.linalg.norm(point)) <= ENTRY_SHARE
-    if near:
-        where = "the reference point"
-    else:
-        where = f"the point {_triple(point, length)} m from the reference point"
-    along = axis_text(f)
-    if abs(line.pitch) <= ENTRY_SHARE:
-        return f"{where} cannot move along {along} of {frame_name}"
-    rate = _number(abs(line.pitch) * length)
-    sign = "−" if line.pitch > 0.0 else ""
-    return f"{where} moves along {along} of {frame_name} only by {sign}{rate} m for every rad of rotation about it"
+    lost = LostDirection(direction, length)
+    text: str = words_of(lost).blocked_text(lost, frame_name)
+    return text
 
 
 _NOTHING = 0.02  # parts of a unit direction that are shorter are not drawn
@@ -264,7 +259,7 @@ def arrow_of(direction: ArrayLike) -> tuple[Array, Array, bool]:
         ([0.0, 0.87, 0.0], [0.0, 0.0, 0.22], False)
     """
     values = np.asarray(direction, dtype=np.float64)
-    v, w, slide, turn = _parts(values / max(float(np.linalg.norm(values)), 1e-300))
+    v, w, slide, turn = parts_of_direction(values / max(float(np.linalg.norm(values)), 1e-300))
     if turn < _NOTHING:
         return v / slide, np.zeros(3), False
     if slide < _NOTHING:
@@ -291,8 +286,15 @@ def ring_about(axis: Array) -> Array:
     return np.vstack([round_about, back + 0.2 * end, end, back - 0.2 * end])
 
 
-def _parts(direction: ArrayLike) -> tuple[Array, Array, float, float]:
-    """Translation and rotation, and the lengths of both."""
+def parts_of_direction(direction: ArrayLike) -> tuple[Array, Array, float, float]:
+    """Translation and rotation of a direction, (3,) each, and the lengths of both.
+
+    Args:
+        direction: (6,) vx vy vz wx wy wz of any length and sign.
+
+    Raises:
+        OptionError: not six finite numbers, or all of them zero.
+    """
     values = np.asarray(direction, dtype=np.float64)
     if values.shape != (6,) or not np.isfinite(values).all() or not values.any():
         raise OptionError("a direction is six finite numbers, not all zero", got=np.asarray(direction).tolist())
@@ -312,30 +314,8 @@ def main_axis(vector: ArrayLike) -> tuple[int, bool]:
     parts = [abs(float(part)) for part in np.asarray(vector).tolist()]
     whole = hypot(*parts)
     shares = [part / whole for part in parts]
-    largest = next(axis for axis, share in enumerate(shares) if share >= max(shares) - _AXIS)
-    return largest, all(share <= _AXIS for axis, share in enumerate(shares) if axis != largest)
-
-
-def axis_text(vector: ArrayLike) -> str:
-    """A direction for people, its largest component positive: "Y", or "(0.6, 0, 0.8)".
-
-    Args:
-        vector: (3,) not zero, of any length.
-    """
-    largest, along = main_axis(vector)
-    unit = np.asarray(vector, dtype=np.float64) / np.linalg.norm(vector)
-    if along:
-        return "XYZ"[largest]
-    return _triple(unit * np.sign(unit[largest]))
-
-
-def _triple(vector: Array, length: float = 1.0) -> str:
-    return f"({', '.join('0' if abs(x) <= _AXIS else _number(x * length) for x in vector.tolist())})"
-
-
-def _number(value: float) -> str:
-    steady = float(f"{value:.8g}")  # 0.7345 is one number, however its last bits fell
-    return f"{steady:.3g}".replace("-", "−")
+    largest = next(axis for axis, share in enumerate(shares) if share >= max(shares) - AXIS)
+    return largest, all(share <= AXIS for axis, share in enumerate(shares) if axis != largest)
 
 
 _DEPENDENT = 1e-9  # columns of the input more dependent than this span nothing certain
@@ -406,12 +386,26 @@ class FramedDirections:
     Attributes:
         directions: (k, 6) as from `lost_directions`, in `frame`.
         frame: axes and reference point.
-        name: of the frame, to end a sentence with: "the base", "the tool", "link 4", "link 4 at its origin".
+        power: numbers of the point are reported times 10 to this power.
     """
 
     directions: Array
     frame: Frame
-    name: str
+    power: int = 0
+
+    @property
+    def name(self) -> str:
+        """The frame, to end a sentence with: "the base", "the tool", "link 4", "link 4 at its origin"."""
+        name: str = words_of(self).frame_name(self.frame, self.power)
+        return name
+
+    def sentences(self, length: float = 1.0) -> tuple[str, ...]:
+        """One sentence for each direction; `length`: the directions' own unit of length [m]."""
+        return tuple(words(one, self.name, length) for one in self.directions)
+
+    def blocked_sentences(self, length: float = 1.0) -> tuple[str, ...]:
+        """The same directions read as wrenches; `length`: their own unit of length [m]."""
+        return tuple(blocked_words(one, self.name, length) for one in self.directions)
 
 
 def lost_directions(robot: Robot, q: ArrayLike, task: Task, corank: int) -> Array:
@@ -494,7 +488,7 @@ def _lost_in_frames(robot: Robot, q: Array, task: Task, corank: int, frames: Seq
 def _framed(robot: Robot, directions: Array, frames: Sequence[Frame]) -> FramedDirections:
     """Of directions (F, k, 6) in some frames those with the fewest entries that are not zero, the first of equals."""
     best = int((np.abs(directions) > ENTRY).sum(axis=(1, 2)).argmin())
-    return FramedDirections(directions[best], frames[best], frame_name(frames[best], given_exponent(robot)))
+    return FramedDirections(directions[best], frames[best], given_exponent(robot))
 
 
 def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Frame) -> FramedDirections:
@@ -596,22 +590,6 @@ def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: Sequence[F
     turns = axes[0].T @ axes[1:]  # (F, 3, 3) columns are the new axes in the old ones
     offsets = (points[1:] - points[0]) @ axes[0] / length  # (F, 3) the new points seen from the old one
     return rewrite_wrench(wrenches, turns, offsets[:, None])
-
-
-def frame_name(frame: Frame, power: int = 0) -> str:
-    """A frame in words, to end a sentence with; numbers of its point are told times 10 to a power."""
-    axes = {BASE: "the base", TIP: "the tool"}.get(frame.axes, f"link {frame.axes}")
-    if frame.origin == TIP and not any(frame.point):
-        return axes
-    if frame.origin == frame.axes and not any(frame.point):
-        return f"{axes} at its origin"
-    carrier = {BASE: "the base", TIP: "the tool"}.get(frame.origin, f"link {frame.origin}")
-    given = [shifted(x, power) for x in frame.point]
-    if not any(frame.point):
-        where = "the origin"
-    else:
-        where = f"({', '.join(f'{x:g}' for x in given)}) m"
-    return f"{axes} at {where} of {carrier}"
 
 
 def _blocked(

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from rankdrop.configuration import Configuration, at
 from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale, sigma_of, svd
-from rankdrop.local.directions import lost_without, words
+from rankdrop.local.directions import FramedDirections, lost_without
 from rankdrop.local.minimax import Evaluate, Model
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -43,9 +43,8 @@ class Failure:
         sigma_min: σ_r of them, r the generic rank of the whole arm; 0.0 where there are fewer.
         rank: number of them above the tolerance, at most r.
         share: ρ_j, what is left of √det(JJᵀ), from 0 to 1; 0.0 where the whole arm is singular.
-        lost: (r − rank, 6) task motions that the other joints cannot make, as `lost_directions`, in the frame in which
-            they are sparsest.
-        lost_words: the same in words.
+        framed: the task motions that the other joints cannot make, as `lost_directions`, and the frame in which they
+            are sparsest; None where the others can make all.
     """
 
     number: int
@@ -54,8 +53,21 @@ class Failure:
     sigma_min: float
     rank: int
     share: float
-    lost: Array
-    lost_words: tuple[str, ...]
+    framed: FramedDirections | None
+
+    @property
+    def lost(self) -> Array:
+        """(r − rank, 6) task motions that the other joints cannot make, in the frame in which they are sparsest."""
+        if self.framed is None:
+            return np.zeros((0, 6))
+        return self.framed.directions
+
+    @property
+    def lost_words(self) -> tuple[str, ...]:
+        """The same in words."""
+        if self.framed is None:
+            return ()
+        return self.framed.sentences()
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,15 +137,12 @@ def failures_at(
     lost = lost_without(robot, here.q, here.task, {j: full - rank for j, rank in enumerate(ranks) if rank < full})
     single = []
     for j, joint in enumerate(robot.variables):
-        left, rows, lost_words = remaining[j], np.zeros((0, 6)), tuple[str, ...]()
-        rank = ranks[j]
+        left, rank = remaining[j], ranks[j]
         if rank == full:
             least = float(left[full - 1])
         else:
             least = 0.0
-            framed = lost[j]
-            rows, lost_words = framed.directions, tuple(words(row, framed.name) for row in framed.directions)
-        single.append(Failure(j + 1, joint.name, left, least, rank, float(shares[j]), rows, lost_words))
+        single.append(Failure(j + 1, joint.name, left, least, rank, float(shares[j]), lost.get(j)))
     if regular:
         bound = float(np.sqrt((robot.n - full) / robot.n) * sigma[0])
     else:

@@ -37,7 +37,7 @@ from rankdrop.local.block import read_only
 from rankdrop.options import Options, option, takes
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import Section, html
+from rankdrop.sections import html, words_of
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, TIE, Tolerances
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
@@ -89,19 +89,7 @@ class Nearest:
 
     def _repr_html_(self) -> str:
         """For notebooks: the configuration, how far it is, and how it was checked."""
-        rows = tuple(
-            (str(number), f"{there:.6g}", f"{way:+.6g}")
-            for number, (there, way) in enumerate(zip(self.q, self.delta, strict=True), 1)
-        )
-        notes = (
-            f"largest σ that has to vanish there: {self.sigma:.2g}; {self.agreeing} of {self.starts} starts ended at "
-            f"this distance; stationarity {self.stationarity:.2g}",
-            "found by search: that nothing is nearer is not proven",
-        )
-        summary = f"{self.distance:.6g} rad away (slides per length scale), corank {self.corank}"
-        columns = ("joint", "q* [rad, m]", "q* − q [rad, m]")
-        title = "Nearest singular configuration"
-        return html([Section(title, summary, columns=columns, rows=rows, texts=(), notes=notes)])
+        return html(words_of(self).nearest_sections(self))
 
 
 @dataclass(frozen=True)

@@ -458,7 +458,7 @@ class RemarkKind(StrEnum):
     AGREES = "agrees"
     NOT_RESTORED = "not restored"
     NO_GAIN = "no gain"
-    NAMED_BY_NO_RUN = "named by no run"
+    NAMED_BY_NO_RUN = "unnamed"
     LEFT_SINGULAR = "left singular"
 
 

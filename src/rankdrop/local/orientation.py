@@ -42,6 +42,7 @@ from rankdrop.kinematics import chain_of, frame_view, jacobian, link_poses, one_
 from rankdrop.local.block import joint_scale, row_scale, sigma_of, svd
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import hat
+from rankdrop.sections import words_of
 from rankdrop.task import BASE, TIP, Frame, Task, link_index
 from rankdrop.tolerances import DEFAULT, Tolerances
 
@@ -371,7 +372,6 @@ class Representation:
         jump: angle to where the coordinates jump, half a turn (the quaternion's w = 0) [rad]; inf for Euler angles and
             Rodrigues parameters.
         singular, near: E is singular here (to the tolerance); or closer than `NEAR`, and not singular.
-        words: what it means.
     """
 
     name: str
@@ -383,7 +383,12 @@ class Representation:
     jump: float
     singular: bool
     near: bool
-    words: str
+
+    @property
+    def words(self) -> str:
+        """What it means, in a sentence."""
+        words: str = words_of(self).representation_words(self)
+        return words
 
 
 @dataclass(frozen=True, slots=True)
@@ -394,7 +399,6 @@ class Representations:
         arm: rank of the geometric Jacobian for the whole pose.
         zyz, rpy, quaternion, rotvec: one each.
         others: the other orders of Euler angles, Rodrigues and modified Rodrigues parameters.
-        words: who is singular here: the arm, coordinates, both or neither.
     """
 
     arm: Rank
@@ -402,13 +406,18 @@ class Representations:
     rpy: Representation
     quaternion: Representation
     rotvec: Representation
-    words: str
     others: tuple[Representation, ...] = ()
 
     @property
     def every(self) -> tuple[Representation, ...]:
         """All of them, those most used first."""
         return (self.zyz, self.rpy, self.quaternion, self.rotvec, *self.others)
+
+    @property
+    def words(self) -> str:
+        """Who is singular here: the arm, coordinates, both or neither."""
+        words: str = words_of(self).representations_words(self)
+        return words
 
     def of(self, name: str) -> Representation:
         """One of them by its name.
@@ -484,10 +493,8 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
     measures = _rate_measures(coordinates)
     turned = float(np.linalg.norm(coordinates["rotvec"]))
     found = {name: _describe(name, coordinates[name], *measures[name], turned, tolerances) for name in NAMES}
-    singular = ", ".join(part.name for part in found.values() if part.singular)
     others = tuple(part for name, part in found.items() if name not in MAIN)
-    return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"],
-                           _WHOSE[arm.corank > 0, singular != ""].format(singular), others)  # fmt: skip
+    return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"], others)
 
 
 def _every_coordinates(rotation: Array) -> dict[str, Array]:
@@ -497,15 +504,6 @@ def _every_coordinates(rotation: Array) -> dict[str, Array]:
     angles["rpy"] = angles[_ORDERS["rpy"]][::-1]
     quaternion = _quaternion(rotation)
     return {name: angles[name] if name in angles else _of_quaternion(quaternion, name) for name in NAMES}
-
-
-_WHOSE = {
-    (False, False): "neither the arm nor any of the coordinates is singular",
-    (False, True): "only the coordinates {} are singular; the arm moves freely: use the quaternion",
-    (True, False): "the arm is singular for the whole pose; no coordinates are",
-    (True, True): "the arm is singular for the whole pose, and so are the coordinates {}",
-}
-"""Whether the arm is singular, and whether some coordinates are."""
 
 
 def _rate_measures(coordinates: dict[str, Array]) -> dict[str, tuple[float, float | None]]:
@@ -539,18 +537,6 @@ def _describe(
         angle = max({"rotvec": 2 * pi, "mrp": 2 * pi, "rodrigues": pi, "quaternion": inf}[name] - turned, 0.0)
     singular = sigma <= tolerances.singular
     near = not singular and angle <= NEAR
-    words = f"{name} coordinates are {_STATES[singular, near]}"
-    if name == "quaternion":
-        words = "a quaternion has no singularity"
     return Representation(
-        name, NAMES[name], tuple(coordinates.tolist()), sigma, determinant, float(angle), float(jump), singular, near,
-        words,
-    )  # fmt: skip
-
-
-_STATES = {
-    (True, False): "singular here: a matter of coordinates, not of the arm",
-    (False, True): "near a singularity of theirs: their rates are large, not the arm's",
-    (False, False): "regular here",
-}
-"""Whether coordinates are singular, and near a singularity of theirs."""
+        name, NAMES[name], tuple(coordinates.tolist()), sigma, determinant, float(angle), float(jump), singular, near
+    )

@@ -9,22 +9,32 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from itertools import combinations, pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.kinematics import jacobian, one_configuration, task_jacobian
-from rankdrop.local.axes import Scene, numbers
+from rankdrop.local.axes import Scene
 from rankdrop.local.block import generic_rank, structural_sample
 from rankdrop.local.departure import unlocked
 from rankdrop.local.subgroups import closure, subgroups
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
+from rankdrop.sections import words_of
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import ALIGNED, DEPENDENT
 
 _SYSTEM_SAMPLES = 2  # random configurations that tell what stays
+
+
+class Members(StrEnum):
+    """What the joints of a screw system are: turning axes only, slides only, or both."""
+
+    AXES = "axes"
+    SLIDES = "slides"
+    JOINTS = "joints"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +48,7 @@ class ScrewSystem:
         consecutive: the numbers are a run.
         structural: in the subgroup at every configuration: the joints in between keep it as it is.
         permanent: structural, and more joints than the dimension: dependent at every configuration.
-        words: the whole in English.
+        members: whether slides are among its joints.
     """
 
     numbers: tuple[int, ...]
@@ -47,7 +57,13 @@ class ScrewSystem:
     consecutive: bool
     structural: bool
     permanent: bool
-    words: str
+    members: Members
+
+    @property
+    def words(self) -> str:
+        """What the joints have in common, and whether they are dependent, in English."""
+        words: str = words_of(self).system_words(self)
+        return words
 
     @property
     def loss(self) -> int:
@@ -93,7 +109,53 @@ def systems_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tuple[
     return tuple(sorted(kept, key=lambda s: (not s.permanent, -s.loss, s.dimension, s.numbers)))
 
 
-def always_singular_reason(robot: Robot, task: Task) -> str | None:
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """Dimensions that a set of joints loses in a task at every configuration.
+
+    Attributes:
+        joints: from 0.
+        lost: joints − rank of their columns.
+        kind, dimension: of the screw system that holds them; "" and 0 for a joint that moves nothing in this task.
+    """
+
+    joints: frozenset[int]
+    lost: int
+    kind: str = ""
+    dimension: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class AlwaysSingular:
+    """Why an arm is deficient for a task at every configuration; a sentence as text and in JSON.
+
+    Attributes:
+        joints: how many the arm has.
+        rank, most: at random configurations, and the smaller of rows and joints.
+        dimension: of the one subgroup that holds all joints; 0 where another reason is given.
+        kind: of that subgroup; "" where it is of none of the kinds of `ScrewSystem`.
+        losses: sets without a common joint that lose most together, where no subgroup holds all joints; empty where
+            none accounts for the loss.
+        bound: rank that the losses leave at most.
+    """
+
+    joints: int
+    rank: int
+    most: int
+    dimension: int = 0
+    kind: str = ""
+    losses: tuple[Loss, ...] = ()
+    bound: int = 0
+
+    def __str__(self) -> str:
+        words: str = words_of(self).always_singular_words(self)
+        return words
+
+    def __json__(self) -> str:
+        return str(self)
+
+
+def always_singular_reason(robot: Robot, task: Task) -> AlwaysSingular | None:
     """Why an arm is deficient for a task at every configuration; None where it is not.
 
     Either all joints lie in one subgroup, or some sets of joints, apart from each other, have fewer dimensions than
@@ -116,25 +178,22 @@ def always_singular_reason(robot: Robot, task: Task) -> str | None:
     if rank == most:
         return None
     q = structural_sample(robot, task, 1)[0]
-    head = f"rank {rank} of {most} everywhere: "
     dimension = len(closure(_twists(robot, q, task.scale(robot))))
+    inside = AlwaysSingular(robot.n, rank, most, dimension, _kind_of_all(robot, q, dimension))
     if dimension < 6 and dimension == generic_rank(robot, resolve_task("pose", robot)):
-        return head + _whole(robot, q, dimension, rank)
+        return inside
     best = max(_apart(_losses(robot, task, q)), key=lambda chosen: (_lost_by(chosen), -len(chosen)))
     bound = min(most, robot.n - _lost_by(best))
     if bound > rank and dimension < 6:
-        return head + _whole(robot, q, dimension, rank)
+        return inside
     if bound == most:
-        return f"{head}no screw system of the joints accounts for it"
-    words = "; ".join(what for _, _, what in best)
-    if bound > rank:
-        words += f"; this accounts for rank {bound}, not for {rank}"
-    return head + words
+        return AlwaysSingular(robot.n, rank, most)
+    return AlwaysSingular(robot.n, rank, most, losses=best, bound=bound)
 
 
-def _lost_by(losses: Sequence[_Loss]) -> int:
+def _lost_by(losses: Sequence[Loss]) -> int:
     """How many dimensions some sets of joints lose together."""
-    return sum(loss for loss, _, _ in losses)
+    return sum(one.lost for one in losses)
 
 
 def _stay_inside(robot: Robot, joints: tuple[int, ...], dimension: int) -> bool:
@@ -152,26 +211,18 @@ def _twists(robot: Robot, q: Array, length: float) -> Array:
     return twists
 
 
-def _whole(robot: Robot, q: Array, dimension: int, rank: int) -> str:
-    """All joints in one subgroup, and what the task sees of it."""
-    scene = Scene.of_joints(robot, q[None])
+def _kind_of_all(robot: Robot, q: Array, dimension: int) -> str:
+    """The kind of a subgroup of this dimension that holds all joints; "" without one."""
+    if dimension == 6:
+        return ""
     every = tuple(range(len(robot.joints)))
-    kinds = [kind for kind, size, joints, _ in subgroups(scene) if joints == every and size == dimension]
-    if kinds:
-        system = f"a {kinds[0]} system ({_MEANING[kinds[0]]})"
-    else:
-        system = "a system"
-    words = f"joints {numbers(range(robot.n))} lie in {system} of dimension {dimension}"
-    if dimension == rank:
-        return words
-    return f"{words}, of which this task sees {rank}"
+    for kind, size, joints, _ in subgroups(Scene.of_joints(robot, q[None])):
+        if joints == every and size == dimension:
+            return kind
+    return ""
 
 
-_Loss = tuple[int, frozenset[int], str]
-"""How many dimensions a set of joints loses, the joints from 0, and the set in words."""
-
-
-def _losses(robot: Robot, task: Task, q: Array) -> list[_Loss]:
+def _losses(robot: Robot, task: Task, q: Array) -> list[Loss]:
     """Structural sets with what they lose in this task: joints − rank of their columns."""
     columns = task_jacobian(robot, q, task)
     found = []
@@ -179,20 +230,19 @@ def _losses(robot: Robot, task: Task, q: Array) -> list[_Loss]:
         if not system.structural:
             continue
         chosen = frozenset(number - 1 for number in system.numbers)
-        loss = len(chosen) - int((np.linalg.svd(columns[:, sorted(chosen)])[1] > DEPENDENT).sum())
-        if loss > 0:
-            what = f"joints {numbers(sorted(chosen))} lie in a {system.kind} system of dimension {system.dimension}"
-            found.append((loss, chosen, f"{what} and lose {loss}"))
+        lost = len(chosen) - int((np.linalg.svd(columns[:, sorted(chosen)])[1] > DEPENDENT).sum())
+        if lost > 0:
+            found.append(Loss(chosen, lost, system.kind, system.dimension))
     for i in np.flatnonzero(np.linalg.norm(columns, axis=0) <= DEPENDENT).tolist():
-        found.append((1, frozenset({i}), f"joint {i + 1} moves nothing in this task"))
+        found.append(Loss(frozenset({i}), 1))
     return found
 
 
-def _apart(losses: list[_Loss]) -> Iterator[tuple[_Loss, ...]]:
+def _apart(losses: list[Loss]) -> Iterator[tuple[Loss, ...]]:
     """Choices of at most three sets without a common joint, the empty one included."""
     for count in range(4):
         for chosen in combinations(losses, count):
-            if all(not a[1] & b[1] for a, b in combinations(chosen, 2)):
+            if all(not a.joints & b.joints for a, b in combinations(chosen, 2)):
                 yield chosen
 
 
@@ -220,17 +270,6 @@ def _says_more(other: ScrewSystem, system: ScrewSystem) -> bool:
     return others < mine and not system.structural and other.loss >= system.loss
 
 
-_MEANING = {
-    "coaxial": "one line",
-    "translational": "slides",
-    "cylindrical": "one line, turns and slides",
-    "spherical": "axes that meet in one point",
-    "planar": "parallel axes, slides normal to them",
-    "planar with a screw": "parallel screws of one pitch, slides normal to them",
-    "Schönflies": "parallel axes and slides",
-}
-
-
 def _system(
     robot: Robot, scene: Scene, kind: str, dimension: int, joints: tuple[int, ...], structural: bool
 ) -> ScrewSystem:
@@ -240,46 +279,14 @@ def _system(
     chosen = [i for i, joint in enumerate(robot.variables) if joint.name in inside - outside]
     slides = int(scene.slides[list(joints)].sum())
     permanent = structural and len(chosen) > dimension
-    shared = _shared_in(kind, dimension, slides, len(joints))
+    if slides == len(joints):
+        members = Members.SLIDES
+    elif slides:
+        members = Members.JOINTS
+    else:
+        members = Members.AXES
     return ScrewSystem(
         numbers=tuple(i + 1 for i in chosen), kind=kind, dimension=dimension,
         consecutive=bool(chosen) and chosen[-1] - chosen[0] == len(chosen) - 1, structural=structural,
-        permanent=permanent,
-        words=f"{shared.format(numbers(chosen))} ({kind} system of dimension {dimension}), "
-        f"{_WHEN[structural, permanent]}",
+        permanent=permanent, members=members,
     )  # fmt: skip
-
-
-def _shared_in(kind: str, dimension: int, slides: int, joints: int) -> str:
-    """What the joints of a system have in common, some of them slides: "axes {} are parallel"."""
-    if slides == joints:
-        what = "slides"
-    elif slides:
-        what = "joints"
-    else:
-        what = "axes"
-    if kind == "translational":
-        of_axes, with_slides = _SHARED[f"{kind} {dimension}"]
-    else:
-        of_axes, with_slides = _SHARED[kind]
-    return f"{what} {{}} {with_slides if slides else of_axes}"
-
-
-_WHEN = {
-    (False, False): "dependent here: no motion of these joints alone breaks it",
-    (True, False): "at every configuration",
-    (True, True): "dependent at every configuration",
-}
-"""Whether a system is structural, and permanent."""
-_SHARED = {
-    "coaxial": ("lie on one line", "lie on one line"),
-    "translational 1": ("are parallel", "are parallel"),
-    "translational 2": ("are parallel to one plane", "are parallel to one plane"),
-    "translational 3": ("only translate", "only translate"),
-    "cylindrical": ("lie on one line", "lie along one line"),
-    "spherical": ("meet in one point", "meet in one point"),
-    "planar": ("are parallel", "move in parallel planes"),
-    "planar with a screw": ("move in parallel planes that rise by one pitch",) * 2,
-    "Schönflies": ("are parallel", "turn about parallel axes and slide"),
-}
-"""What axes alone have in common in each kind of system, and joints with slides among them."""

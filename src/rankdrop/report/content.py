@@ -52,7 +52,7 @@ from rankdrop.local import (
 )
 from rankdrop.problem import Problem
 from rankdrop.report.chart import pieces
-from rankdrop.results import Analysis, Conditions, known_conditions
+from rankdrop.results import Analysis, Conditions, Idealised, known_conditions
 from rankdrop.robot import Array, Mesh, Robot, reach
 from rankdrop.sections import Section
 from rankdrop.task import Task
@@ -66,13 +66,15 @@ from rankdrop.text import (
     lost_note,
     lost_sentences,
     motion,
+    moved_section,
     of_analysis,
     one_line,
     place_name,
     place_parts,
     short,
+    there_section,
 )
-from rankdrop.verbs import Idealised, moved_section, nearby, there_section
+from rankdrop.verbs import nearby
 
 _SINGLE = 3  # joints alone that are offered, the best first
 

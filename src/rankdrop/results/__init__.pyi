@@ -11,6 +11,9 @@ from .findings import find_to_npz as find_to_npz
 from .findings import history_to_csv as history_to_csv
 from .findings import history_to_npz as history_to_npz
 from .findings import store_cloud as store_cloud
+from .ideal_vs_actual import Here as Here
+from .ideal_vs_actual import Idealised as Idealised
+from .ideal_vs_actual import Nearby as Nearby
 from .jacobian_in_frame import LinkJacobian as LinkJacobian
 from .known import known_analysis as known_analysis
 from .known import known_conditions as known_conditions

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 from functools import cached_property, lru_cache
 from operator import itemgetter
 from typing import ClassVar
@@ -30,13 +31,11 @@ from rankdrop.local.directions import (
     FRAMES,
     FramedDirections,
     Screw,
-    blocked_words,
     lost_directions,
     lost_in_sparsest_frame,
     lost_seen_from,
     readable_basis,
     screw_of,
-    words,
 )
 from rankdrop.local.failures import Failures, failures_at
 from rankdrop.local.jog import Jog, jog_farther, jog_out
@@ -46,7 +45,7 @@ from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Ellipsoids, Rates, StraightMotion, ellipsoids, joint_rates, slowest_motions
 from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.relations import Relation, relations_at
-from rankdrop.local.screw_systems import ScrewSystem, always_singular_reason, systems_at
+from rankdrop.local.screw_systems import AlwaysSingular, ScrewSystem, always_singular_reason, systems_at
 from rankdrop.local.special import Special, specials_at
 from rankdrop.local.ways_out import Escape, JointEscape, escape
 from rankdrop.problem import wrap
@@ -160,7 +159,7 @@ class Blame:
     smallest: tuple[Circuit, ...]
     ordered: tuple[OrderedSubset, ...]
     systems: tuple[ScrewSystem, ...]
-    always: str | None
+    always: AlwaysSingular | None
     complete: bool = True
     hunt: Hunt | None = None
 
@@ -174,7 +173,7 @@ class Far:
         nearest: the nearest singular configuration that was found; None where none was.
         nearest_family: a family it belongs to.
         families: distance to each known family that does not hold here, nearest first.
-        unasked: why no radius is certified at all; empty where one is.
+        unasked: why a regular configuration has no certified radius; empty where it has.
         near_miss: σ_r of the smallest nonzero local minimum met from here; None unless that is what is near.
     """
 
@@ -202,6 +201,8 @@ class Far:
         if self.unasked:
             return None, self.unasked
         here, options = self.explanation.here, self.explanation.options
+        if here.measured.corank:
+            return None, words_of(self.explanation).SINGULAR_HERE
         if self.nearest is not None and not options.limits:
             distance = self.nearest.distance
         else:
@@ -241,23 +242,53 @@ def _never_possible(here: Configuration) -> Array:
 _AGREE = 1e-6  # distances that differ by less are the same: σ of second order leaves half the digits [rad]
 
 
-def disagreements(far: Far, single: Sequence[JointEscape]) -> Iterator[str]:
+class DifferenceKind(StrEnum):
+    """Which two methods give two answers."""
+
+    GAIN = "gain"
+    RADIUS = "radius"
+    SEARCH_MISSED = "missed by the search"
+    FAMILIES_MISSED = "beyond the families"
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Two methods, two answers.
+
+    Attributes:
+        kind: `GAIN`: predicted and measured for one joint alone; `RADIUS`: the certified one is beyond a singularity;
+            `SEARCH_MISSED`: a family has a point nearer than the search found; `FAMILIES_MISSED`: the search found one
+            nearer than every family.
+        number, predicted, measured: the joint, from 1, and its gains of rank.
+        radius, distance: certified, and to the singularity [rad; slides in length scales].
+        family: the one that has a nearer point.
+    """
+
+    kind: DifferenceKind
+    number: int = 0
+    predicted: int = 0
+    measured: int = 0
+    radius: float = 0.0
+    distance: float = 0.0
+    family: Family | None = None
+
+
+def differences(far: Far, single: Sequence[JointEscape]) -> Iterator[Difference]:
     """Two methods, two answers: on what a joint alone regains, and on how far."""
     for one in single:
         if not one.agrees:
-            yield (
-                f"joint {one.number} alone: a rank gain of {one.gain} was predicted, finite motion gains "
-                f"{one.measured_gain}"
+            yield Difference(
+                DifferenceKind.GAIN, number=one.number, predicted=one.gain, measured=one.measured_gain
             )
     nearest, certificate = far.nearest, far.certificate
     if nearest is not None and certificate is not None and certificate.radius > nearest.distance * (1 + 1e-8):
-        yield f"certified radius {certificate.radius:.6g} beyond a singularity at {nearest.distance:.6g}"
+        yield Difference(DifferenceKind.RADIUS, radius=certificate.radius, distance=nearest.distance)
     if nearest is not None and far.families and all(one.family.named for one in far.families):
         first = min(far.families, key=lambda one: one.distance)
         if first.distance < nearest.distance - _AGREE:
-            yield f"the search missed a nearer point of family {first.family.id} ({first.family.name})"
+            yield Difference(DifferenceKind.SEARCH_MISSED, family=first.family)
         elif not first.distance <= nearest.distance + _AGREE:
-            yield "the search found a singularity nearer than every family"
+            yield Difference(DifferenceKind.FAMILIES_MISSED)
 
 
 def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Incidence]) -> FamilyDistance:
@@ -390,7 +421,7 @@ class Explanation(Result):
         """How far the next singularity is."""
         here, options, away = self.here, self.options, self._families_away
         if here.measured.corank:
-            return Far(self, None, None, away, "the configuration is singular")
+            return Far(self, None, None, away)
         try:
             nearest = nearest_singularity(
                 here.robot, here.q, here.task, limits=options.limits, seed=options.seed,
@@ -693,8 +724,8 @@ class Explanation(Result):
         return Lost(
             directions=lost_directions(robot, self.focus, task, corank),
             weakest=weakest,
-            words=tuple(words(one, framed.name, length) for one in framed.directions),
-            blocked_words=tuple(blocked_words(one, framed.name, length) for one in framed.directions),
+            words=framed.sentences(length),
+            blocked_words=framed.blocked_sentences(length),
             framed=framed,
             twist_screws=tuple(screw_of(one * lengths) for one in framed.directions),
             wrench_screws=tuple(screw_of(np.roll(one, 3) * lengths) for one in framed.directions),
@@ -769,8 +800,13 @@ class Explanation(Result):
 
     @cached_property
     def disagreements(self) -> tuple[str, ...]:
-        """Where two methods disagree; empty when all is well."""
-        return tuple(disagreements(self.far, self.escape.single))
+        """Where two methods disagree, one sentence each; empty when all is well."""
+        return tuple(map(words_of(self).difference_sentence, self.differences))
+
+    @cached_property
+    def differences(self) -> tuple[Difference, ...]:
+        """The same as facts."""
+        return tuple(differences(self.far, self.escape.single))
 
     @property
     def nearly_lost(self) -> int:

@@ -23,9 +23,10 @@ from rankdrop.errors import ResultFileError
 from rankdrop.families.lost import LostFreedom, freedoms_of
 from rankdrop.families.name import ArmPart, FamilyName
 from rankdrop.families.record import NOT_DERIVED, ExactConditions, Family, Pin, written_conditions
-from rankdrop.local.directions import every_frame, frame_name, lost_in_frame, lost_over_family
+from rankdrop.local.directions import every_frame, lost_in_frame, lost_over_family
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
+from rankdrop.text.directions import frame_name
 
 _UNNAMED = "unnamed family"
 

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from msgspec import UNSET
 
-from rankdrop.codec import Count, Positive, many, num, optional, pair, plain, row, some, table
+from rankdrop.codec import Count, Positive, many, meanings, num, optional, pair, plain, row, some, table
 from rankdrop.configuration import Rank
 from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions
 from rankdrop.local.circuits import Circuit
@@ -56,7 +56,10 @@ CIRCUIT = table(
     sigma=num("1", ge=0),
 )
 ORDERED = table("ordered", of=OrderedSubset, first=Positive, last=Positive, dimension=Count, loss=Positive)
-SYSTEMS = table("systems", of=ScrewSystem, numbers=many(Positive), dimension=Count)
+SYSTEMS = table(
+    "systems", of=ScrewSystem, numbers=many(Positive), dimension=Count, members=None,
+    words=(str, "the whole in English."),
+)  # fmt: skip
 HUNT_JOINTS = table("hunt_joints", of=HuntJoint, number=Positive, share=num("1", ge=0, le=1), rate=num("1/distance"))
 HUNT = table(
     "hunt", of=Hunt, shape=None, lost=None, matrix=many(many(num("1"))),
@@ -337,8 +340,19 @@ COORDINATES = table(
     determinant=num("1") | None,
     angle=num("rad", ge=0) | None,
     jump=num("rad") | None,
+    words=(str, "what it means."),
 )
-REPRESENTATIONS = table("representations", of=Representations)
+_ABOUT = meanings(Representations)
+REPRESENTATIONS = table(
+    "representations",
+    arm=(RANK, _ABOUT["arm"]),
+    zyz=(COORDINATES, _ABOUT["zyz"]),
+    rpy=(COORDINATES, _ABOUT["rpy"]),
+    quaternion=(COORDINATES, _ABOUT["quaternion"]),
+    rotvec=(COORDINATES, _ABOUT["rotvec"]),
+    words=(str, "who is singular here: the arm, coordinates, both or neither."),
+    others=(optional(many(COORDINATES)), _ABOUT["others"]),
+)
 HERE = table(
     "here",
     number=Positive,

@@ -64,6 +64,9 @@ from .families import slow_line as slow_line
 from .families import starts as starts
 from .families import title as title
 from .families import within as within
+from .ideal import here_section as here_section
+from .ideal import moved_section as moved_section
+from .ideal import there_section as there_section
 from .lost import lost_note as lost_note
 from .lost import lost_sentence as lost_sentence
 from .lost import lost_sentences as lost_sentences

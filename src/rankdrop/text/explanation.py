@@ -32,7 +32,7 @@ from rankdrop.local.pointing import pointing_task, turn_follows
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
 from rankdrop.options import advised
-from rankdrop.results.explanation import Blame, Explanation, Summary
+from rankdrop.results.explanation import Blame, Difference, DifferenceKind, Explanation, Summary
 from rankdrop.results.known import shipped_conditions_record
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Formula, Section
@@ -144,6 +144,29 @@ def _measured(explanation: Explanation) -> dict[str, object]:
         "away": "" if far.nearest is None else angle(far.nearest.distance),
         "slow": " and ".join(_speed_words(one) for one in explanation.straight if one.speed < one.limit),
     }  # fmt: skip
+
+
+SINGULAR_HERE = "the configuration is singular"
+"""Why no radius is certified at a singular configuration."""
+_DIFFERENCES = {
+    DifferenceKind.GAIN: "joint {number} alone: a rank gain of {predicted} was predicted, finite motion gains "
+    "{measured}",
+    DifferenceKind.RADIUS: "certified radius {radius} beyond a singularity at {distance}",
+    DifferenceKind.SEARCH_MISSED: "the search missed a nearer point of family {family}",
+    DifferenceKind.FAMILIES_MISSED: "the search found a singularity nearer than every family",
+}
+
+
+def difference_sentence(one: Difference) -> str:
+    """Two methods that give two answers."""
+    if one.family is None:
+        family = ""
+    else:
+        family = f"{one.family.id} ({one.family.name})"
+    return _DIFFERENCES[one.kind].format(
+        number=one.number, predicted=one.predicted, measured=one.measured, radius=f"{one.radius:.6g}",
+        distance=f"{one.distance:.6g}", family=family,
+    )  # fmt: skip
 
 
 _NEAR = "near a singularity: {name}{place}"

@@ -11,9 +11,10 @@ from functools import lru_cache
 import numpy as np
 
 from rankdrop.families.lost import LostFreedom, MotionKind
-from rankdrop.local.directions import axis_text, frame_name, main_axis, words
+from rankdrop.local.directions import LostDirection, main_axis
 from rankdrop.robot.model import Robot
 from rankdrop.robot.transform import cross
+from rankdrop.text.directions import axis_text, frame_name, lost_text
 
 _TWIST = "v: velocity of the tool, at the link's origin where one is named [m/s]; ω: its turning [rad/s]."
 _ON = 1e-9  # farther from an axis [m], or turned by more [rad], is not on it
@@ -29,7 +30,8 @@ def lost_sentence(freedom: LostFreedom) -> str:
         'cannot translate along Y of link 5 at its origin (at the witness)'
     """
     if freedom.kind is MotionKind.TIED:
-        return words(freedom.direction, frame_name(freedom.frame), freedom.length) + _mark(freedom)
+        lost = LostDirection(freedom.direction, freedom.length)
+        return lost_text(lost, frame_name(freedom.frame)) + _mark(freedom)
     return f"cannot {_motion(freedom)}{_mark(freedom)}"
 
 

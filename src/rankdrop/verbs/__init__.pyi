@@ -1,13 +1,7 @@
 from .covering import cover as cover
 from .covering import how_far as how_far
-from .ideal_vs_actual import Here as Here
-from .ideal_vs_actual import Idealised as Idealised
-from .ideal_vs_actual import Nearby as Nearby
 from .ideal_vs_actual import here as here
-from .ideal_vs_actual import here_section as here_section
 from .ideal_vs_actual import idealised as idealised
-from .ideal_vs_actual import moved_section as moved_section
 from .ideal_vs_actual import nearby as nearby
-from .ideal_vs_actual import there_section as there_section
 from .jacobian_in_frame import link_jacobian as link_jacobian
 from .tolerant import most_tolerant as most_tolerant

@@ -39,6 +39,7 @@ from rankdrop.robot.model import Robot
 from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
 from rankdrop.text.conditions import undivided_sentence
 from rankdrop.text.families import SPEEDS_INTERRUPTED, mistaken_text
+from rankdrop.text.tested import contradiction, not_listed, rank_differs, rank_note, too_long
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, task_in_units
 from rankdrop.version import VERSION
@@ -107,7 +108,7 @@ def _why_incomplete(derived: Conditions, seconds: float) -> str:
     if derived.undivided:
         return undivided_sentence(derived)
     if derived.seconds >= seconds:
-        return f"the derivation takes more than {seconds:g} s"
+        return too_long(seconds)
     return "; ".join(derived.left)
 
 
@@ -141,22 +142,12 @@ def _tested(
 ) -> Derivation:
     said = list(derived.disagreements)
     if derived.generic_rank != rank:
-        said.append(f"the rank is {derived.generic_rank} almost everywhere exactly, {rank} numerically")
-    said += [_sentence(*one) for one in flat_map(lambda table: table.contradictions, tables)]
+        said.append(rank_differs(derived.generic_rank, rank))
+    said += [contradiction(*one) for one in flat_map(lambda table: table.contradictions, tables)]
     listed = {family.id for family in flat_map(lambda table: table.families, tables)}
     if not limits:  # within them a family without a point is no family
-        said += [
-            f"derived {one.id} ({one.name}) is not listed: its corank is {one.corank}, and the rank found is {rank}"
-            for one in derived.families if one.id not in listed
-        ]  # fmt: skip
+        said += (not_listed(family, rank) for family in derived.families if family.id not in listed)
     return replace(derivation, status=DIFFERS if said else AGREES, disagreements=tuple(said))
-
-
-def _sentence(family: Family, dimension: int | None) -> str:
-    name = f"derived {family.id} ({family.name})"
-    if dimension is None:
-        return f"{name}: no configuration that satisfies its conditions has its corank, its witness included"
-    return f"{name}: its dimension is at most {dimension} at configurations that satisfy its conditions"
 
 
 Progress = Callable[[str, int, int], None]
@@ -400,23 +391,8 @@ def _silent(label: str, done: int, total: int) -> None:
 def _rank_notes(robot: Robot, task: Task, rank: int) -> tuple[str, ...]:
     if rank == task.m:
         return ()
-    if rank < min(task.m, robot.n):
-        note = (
-            f"always singular for the task {task.name}: the rank is {rank} at every configuration, "
-            f"{min(task.m, robot.n)} would be full"
-        )
-    else:
-        if robot.n == 1:
-            joints = "1 joint"
-        else:
-            joints = f"{robot.n} joints"
-        note = f"the task {task.name} has {task.m} rows and the arm {joints}: the rank is {rank} at most"
     served = [name for name in task_names() if _serves(robot, name, task, rank)]
-    if served:
-        tasks = f"; tasks it can do in full: {', '.join(served)}"
-    else:
-        tasks = ""
-    return (f"{note}; corank is counted from rank {rank}{tasks}",)
+    return (rank_note(task, robot.n, rank, served),)
 
 
 def _serves(robot: Robot, name: str, task: Task, rank: int) -> bool:

@@ -8,26 +8,23 @@ and how far the arm's own nearest singular configuration is.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.codec import Record, plain
 from rankdrop.families.record import Family, rescaled, slides_of
 from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem, wrapped
-from rankdrop.results.analysis import robot_to_dict
 from rankdrop.results.explanation import Explanation
+from rankdrop.results.ideal_vs_actual import Here, Idealised, Nearby, Spread
 from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.ideal import ideal as ideal_of
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.numbers import Change
-from rankdrop.robot.quantities import count
-from rankdrop.sections import Section
 from rankdrop.task import Task
+from rankdrop.text.ideal import ideal_note
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
 
@@ -36,97 +33,6 @@ POINTS = 200
 SEARCHED = 20
 """Of them whose nearest singular configuration is looked for: some milliseconds each."""
 _STARTS = 32  # of each of these searches: q itself is nearly singular, and most of them end there
-
-
-@dataclass(frozen=True, slots=True)
-class Spread:
-    """Smallest, median and largest of some numbers."""
-
-    least: float
-    median: float
-    most: float
-
-
-@dataclass(frozen=True, slots=True)
-class Nearby:
-    """The arm itself where one family of the ideal arm is.
-
-    Attributes:
-        id, name, corank: of the family.
-        points: how many random points of it were looked at.
-        number: counted from 1, of the largest singular value that vanishes for the ideal arm there: r − corank + 1.
-        sigma: that singular value of the arm itself at these points [1].
-        singular: at how many of them the arm itself has this corank, or more.
-        searched: from how many of them its own nearest singular configuration, of any corank, was looked for.
-        distance: to it, where it was found [rad; slides divided by the length scale]; None where none was.
-    """
-
-    id: str
-    name: str
-    corank: int
-    points: int
-    number: int
-    sigma: Spread
-    singular: int
-    searched: int
-    distance: Spread | None
-
-
-@dataclass(frozen=True, slots=True)
-class Here:
-    """The arm itself, at one configuration and where the ideal arm is singular next to it.
-
-    Attributes:
-        number: counted from 1, of the largest singular value that vanishes for the ideal arm there.
-        sigma: it, of the arm itself, at the configuration [1].
-        distance: from there to where the ideal arm is singular [rad]; 0 where it is so here, None where none was found.
-        q: (n,) that place [rad, m].
-        there: the singular value of the arm itself there [1].
-    """
-
-    number: int
-    sigma: float
-    distance: float | None
-    q: tuple[float, ...] | None
-    there: float | None
-
-
-@dataclass(frozen=True, eq=False)
-class Idealised:
-    """An arm and the ideal one near it.
-
-    Attributes:
-        real, ideal: the arm that was given, and the one of exact structure, whose notes say so.
-        tolerance: it was made with.
-        changes: what was moved, and by how much.
-    """
-
-    real: Robot
-    ideal: Robot
-    tolerance: Tolerance
-    changes: tuple[Change, ...]
-
-    def to_dict(self, task: Task, nearby: Sequence[Nearby] = ()) -> Record:
-        """Plain data: the entry "ideal" of docs/json.md.
-
-        Args:
-            task: with the length scale that σ was worked out with.
-            nearby: from `nearby`.
-        """
-        moved = [{"name": one.name, **plain(one), "by": one.by, "text": one.text} for one in self.changes]
-        return {
-            "tolerance": {"text": self.tolerance.text, **plain(self.tolerance)},
-            "moved": moved,
-            "real": robot_to_dict(self.real, task, generic_rank(self.real, task)),
-            "families": plain(tuple(nearby)),
-        }
-
-    @property
-    def moved(self) -> str:
-        """One sentence: how much was moved, at most by how much."""
-        if not self.changes:
-            return f"nothing is moved within {self.tolerance.text}: the arm is as exact as it can be"
-        return self.ideal.notes[-1]
 
 
 def idealised(robot: Robot, tolerance: Tolerance) -> Idealised:
@@ -143,24 +49,8 @@ def idealised(robot: Robot, tolerance: Tolerance) -> Idealised:
     """
     found, changes = ideal_of(robot, length=tolerance.length, angle=tolerance.angle)
     if changes:
-        found = replace(found, name=f"{robot.name}_ideal", notes=(*found.notes, _note(tolerance, changes)))
+        found = replace(found, name=f"{robot.name}_ideal", notes=(*found.notes, ideal_note(tolerance, changes)))
     return Idealised(robot, found, tolerance, changes)
-
-
-def _note(tolerance: Tolerance, changes: Sequence[Change]) -> str:
-    turned = [change.by for change in changes if change.turns]
-    moved = [change.by for change in changes if not change.turns]
-    what = [count(len(x), name) for x, name in ((turned, "angle"), (moved, "length")) if x]
-    if turned:
-        most = [f"{np.degrees(max(turned)):.3g}°"]
-    else:
-        most = []
-    if moved:
-        most += [f"{max(moved) * 1e3:.3g} mm"]
-    return (
-        f"not the arm itself but the ideal one within {tolerance.text}: {' and '.join(what)} moved, at most "
-        f"{', '.join(most)}"
-    )
 
 
 def nearby(arm: Idealised, task: Task, families: Sequence[Family], *, seed: int = 0) -> tuple[Nearby, ...]:
@@ -238,69 +128,3 @@ def here(arm: Idealised, explanation: Explanation) -> Here:
     if not corank:
         return Here(number, float(sigma[0]), None, None, None)
     return Here(number, float(sigma[0]), distance, tuple(q.tolist()), float(sigma[1]))
-
-
-def here_section(arm: Idealised, here: Here) -> Section:
-    """The same in two lines."""
-    name = f"σ{here.number}"
-    lines = [f"{name} of the arm itself here: {_short(here.sigma)}"]
-    if here.distance is None or here.there is None:
-        lines.insert(0, "no singular configuration of the ideal arm was found from here")
-    elif here.distance == 0.0:
-        lines = [f"the ideal arm is singular here; this arm's {name} here is {_short(here.there)}"]
-    else:
-        away = f"{np.degrees(here.distance):.2g}° from here"
-        lines.insert(0, f"the ideal arm is singular {away}; this arm's {name} there is {_short(here.there)}")
-    return Section("Ideal arm", "" if arm.changes else arm.moved, tuple(lines))
-
-
-def moved_section(arm: Idealised) -> Section:
-    """What was moved, and by how much."""
-    rows = tuple((one.name, ", ".join(map(str, one.joints)), *_moved(one)) for one in arm.changes)
-    return Section(
-        "What was moved", "" if rows else arm.moved,
-        columns=("number", "joints", "from", "to", "by") if rows else (), rows=rows, texts=(0, 1),
-        notes=("numbers not listed are unchanged",) if rows else (),
-    )  # fmt: skip
-
-
-def there_section(nearby: Sequence[Nearby]) -> Section:
-    """σ of the arm itself on each family of the ideal one, and how far its own nearest singular configuration is."""
-    rows = tuple(
-        (f"{one.id}  {one.name}", f"σ{one.number}", *map(_short, astuple(one.sigma)), *_away(one)) for one in nearby
-    )
-    columns = ("family of the ideal arm", "", "least", "median", "largest", "nearest", "median")
-    points = max(one.points for one in nearby)
-    searched = max(one.searched for one in nearby)
-    notes = (
-        f"σ: of the arm itself at up to {points} random points of each family, the largest that vanishes for the ideal "
-        "arm.",
-        f"nearest, median: from {searched} of them, the ways to the nearest configurations found at which the arm "
-        "itself is singular.",
-    )
-    return Section("The arm itself there", "", columns=columns, rows=rows, notes=notes)
-
-
-def _moved(change: Change) -> tuple[str, str, str]:
-    if change.kind in ("base", "tip"):
-        return "", "", f"{np.degrees(change.by):.2g}°"
-    before, after = change.ends
-    return before, after, f"{np.degrees(change.by):.3g}°" if change.turns else f"{change.by * 1e3:.3g} mm"
-
-
-def _away(nearby: Nearby) -> tuple[str, str]:
-    if nearby.distance is None:
-        return "none found", ""
-    return f"{_degrees(nearby.distance.least)}", f"{_degrees(nearby.distance.median)}"
-
-
-def _degrees(distance: float) -> str:
-    if distance > DEFAULT.singular:
-        return f"{np.degrees(distance):.2g}°".replace("-", "−")
-    return "0°"
-
-
-def _short(value: float) -> str:
-    if value <= DEFAULT.singular:
-        return "0"
-    return f"{value:.2g}".replace("-", "−")

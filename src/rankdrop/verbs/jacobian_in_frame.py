@@ -20,7 +20,7 @@ from rankdrop.exact.determinants import ClosedInverse, closed_inverse
 from rankdrop.formula.writing import Quotient, number_at, single_angles
 from rankdrop.kinematics import check_robot, jacobian, one_configuration, pose
 from rankdrop.local.block import sample
-from rankdrop.results.jacobian_in_frame import Agreement, LinkJacobian, Numbers, regular
+from rankdrop.results.jacobian_in_frame import Agreement, CheckKind, LinkJacobian, Numbers, regular
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.transform import rotation, translation
 from rankdrop.task import Task
@@ -190,16 +190,12 @@ def _checks(
         places = list(out_of_units(chain.robot, sample(chain.own, chain.own_task, TRIED, 0)))
         matrices = [numeric(chain, q, k, at) for q in places]
         worst = _largest_difference(chain, rows, places, matrices)
-        yield Agreement(
-            f"the closed form is the numeric Jacobian, turned, at {TRIED} random configurations", worst <= AGREE, worst
-        )
+        yield Agreement(CheckKind.CLOSED_FORM, worst <= AGREE, worst, TRIED)
         if closed is not None:
             yield from _checks_of_inverse(chain, closed, places, matrices)
     if numbers is not None and numbers.inverse is not None:
         worst = float(np.abs(numbers.inverse @ numbers.matrix - np.eye(len(numbers.q))).max())
-        yield Agreement(
-            "the inverse times the Jacobian is the identity at the configuration given", worst <= AGREE, worst
-        )
+        yield Agreement(CheckKind.NUMERIC_INVERSE, worst <= AGREE, worst)
 
 
 def _largest_difference(
@@ -219,17 +215,11 @@ def _checks_of_inverse(
     chain: Chain, closed: ClosedInverse, places: Sequence[Array], matrices: Sequence[Array]
 ) -> Iterator[Agreement]:
     """Agreement of the closed inverse with the closed Jacobian modulo a prime, and with the numeric one at places."""
-    yield Agreement(
-        f"J · adj J = det J · 1 at {closed.agree} of {closed.tested} random points modulo 2^61 − 11913",
-        closed.agree == closed.tested, None,
-    )  # fmt: skip
+    yield Agreement(CheckKind.ADJUGATE, closed.agree == closed.tested, None, closed.tested, closed.agree)
     gap = 0.0
     for q, matrix in zip(places, matrices, strict=True):
         gap = max(gap, _gap(closed.entries, q + chain.shifts, chain.numbers, matrix))
-    yield Agreement(
-        f"the closed inverse times the numeric Jacobian is the identity at {TRIED} random configurations",
-        gap <= AGREE, gap,
-    )  # fmt: skip
+    yield Agreement(CheckKind.CLOSED_INVERSE, gap <= AGREE, gap, TRIED)
 
 
 def _gap(entries: Sequence[Sequence[Quotient]], theta: Array, letters: Mapping[str, float], matrix: Array) -> float:

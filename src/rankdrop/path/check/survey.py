@@ -22,7 +22,7 @@ from rankdrop.errors import RankdropError
 from rankdrop.families.record import Family, families_at, family_in_metres
 from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
-from rankdrop.local.directions import lost_seen_from, words
+from rankdrop.local.directions import lost_seen_from
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.rates import rate_limits
 from rankdrop.path.check.prove import Sliver
@@ -536,7 +536,7 @@ class Survey:
             if with_lost:
                 framed = lost_seen_from(self.robot, q, self.task, part.corank, self.options.frame)
                 length = counted_length(self.asked)
-                more["lost"] = tuple(words(row, framed.name, length) for row in framed.directions)
+                more["lost"] = framed.sentences(length)
         if part.verdict == UNDECIDED:
             family, far, feet = self._nearest(q[None])
             closest = replace(closest, distance=np.inf, foot=np.zeros(0))

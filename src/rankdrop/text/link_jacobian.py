@@ -1,0 +1,175 @@
+"""The Jacobian in the axes of a link, as it is handed over: matrices, numbers and checks as text and as LaTeX."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from rankdrop.formula.notation import Latex, latex_name
+from rankdrop.formula.writing import form_of, text_of
+from rankdrop.results.jacobian_in_frame import Agreement, CheckKind, LinkJacobian, Numbers, regular
+from rankdrop.robot.model import Array
+from rankdrop.sections import Section
+from rankdrop.task import ROWS
+
+_WIDTH = 76  # characters up to which a matrix stands as a table
+_CHECKS = {
+    CheckKind.CLOSED_FORM: "the closed form is the numeric Jacobian, turned, at {points} random configurations",
+    CheckKind.NUMERIC_INVERSE: "the inverse times the Jacobian is the identity at the configuration given",
+    CheckKind.ADJUGATE: "J · adj J = det J · 1 at {agreeing} of {points} random points modulo 2^61 − 11913",
+    CheckKind.CLOSED_INVERSE: "the closed inverse times the numeric Jacobian is the identity at {points} random "
+    "configurations",
+}
+
+
+def check_words(check: Agreement) -> str:
+    """What was compared, and at how many points."""
+    return _CHECKS[check.kind].format(points=check.points, agreeing=check.agreeing)
+
+
+def repr_words(found: LinkJacobian) -> str:
+    """A result in a line of Python."""
+    return f"LinkJacobian of {found.robot.name}: frame {found.frame}, about {_point(found.at)}"
+
+
+def entry_texts(found: LinkJacobian) -> tuple[tuple[str, ...], ...]:
+    """The entries as text, row by row."""
+    return _each_entry(found.rows, lambda entry: text_of(found.chain.ring, entry))
+
+
+def inverse_texts(found: LinkJacobian, most: int | None) -> tuple[tuple[str, ...], ...]:
+    """The entries of the inverse as text; longer sums than `most` by their size."""
+    if found.closed is None:
+        return ()
+    return _each_entry(found.closed.entries, lambda entry: entry.text(most))
+
+
+def latex(found: LinkJacobian) -> str:
+    """The matrix, its determinant and its inverse in LaTeX, as displayed formulas."""
+    name = f"{{}}^{{{found.frame}}}J"
+    formulas = [f"{name} = {_matrix(_latex_entries(found))}"]
+    if found.closed is not None:
+        formulas.append(rf"\det {name} = {found.closed.determinant.latex()}")
+        inverse = _each_entry(found.closed.entries, lambda entry: entry.latex())
+        formulas.append(f"{name}^{{-1}} = {_matrix(inverse)}")
+    lines = ["% needs \\usepackage{amsmath}", *(f"\\[ {one} \\]" for one in formulas)]
+    lengths = [rf"{latex_name(one)} = {value:.12g}\,\mathrm{{m}}" for one, value in found.letters.items()]
+    if lengths:
+        lines.append(rf"${', '.join(lengths)}$")
+    return "\n".join([*lines, ""])
+
+
+def _latex_entries(found: LinkJacobian) -> tuple[tuple[str, ...], ...]:
+    notation, ring = Latex(), found.chain.ring
+
+    def written(entry: Any) -> str:
+        if entry == 0:
+            return "0"
+        return notation.value(form_of(ring, entry))
+
+    return _each_entry(found.rows, written)
+
+
+def sections_of(found: LinkJacobian, most: int | None) -> tuple[Section, ...]:
+    """Matrix, determinant, inverse, numbers and checks; longer sums than `most` by their size."""
+    return tuple(_sections(found, most))
+
+
+def _sections(found: LinkJacobian, most: int | None) -> Iterator[Section]:
+    rows = [ROWS[r] for r in found.task.rows]
+    joints = [f"joint {j}" for j in range(1, found.robot.n + 1)]
+    k = found.frame
+    axes = f"axes of link {k} (z along axis {k}, x along the common normal after it)"
+    lines = [f"{axes}, reference point {_point(found.at)}"]
+    if found.letters and found.rows:
+        letters = ", ".join(f"{name} = {value:.12g} m" for name, value in found.letters.items())
+        lines.append(f"lengths: {letters}")
+    yield Section(f"{found.robot.name}: Jacobian in the frame of link {k}", "", tuple(lines))
+    if found.rows:
+        yield _table(f"J seen from link {k}", rows, joints, entry_texts(found))
+        yield Section("Shortest", "", tuple(_frames(found)))
+    if found.closed is not None:
+        yield Section("Determinant", "", (f"det J = {found.closed.determinant.text(most)}",))
+        yield _table("Inverse", joints, rows, inverse_texts(found, most))
+    if found.numbers is not None:
+        yield from _numbers(found.numbers, rows, joints)
+    if found.checks:
+        yield Section("Checks", "", tuple(map(_agreement_text, found.checks)))
+
+
+def _frames(found: LinkJacobian) -> Iterator[str]:
+    """Terms of the closed form in the axes of each link, and where it is shorter about another point."""
+    here = [(terms, k) for terms, k, at in found.shortest if at == found.at]
+    told = ", ".join(f"link {k}: {terms}" for terms, k in sorted(here))
+    yield f"terms, multiplied out, about {_point(found.at)}: {told}"
+    terms, k, at = found.shortest[0]
+    if at != found.at or terms < here[0][0]:
+        yield f"of all reference points: link {k} about {_point(at)}, {terms} terms"
+
+
+def _each_entry(rows: Iterable[Iterable[Any]], text: Callable[[Any], str]) -> tuple[tuple[str, ...], ...]:
+    """The entries of a matrix as text, row by row."""
+    return tuple(tuple(map(text, row)) for row in rows)
+
+
+def _point(at: int | None) -> str:
+    if at is None:
+        return "the tip"
+    return f"the origin of link {at}"
+
+
+def _agreement_text(check: Agreement) -> str:
+    text = check_words(check)
+    if not check.holds:
+        text = f"FAILS: {text}"
+    if check.worst is None:
+        return text
+    return text + f" (largest difference {check.worst:.1e})".replace("-", "−")
+
+
+def _table(title: str, left: Sequence[str], above: Sequence[str], entries: Sequence[Sequence[str]]) -> Section:
+    """A matrix as a table where it is narrow, else entry by entry, zeros left out."""
+    columns = zip(above, *entries, strict=True)
+    widths = [max(map(len, column)) for column in columns]
+    if sum(widths) + 2 * len(widths) + max(map(len, left)) <= _WIDTH:
+        return _as_table(title, left, above, entries, texts=tuple(range(len(above) + 1)))
+    lines = []
+    for name, row in zip(left, entries, strict=True):
+        for head, entry in zip(above, row, strict=True):
+            if entry != "0":
+                lines.append(f"{name}, {head}: {entry}")
+    return Section(title, "", (*lines, "all other entries are 0"))
+
+
+def _as_table(
+    title: str, left: Sequence[str], above: Sequence[str], entries: Iterable[Sequence[str]],
+    texts: tuple[int, ...] = (0,),
+) -> Section:  # fmt: skip
+    rows = tuple((name, *row) for name, row in zip(left, entries, strict=True))
+    return Section(title, "", (), ("", *above), rows, texts=texts)
+
+
+def _written(matrix: Array) -> Iterator[list[str]]:
+    """The numbers of a matrix, row by row."""
+    for row in np.where(np.abs(matrix) < 1e-15, 0.0, matrix):
+        yield [f"{x + 0.0:.6g}".replace("-", "−") for x in row]
+
+
+def _numbers(numbers: Numbers, rows: Sequence[str], joints: Sequence[str]) -> Iterator[Section]:
+    q = ", ".join(f"{x:.6g}" for x in numbers.q).replace("-", "−")
+    yield _as_table(f"At q = ({q}) [rad, m]", rows, joints, _written(numbers.matrix))
+    lines = [f"singular values, lengths in metres: {', '.join(f'{x:.4g}' for x in numbers.sigma)}"]
+    if numbers.determinant is not None:
+        lines.insert(0, f"determinant {numbers.determinant:.6g}".replace("-", "−"))
+        if not regular(numbers.matrix):
+            lines.append("no inverse: the configuration is singular")
+    yield Section("", "", tuple(lines))
+    if numbers.inverse is not None:
+        yield _as_table("Inverse at q", joints, rows, _written(numbers.inverse))
+
+
+def _matrix(entries: Sequence[Sequence[str]]) -> str:
+    body = r" \\ ".join(" & ".join(row) for row in entries)
+    return rf"\begin{{bmatrix}} {body} \end{{bmatrix}}"

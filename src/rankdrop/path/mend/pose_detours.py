@@ -2,11 +2,11 @@
 
 The branch is followed from the first pose until it ends at a singularity, or comes to one. There the poses of a
 window are moved, T′ = exp(ε B ŵ) T (`path.mend.detours`), w the way or the turn of the tool with the larger share
-along the direction lost, or else the other one, and the branch goes on along them: past a wrist, where two joints turn half around, or
-inside the edge of reach, which the poses leave. Of both ways along w, windows of some lengths and sizes, all followed
-side by side, the least is taken that the joints can follow with room to the singularity. After the window the poses
-are as they were, and the joints are on the branch to which the window led. All other poses stay as they are, to the
-last bit.
+along the direction lost, or else the other one, and the branch goes on along them: past a wrist, where two joints
+turn half around, or inside the edge of reach, which the poses leave. Of both ways along w, windows of some lengths and
+sizes, all followed side by side, the least is taken that the joints can follow with room to the singularity. After the
+window the poses are as they were, and the joints are on the branch to which the window led. All other poses stay as
+they are, to the last bit.
 """
 
 from __future__ import annotations
@@ -236,7 +236,8 @@ class PoseDetourer:
             if not isinstance(made, Blocked):
                 break
             other = self._led_along(motion, spans, places, run.q, place)
-            made = made if isinstance(other, Blocked) else other
+            if not isinstance(other, Blocked):
+                made = other
         return made
 
     def _led_along(

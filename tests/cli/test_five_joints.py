@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 
 from rankdrop.distance.monitor import Monitor, arm_header
+from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import jacobian, pose
-from rankdrop.local.pointing import pointing_task, turn_follows
+from rankdrop.local.pointing import level_task, pointing_task, tool_stays_level, turn_follows
 from rankdrop.path.check.check import check_path, check_poses
+from rankdrop.poses.branches import inverse
 from rankdrop.robot.open import open_robot
+from rankdrop.robot.transform import nearest_rotation
 from rankdrop.task import BODY, resolve_task, task_names
 from rankdrop.verbs.explain import explain
 
@@ -66,12 +69,59 @@ def test_poses_are_reached_as_poses_and_checked_as_position_and_axis() -> None:
     assert (free.tool.complete, free.verdict) == (True, "free")
 
 
+@pytest.mark.slow
+def test_a_pose_rounded_in_its_file_is_answered_with_the_task_to_ask_for(tmp_path: Path) -> None:
+    """With six digits no pose is exactly one of an arm of five joints; it was called out of reach."""
+    arm, there = open_robot("px150"), [0.1, -0.3, 0.5, 0.2, 0.3]
+    rounded = np.round(pose(arm, there), 6)
+    rounded[:3, :3] = nearest_rotation(rounded[:3, :3])
+    with pytest.raises(ConfigurationError, match=r"5 joints cannot take pose 1 in full.*'tool-axis-free' leaves free"):
+        check_poses(arm, [rounded, rounded])
+    found = inverse(arm, rounded, starts=64)
+    assert found.unreached is not None
+    assert "tool-axis-free leaves free what they cannot do" in one_line(found.sentence).replace("'", "")
+    other = inverse(arm, rounded, "tool-axis-free", starts=64)
+    assert min(np.abs(one.q - np.array(there)).max() for one in other.branches) < 1e-5
+
+
+@pytest.mark.slow
+def test_a_palletiser_is_asked_about_position_and_yaw() -> None:
+    """Joints that follow shoulder and elbow hold the tool level; by hand x = r cos q1, r = a + l2 s2 + l3 c23."""
+    arm = open_robot(str(REPORT / "palletiser.urdf"))
+    there = np.array([0.3, 0.3, 0.4, 0.2])
+    assert (level_task(arm, resolve_task("pose", arm)).name, arm.n) == ("scara", 4)
+    found = explain(arm, there, evaluations=0)
+    assert (found.task.name, found.verdict) == ("scara", "regular")
+    assert found.summary.slowest is not None
+    q1, q2, q3, _ = there
+    radius = 0.56 + 1.28 * np.sin(q2) + 1.35 * np.cos(q2 + q3)
+    place = [radius * np.cos(q1), radius * np.sin(q1), 0.61 + 1.28 * np.cos(q2) - 1.35 * np.sin(q2 + q3)]
+    assert pose(arm, there)[:3, 3] == pytest.approx(place, abs=1e-12)
+    stretched = explain(arm, [0.3, 0.3, np.pi / 2, 0.2], evaluations=0)
+    assert (stretched.verdict, stretched.rank.rank) == ("singular", 3)
+    ends = pose(arm, [there, there + 0.1])
+    ends[:, :3, 3] = np.round(ends[:, :3, 3], 4)
+    ends[:, :3, :3] = [rounded_turn(one) for one in ends[:, :3, :3]]
+    check = check_poses(arm, ends)
+    assert (check.verdict, check.task.name) == ("free", "scara")
+    assert "This arm never tilts its tool." in one_line(str(check))
+    assert not tool_stays_level(open_robot("scara"), resolve_task("scara", open_robot("scara")))
+
+
+def rounded_turn(turn: np.ndarray) -> np.ndarray:
+    """A rotation of which the file has four digits."""
+    return np.asarray(nearest_rotation(np.round(turn, 4)))
+
+
 def test_only_arms_of_five_joints_are_asked() -> None:
     """Joint 5 of an M-430iA/2F turns the tool about its own axis: position and axis are fixed by four joints."""
     for name, expected in (("px150", True), ("m430ia2f", False), ("ur5e", False), ("scara", False)):
         arm = open_robot(name)
         other = pointing_task(arm, resolve_task("pose", arm))
         assert (other is not None, turn_follows(arm, resolve_task("tool-axis-free", arm))) == (expected, expected)
+    palletiser = open_robot(str(REPORT / "palletiser.urdf"))
+    assert level_task(palletiser, resolve_task("pose", palletiser)).name == "scara"
+    assert level_task(arm, resolve_task("position", arm)) is None
 
 
 def test_a_monitor_proves_rows_in_tool_axes() -> None:

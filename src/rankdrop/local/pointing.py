@@ -1,22 +1,33 @@
-"""Arms of five joints: position and tool axis fix all joints, and the turn about that axis follows.
+"""What arms with few joints are asked for in place of a pose: position and tool axis, or position and yaw.
 
 With five independent joints the six rows of a pose have rank 5 at best, and lose it only where five columns become
 dependent. But the row that nobody can choose is the turn about the tool's axis (the z axis of the tip): a machine with
 such an arm is programmed by position and tool axis. These five rows (`tool-axis-free`) lose rank wherever the columns
 do, and elsewhere as well, such as at A5 = 0 of a KUKA without its joint 6.
+
+With four joints a palletiser holds its tool level: a parallelogram, or joints that follow others, cancel every tilt.
+It is programmed by position and yaw (`scara`).
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from rankdrop.local.block import generic_rank
+import numpy as np
+
+from rankdrop.kinematics import jacobian
+from rankdrop.local.block import generic_rank, sample
 from rankdrop.robot.model import Robot
 from rankdrop.task import BODY, Task, resolve_task
 
 POINTING = "tool-axis-free"
 """The task of a tool whose turn about its own axis is free."""
+LEVEL = "scara"
+"""The task of a tool that no joint tilts."""
 _ROWS = 5
+_LEVEL_ROWS = 4
+_SAMPLES = 8  # configurations at which the tool must not tilt
+_TILT = 1e-12  # of a joint, below which it is rounding [rad/rad]
 
 
 def pointing_task(robot: Robot, task: Task) -> Task | None:
@@ -45,9 +56,53 @@ def pointing_task(robot: Robot, task: Task) -> Task | None:
     return None
 
 
+def level_task(robot: Robot, task: Task) -> Task | None:
+    """Position and yaw in place of a pose, for an arm of four joints that never tilts its tool; None for other arms.
+
+    Args:
+        robot: the arm.
+        task: what it is asked for.
+
+    Returns:
+        The task `scara` at the same point and on the same length scale, where the arm has four variables, none of which
+        turns the tool about X or Y of the base anywhere, and pose and `scara` have rank 4 almost everywhere.
+    """
+    if robot.n != _LEVEL_ROWS or task.m != _ROWS + 1:
+        return None
+    tilts = jacobian(robot, sample(robot, task, _SAMPLES, 0))[..., 3:5, :]
+    if np.abs(tilts).max() > _TILT:
+        return None
+    found = replace(resolve_task(LEVEL, robot, frame=task.frame), length_scale=task.length_scale)
+    if generic_rank(robot, task) == _LEVEL_ROWS == generic_rank(robot, found):
+        return found
+    return None
+
+
+def fitting_task(robot: Robot, task: Task) -> Task | None:
+    """The task that an arm with too few joints for a pose can do in full; None where there is none, or no need."""
+    return pointing_task(robot, task) or level_task(robot, task)
+
+
 def asked_task(robot: Robot, task: Task) -> Task:
-    """Position and tool axis in place of an arm's pose where it has five joints, else the task itself."""
-    return pointing_task(robot, task) or task
+    """What is asked in place of a pose of an arm with four or five joints, else the task itself."""
+    return fitting_task(robot, task) or task
+
+
+def followed_task(robot: Robot, task: Task | str | None) -> Task:
+    """The task in which poses of a file are followed: an arm that never tilts its tool follows position and yaw."""
+    resolved = resolve_task(task, robot)
+    if task is not None:
+        return resolved
+    return level_task(robot, resolved) or resolved
+
+
+def tool_stays_level(robot: Robot, task: Task) -> bool:
+    """Whether position and yaw stand for the pose of an arm of four joints that never tilts its tool."""
+    if robot.task == task.name:
+        return False
+    pose = Task("pose", (0, 1, 2, 3, 4, 5), length_scale=task.length_scale)
+    other = level_task(robot, pose)
+    return other is not None and task.rows == other.rows
 
 
 def turn_follows(robot: Robot, task: Task) -> bool:

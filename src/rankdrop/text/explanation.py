@@ -28,7 +28,7 @@ from rankdrop.lists import flat_map
 from rankdrop.local.directions import FramedDirections, constraint, in_short, is_nearly_pure
 from rankdrop.local.jog import WORTH
 from rankdrop.local.nearest import Nearest
-from rankdrop.local.pointing import pointing_task, turn_follows
+from rankdrop.local.pointing import pointing_task, tool_stays_level, turn_follows
 from rankdrop.local.rates import DirectionRates, StraightMotion
 from rankdrop.local.ways_out import Direction, Escape, JointEscape
 from rankdrop.options import advised
@@ -47,6 +47,7 @@ from rankdrop.text.words import (
     MORE_NEAREST,
     MOTION_TO_IT,
     NEVER_HERE,
+    NEVER_TILTS,
     NEVER_TURNS,
     NO_JOG,
     NOT_SEARCHED,
@@ -382,6 +383,9 @@ def _never_lines(explanation: Explanation) -> Iterator[str]:
     robot, task, rank = explanation.robot, explanation.task, explanation.rank
     if turn_follows(robot, task):
         yield f"{NEVER_TURNS.format(robot.n)}. {CHECKED_POINTING}."
+        return
+    if tool_stays_level(robot, task):
+        yield f"{NEVER_TILTS}."
         return
     other = pointing_task(robot, task)
     if other is not None:

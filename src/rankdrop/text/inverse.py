@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from rankdrop.local.orientation import orientation_coordinates, rotation_vector
+from rankdrop.local.pointing import fitting_task
+from rankdrop.options import advised
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.sections import Section
@@ -138,19 +140,31 @@ def _why(found: Any) -> str:
     if why.turn is not None:
         turn = f"{short(degrees(why.turn), 3)}° of {_turning(found.pose, why.turned)} at this position"
     if why.kind == "position":
-        if shift is not None and why.shift > 1.001 * why.position:
-            more = f"; {shift}"
-        else:
-            more = ""
-        most = float(np.abs(found.pose[:3, 3]).max())
-        if why.position > _FAR * reach(robot):
-            more += f". The position is read in metres; are the numbers millimetres? Write {most:.4g}mm"
-        return f"Out of reach by {_length(why.position, robot)}{more}"
+        return _out_of_reach(found, shift)
     apart = " or ".join(one for one in (shift, turn) if one is not None) or "an amount that was not found"
     if why.kind == "joints":
-        count = robot.n
-        return f"The arm has {count} joints and reaches this position with other orientations only: off by {apart}"
+        reached = f"{robot.n} joints reach this position with other orientations only"
+        return f"{reached}: off by {apart}{_other_task(found)}"
     return f"This position is in reach with other orientations only: off by {apart}"
+
+
+def _out_of_reach(found: Any, shift: str | None) -> str:
+    """How far the position is out of reach, and how to write it if it is one in millimetres."""
+    why, robot, more = found.unreached, found.robot, ""
+    if shift is not None and why.shift > 1.001 * why.position:
+        more = f"; {shift}"
+    if why.position > _FAR * reach(robot):
+        most = float(np.abs(found.pose[:3, 3]).max())
+        more += f". The position is read in metres; are the numbers millimetres? Write {most:.4g}mm"
+    return f"Out of reach by {_length(why.position, robot)}{more}"
+
+
+def _other_task(found: Any) -> str:
+    """The task that an arm with too few joints can do in full, as a sentence to be added."""
+    other = fitting_task(found.robot, found.task)
+    if other is None:
+        return ""
+    return f". {advised('task', other.name)} leaves free what they cannot do"
 
 
 def _length(value: float, robot: Robot) -> str:

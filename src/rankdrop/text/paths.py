@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.local.block import generic_rank
-from rankdrop.local.pointing import pointing_task, turn_follows
+from rankdrop.local.pointing import pointing_task, tool_stays_level, turn_follows
 from rankdrop.options import advised
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
@@ -22,6 +22,7 @@ from rankdrop.text.remedies import local_lines
 from rankdrop.text.special import place_words
 from rankdrop.text.words import (
     CHECKED_POINTING,
+    NEVER_TILTS,
     NEVER_TURNS,
     angle,
     minus,
@@ -300,6 +301,8 @@ def _never_lines(check: Any) -> Iterator[str]:
     """What the arm can never do, and which task is checked because of it."""
     if turn_follows(check.robot, check.task):
         yield f"{NEVER_TURNS.format(check.robot.n)}. {CHECKED_POINTING}."
+    elif tool_stays_level(check.robot, check.task):
+        yield f"{NEVER_TILTS}."
     elif pointing_task(check.robot, check.task) is not None:
         yield f"{NEVER_TURNS.format(check.robot.n)}. {advised('task', 'tool-axis-free')} checks position and tool axis."
 

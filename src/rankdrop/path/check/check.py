@@ -25,7 +25,7 @@ from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.kinematics import check_robot, configurations
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.local.pointing import asked_task
+from rankdrop.local.pointing import asked_task, fitting_task, followed_task
 from rankdrop.local.posture import by_habit
 from rankdrop.options import takes
 from rankdrop.path.check.follow import Followed, ToolBranch, follow
@@ -335,7 +335,7 @@ def check_poses(
     how = PathOptions.of(options, given)
     wanted = _checked(poses)
     times = _times(t, len(wanted), "pose")
-    resolved = resolve_task(task, robot)
+    resolved = followed_task(robot, task)
     first, solutions, moved = configuration_at(robot, wanted[0], resolved, start)
     tolerance = tip_tolerance(how, robot)
     branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
@@ -512,11 +512,18 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
         near = _nearest_to_start(robot, goal, task, solutions, start)
         if near is not None:
             return near[0], solutions, near[1]
+    other = fitting_task(robot, task)
+    if not len(solutions) and other is not None and len(within_limits(robot, goal, other)):
+        raise ConfigurationError(
+            f"{robot.n} joints cannot take pose 1 in full", where="poses", got="position and orientation",
+            mend=f"task={other.name!r} leaves free what they cannot do",
+            typed=f"--task {other.name} leaves free what they cannot do",
+        )  # fmt: skip
     if not len(solutions):
         raise ConfigurationError(
             "pose 1 is out of reach: no configuration within the joint limits was found", where="poses",
             got=f"{STARTS + 1} starts of Newton's method", mend="look at its units and its frame, or give a start",
-            typed="look at its units and its frame, or give --start",
+            typed="look at its units and its frame, or give --start; explain with --pose prints how far it is off",
         )  # fmt: skip
     return solutions[0], solutions, 0.0
 

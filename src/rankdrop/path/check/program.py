@@ -24,6 +24,7 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale
 from rankdrop.local.orientation import rotation_vector
+from rankdrop.local.pointing import followed_task
 from rankdrop.path.check.check import (
     PathQuestion,
     asked_for,
@@ -59,7 +60,7 @@ from rankdrop.poses.inverse import Aim
 from rankdrop.robot.files import MOST_ROWS
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Task
 from rankdrop.text import programs as text
 from rankdrop.units import counted_length
 
@@ -373,7 +374,7 @@ def check_program(
         TrajectoryError: joint values do not fit the arm, with the line.
         OptionError, TaskError: as `check_path`.
     """
-    task = resolve_task(question.task, robot)
+    task = followed_task(robot, question.task)
     if program.raised:
         raised = _raised(robot)
     else:

@@ -1,4 +1,4 @@
-"""What arms with few joints are asked for in place of a pose: position and tool axis, or position and yaw.
+"""The task of arms with too few joints for a pose: position and tool axis, or position and yaw.
 
 With five independent joints the six rows of a pose have rank 5 at best, and lose it only where five columns become
 dependent. But the row that nobody can choose is the turn about the tool's axis (the z axis of the tip): a machine with
@@ -84,7 +84,7 @@ def fitting_task(robot: Robot, task: Task) -> Task | None:
 
 
 def asked_task(robot: Robot, task: Task) -> Task:
-    """What is asked in place of a pose of an arm with four or five joints, else the task itself."""
+    """The task asked in place of a pose of an arm with four or five joints, else the task itself."""
     return fitting_task(robot, task) or task
 
 

@@ -123,7 +123,7 @@ NEVER_TURNS = "With {} joints this arm can never turn about its tool axis (Z of 
 CHECKED_POINTING = "It is checked for position and tool axis (task tool-axis-free)"
 """The task that such an arm is checked for."""
 NEVER_TILTS = "This arm never tilts its tool. It is checked for position and yaw (task scara)"
-"""What an arm of four joints cannot do that holds its tool level, and the task that it is checked for."""
+"""The limit of an arm of four joints with a level tool, and the task that it is checked for."""
 POINTING_HERE = "For position and tool axis ({task}) it is {verdict} here, rank {rank} of {r}"
 """What the pose alone leaves out."""
 NEVER_HERE = "Never possible here: {motions}; the arm has rank {r} of the {m} rows of this task at best"

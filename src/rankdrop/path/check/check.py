@@ -512,20 +512,25 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
         near = _nearest_to_start(robot, goal, task, solutions, start)
         if near is not None:
             return near[0], solutions, near[1]
+    if not len(solutions):
+        raise _out_of_reach(robot, goal, task)
+    return solutions[0], solutions, 0.0
+
+
+def _out_of_reach(robot: Robot, goal: Array, task: Task) -> ConfigurationError:
+    """The error of a first pose without a configuration; with the task to ask for where the arm has too few joints."""
     other = fitting_task(robot, task)
-    if not len(solutions) and other is not None and len(within_limits(robot, goal, other)):
-        raise ConfigurationError(
+    if other is not None and len(within_limits(robot, goal, other)):
+        return ConfigurationError(
             f"{robot.n} joints cannot take pose 1 in full", where="poses", got="position and orientation",
             mend=f"task={other.name!r} leaves free what they cannot do",
             typed=f"--task {other.name} leaves free what they cannot do",
         )  # fmt: skip
-    if not len(solutions):
-        raise ConfigurationError(
-            "pose 1 is out of reach: no configuration within the joint limits was found", where="poses",
-            got=f"{STARTS + 1} starts of Newton's method", mend="look at its units and its frame, or give a start",
-            typed="look at its units and its frame, or give --start; explain with --pose prints how far it is off",
-        )  # fmt: skip
-    return solutions[0], solutions, 0.0
+    return ConfigurationError(
+        "pose 1 is out of reach: no configuration within the joint limits was found", where="poses",
+        got=f"{STARTS + 1} starts of Newton's method", mend="look at its units and its frame, or give a start",
+        typed="look at its units and its frame, or give --start; explain with --pose prints how far it is off",
+    )  # fmt: skip
 
 
 def _nearest_to_start(

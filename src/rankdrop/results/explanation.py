@@ -247,7 +247,7 @@ class DifferenceKind(StrEnum):
 
     GAIN = "gain"
     RADIUS = "radius"
-    SEARCH_MISSED = "missed by the search"
+    SEARCH_MISSED = "missed point"
     FAMILIES_MISSED = "beyond the families"
 
 

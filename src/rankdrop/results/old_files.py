@@ -23,10 +23,9 @@ from rankdrop.errors import ResultFileError
 from rankdrop.families.lost import LostFreedom, freedoms_of
 from rankdrop.families.name import ArmPart, FamilyName
 from rankdrop.families.record import NOT_DERIVED, ExactConditions, Family, Pin, written_conditions
-from rankdrop.local.directions import every_frame, lost_in_frame, lost_over_family
+from rankdrop.local.directions import FramedDirections, every_frame, lost_in_frame, lost_over_family
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
-from rankdrop.text.directions import frame_name
 
 _UNNAMED = "unnamed family"
 
@@ -80,7 +79,8 @@ def freedoms_of_sentences(
         return ()
     everywhere = not sentences[0].endswith(_AT_WITNESS)
     name = _frame_told(sentences[0].removesuffix(_AT_WITNESS))
-    frames = {frame_name(one): one for one in every_frame(task.frame, len(robot.joints))}
+    every = every_frame(task.frame, len(robot.joints))
+    frames = {FramedDirections(np.zeros((0, 6)), one).name: one for one in every}
     if name not in frames:
         raise ValueError(f"no frame of the arm is called {name!r}")
     q = np.array(witness, dtype=np.float64)

@@ -14,7 +14,7 @@ from rankdrop.local.pointing import level_task, pointing_task, tool_stays_level,
 from rankdrop.path.check.check import check_path, check_poses
 from rankdrop.poses.branches import inverse
 from rankdrop.robot.open import open_robot
-from rankdrop.robot.transform import nearest_rotation
+from rankdrop.robot.transform import nearest_rotation, rotation
 from rankdrop.task import BODY, resolve_task, task_names
 from rankdrop.verbs.explain import explain
 
@@ -105,6 +105,11 @@ def test_a_palletiser_is_asked_about_position_and_yaw() -> None:
     check = check_poses(arm, ends)
     assert (check.verdict, check.task.name) == ("free", "scara")
     assert "This arm never tilts its tool." in one_line(str(check))
+    tilted = ends.copy()
+    tilted[1, :3, :3] = ends[1, :3, :3] @ rotation("y", np.radians(10.0))
+    with pytest.raises(ConfigurationError, match=r"pose 2 is tilted; got 10° off; .*'scara' checks position and yaw"):
+        check_poses(arm, tilted)
+    assert check_poses(arm, tilted, task="scara").verdict == "free"
     assert not tool_stays_level(open_robot("scara"), resolve_task("scara", open_robot("scara")))
 
 

@@ -15,9 +15,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.kinematics import jacobian
+from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.block import generic_rank, sample
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Array, Robot
 from rankdrop.task import BODY, Task, resolve_task
 
 POINTING = "tool-axis-free"
@@ -94,6 +94,17 @@ def followed_task(robot: Robot, task: Task | str | None) -> Task:
     if task is not None:
         return resolved
     return level_task(robot, resolved) or resolved
+
+
+def tilts_off(robot: Robot, goals: Array) -> Array:
+    """Angles (N,) between the tilt of poses (N, 4, 4) and that of a tool which no joint tilts [rad].
+
+    A turn about Z of the base keeps the third row of a rotation: it is the same in every pose of such an arm.
+    """
+    own = pose(robot, np.zeros(robot.n))[2, :3]
+    rows = goals[:, 2, :3]
+    across = np.linalg.norm(np.cross(rows, own), axis=1)
+    return np.asarray(np.arctan2(across, rows @ own))
 
 
 def tool_stays_level(robot: Robot, task: Task) -> bool:

@@ -25,7 +25,7 @@ from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.kinematics import check_robot, configurations
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.local.pointing import asked_task, fitting_task, followed_task
+from rankdrop.local.pointing import asked_task, fitting_task, followed_task, tilts_off, tool_stays_level
 from rankdrop.local.posture import by_habit
 from rankdrop.options import takes
 from rankdrop.path.check.follow import Followed, ToolBranch, follow
@@ -67,6 +67,7 @@ from rankdrop.units import counted_length, in_metres, into_metres, out_of_metres
 
 MOST_POSES, MOST_BRANCHES = 300, 16
 """Of a tool path whose branches are all followed."""
+_TILTED = 1e-3  # tilt of a pose that is rounding, for an arm with a level tool [rad]
 _AT_ONE = 1e-5  # σ_r of a row below which it counts as singular: a pose there is reached to half the digits only
 _FOR_BRANCH = 50_000  # enclosures of the proof of one of the other branches
 _EDGE = 1e-9  # a joint this far beyond a limit stands at it [rad, m]
@@ -336,6 +337,8 @@ def check_poses(
     wanted = _checked(poses)
     times = _times(t, len(wanted), "pose")
     resolved = followed_task(robot, task)
+    if task is None:
+        check_tilt(robot, resolved, wanted, "poses")
     first, solutions, moved = configuration_at(robot, wanted[0], resolved, start)
     tolerance = tip_tolerance(how, robot)
     branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
@@ -515,6 +518,25 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
     if not len(solutions):
         raise _out_of_reach(robot, goal, task)
     return solutions[0], solutions, 0.0
+
+
+def check_tilt(robot: Robot, followed: Task, goals: Array, where: str) -> None:
+    """Refuse poses (P, 4, 4) that are tilted, of an arm that follows position and yaw since it never tilts its tool.
+
+    Raises:
+        ConfigurationError: a pose is tilted by more than rounding.
+    """
+    if not tool_stays_level(robot, followed):
+        return
+    off = tilts_off(robot, goals)
+    worst = int(off.argmax())
+    if off[worst] > _TILTED:
+        raise ConfigurationError(
+            f"{robot.n} joints never tilt the tool, and pose {worst + 1} is tilted", where=where,
+            got=f"{np.degrees(off[worst]):.3g}° off", allowed=f"{np.degrees(_TILTED):.2g}°",
+            mend=f"task={followed.name!r} checks position and yaw alone",
+            typed=f"--task {followed.name} checks position and yaw alone",
+        )  # fmt: skip
 
 
 def _out_of_reach(robot: Robot, goal: Array, task: Task) -> ConfigurationError:

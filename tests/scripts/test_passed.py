@@ -7,7 +7,7 @@ import pytest
 from scripts import tool
 
 BOUNDS = {
-    "analyze planar3r --starts 300 --quiet --threads 1": (55, 52),
+    "analyze planar3r --starts 300 --quiet --threads 1": (56, 52),
     "conditions puma560 --quiet": (43, 31),
     "conditions puma560 --quiet --fresh --coranks 1 --points 100": (69, 69),
     "explain puma560 --q 0.1,0.2,0.3,0.4,0.5,0.6": (52, 44),

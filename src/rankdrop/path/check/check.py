@@ -534,8 +534,8 @@ def check_tilt(robot: Robot, followed: Task, goals: Array, where: str) -> None:
         raise ConfigurationError(
             f"{robot.n} joints never tilt the tool, and pose {worst + 1} is tilted", where=where,
             got=f"{np.degrees(off[worst]):.3g}° off", allowed=f"{np.degrees(_TILTED):.2g}°",
-            mend=f"task={followed.name!r} checks position and yaw alone",
-            typed=f"--task {followed.name} checks position and yaw alone",
+            mend="give it the tilt of the tool; task='position' checks the position alone",
+            typed="give it the tilt of the tool; --task position checks the position alone",
         )  # fmt: skip
 
 

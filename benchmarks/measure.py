@@ -93,6 +93,19 @@ def chosen(arms: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(named)
 
 
+def collected(one: Callable[[int, int], Row | None], count: int, seed: int) -> tuple[list[Row], int]:
+    """So many rows of one(number, seed), for numbers from 0, and how many numbers gave none."""
+    rows: list[Row] = []
+    number = 0
+    while len(rows) < count:
+        row = one(number, seed)
+        number += 1
+        if row is not None:
+            rows.append(row)
+            print(", ".join(f"{key} {text(value)}" for key, value in row.items()), file=sys.stderr, flush=True)
+    return rows, number - len(rows)
+
+
 def options(parser: argparse.ArgumentParser) -> None:
     """Give a parser the options of every script."""
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")

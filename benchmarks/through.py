@@ -21,10 +21,9 @@ one or a longer one.
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import measure  # first: sets the number of threads
 import numpy as np
@@ -380,19 +379,12 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the lines (0)")
     measure.options(parser)
     asked = parser.parse_args()
-    rows: list[Any] = []
-    number = 0
-    while len(rows) < asked.count:
-        row = one(number, asked.seed)
-        number += 1
-        if row is not None:
-            rows.append(row)
-            print(", ".join(f"{key} {measure.text(value)}" for key, value in row.items()), file=sys.stderr, flush=True)
+    rows, left_out = measure.collected(one, asked.count, asked.seed)
     faults = sum(row["faults"] > 0 for row in rows)
     kinds = {kind: sum(row["judge"] == kind for row in rows) for kind in sorted({row["judge"] for row in rows})}
     told = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     measure.report(
-        f"{len(rows)} tool lines exactly through singularities ({told}; {number - len(rows)} left out that the judge "
+        f"{len(rows)} tool lines exactly through singularities ({told}; {left_out} left out that the judge "
         f"could not decide): {faults} told otherwise", rows, ratio="faults", target=0.0, at_most=True, arguments=asked,
     )  # fmt: skip
 

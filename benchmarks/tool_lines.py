@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import argparse
 import time
-from typing import Any
 
 import measure  # first: sets the number of threads
 import numpy as np
@@ -134,13 +133,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the lines (0)")
     measure.options(parser)
     asked = parser.parse_args()
-    rows: list[Any] = []
-    number = 0
-    while len(rows) < asked.count:
-        row = one(number, asked.seed)
-        number += 1
-        if row is not None:
-            rows.append(row)
+    rows, _ = measure.collected(one, asked.count, asked.seed)
     faults = sum(row["faults"] > 0 for row in rows)
     free = sum(row["verdict"] == "free" for row in rows)
     refused = sum(row["refused"] > 0 for row in rows)

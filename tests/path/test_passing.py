@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +16,8 @@ from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.orientation import rotation_vector
 from rankdrop.path import mend_path
 from rankdrop.path.check.check import PathQuestion, check_file, check_poses
-from rankdrop.path.check.follow import follow
+from rankdrop.path.check.follow import _Walk, follow
+from rankdrop.path.check.passing import Departure
 from rankdrop.poses.inverse import rotation, solutions
 from rankdrop.questions import PathOptions
 from rankdrop.robot.open import open_robot
@@ -256,3 +258,15 @@ def test_a_path_from_the_edge_of_reach_inwards_is_followed(tmp_path: Path) -> No
     assert not out.tool.complete
     assert out.tool.folds
     assert "folds back" in out.sentence
+
+
+@pytest.mark.parametrize(("turned", "place", "rest"), [(25.0, 0.5, True), (25.0, 1.0, False), (5.0, 0.5, False)])
+def test_a_corner_of_the_joints_within_a_straight_move_needs_a_rest(turned: float, place: float, rest: bool) -> None:
+    """At a pose the file may turn a corner; within a move, and by more than 14°, the arm has to stop for one."""
+    made = SimpleNamespace(now=np.zeros(2), place=place, direction=lambda joints: np.array([1.0, 0.0]))
+    walk = SimpleNamespace(aim=SimpleNamespace(joints=np.ones(2)))
+    angle = np.radians(turned)
+    corner = Departure(place, np.array([np.cos(angle), np.sin(angle)]), False)
+    back = Departure(place, np.array([-1.0, 0.1]), False)
+    first, last = _Walk._straight_on(walk, made, [back, corner])
+    assert (first.q is corner.q, first.rest, last.q is back.q) == (True, rest, True)

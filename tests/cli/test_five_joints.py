@@ -112,6 +112,15 @@ def test_a_palletiser_is_asked_about_position_and_yaw() -> None:
     assert not tool_stays_level(open_robot("scara"), resolve_task("scara", open_robot("scara")))
 
 
+def test_a_program_that_tilts_a_level_tool_is_refused_with_its_line(run, tmp_path: Path) -> None:
+    program = tmp_path / "stack.script"
+    program.write_text("movel(p[1.5, 0.0, 1.0, 3.14159265, 0, 0], v=0.2)\nmovel(p[1.5, 0.2, 1.0, 2.96, 0, 0], v=0.2)\n")
+    done = run("path", str(REPORT / "palletiser.urdf"), str(program))
+    assert done.code == 2
+    assert "line 2" in done.err
+    assert "is tilted; got 10.4° off" in done.err
+
+
 def rounded_turn(turn: np.ndarray) -> np.ndarray:
     """A rotation of which the file has four digits."""
     return np.asarray(nearest_rotation(np.round(turn, 4)))

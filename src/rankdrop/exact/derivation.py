@@ -81,8 +81,9 @@ def check_method(
             got="joints that follow others", mend="take auto, cofactors, reciprocity, singular-vector or tree",
         )  # fmt: skip
     if method == "decoupling" and decouple(chain) is None:
+        parting = parting_of(chain)
         raise OptionError(
-            "this arm does not decouple", where="method", got=words_of(chain).parting_text(parting_of(chain)),
+            "this arm does not decouple", where="method", got=words_of(parting).parting_text(parting),
             mend="take auto or another method",
         )  # fmt: skip
 

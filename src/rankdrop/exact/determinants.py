@@ -640,7 +640,7 @@ def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
     minors.append(Minor(MinorOf.BLOCK, joints, tuple(ROWS[r] for r in rows), "", value, shifts))
     together = ring.reduce(split.blocks[0].determinant * split.blocks[1].determinant)
     sign = "" if whole == together else "−"
-    point = words_of(chain).point_text(split.form)
+    point = words_of(split.form).point_text(split.form)
     meaning = (
         f"rows {', '.join(ROWS[r] for r in rows)}, joints 1 to {chain.n}, reference point: {point}; the determinant is "
         "the same at the tip"

@@ -373,6 +373,7 @@ def check_program(
 
     Raises:
         TrajectoryError: joint values do not fit the arm, with the line.
+        ConfigurationError: a target is tilted, and the arm never tilts its tool, with the line.
         OptionError, TaskError: as `check_path`.
     """
     task = followed_task(robot, question.task)

@@ -109,7 +109,27 @@ def test_a_palletiser_is_asked_about_position_and_yaw() -> None:
     tilted[1, :3, :3] = ends[1, :3, :3] @ rotation("y", np.radians(10.0))[:3, :3]
     with pytest.raises(ConfigurationError, match=r"pose 2 is tilted; got 10° off; .*give it the tilt of the tool"):
         check_poses(arm, tilted)
-    assert not tool_stays_level(open_robot("scara"), resolve_task("scara", open_robot("scara")))
+    found = inverse(arm, tilted[1])
+    assert (found.unreached.kind, found.branches) == ("tilt", ())
+    assert found.unreached.turn == pytest.approx(np.radians(10.0), abs=1e-3)
+
+
+def test_a_pose_tilted_for_a_scara_is_told_so() -> None:
+    """Position and yaw are its own task; a tilted pose was out of reach by 5e-14 mm, and one of 0° not reached."""
+    arm = open_robot("scara")
+    assert not tool_stays_level(arm, resolve_task("scara", arm))
+    ends = pose(arm, [[0.3, 0.5, 0.1, 0.0], [0.4, 0.5, 0.1, 0.0]])
+    assert check_poses(arm, ends).verdict == "free"
+    up = ends.copy()
+    up[:, :3, :3] = np.eye(3)
+    for task in (None, "scara"):
+        with pytest.raises(ConfigurationError, match="never tilt the tool, and pose 1 is tilted; got 180° off"):
+            check_poses(arm, up, task=task)
+    found = inverse(arm, up[0])
+    assert (found.unreached.kind, found.unreached.turn) == ("tilt", pytest.approx(np.pi))
+    assert "Give it the tilt of the tool: roll 180.00°, pitch 0.00°" in one_line(found.sentence)
+    assert found.unreached.position < 1e-6
+    assert len(inverse(arm, ends[0]).branches) == 2
 
 
 def test_a_program_that_tilts_a_level_tool_is_refused_with_its_line(run, tmp_path: Path) -> None:

@@ -287,3 +287,14 @@ def test_bad_input_is_one_line(tmp_path: Path, run, said: str, monkeypatch: pyte
     assert (code, out) == (2, "")
     assert said in err
     assert len(err.strip().splitlines()) == 1
+
+
+def test_a_free_path_near_a_singularity_says_so_where_it_has_no_times(run, tmp_path: Path) -> None:
+    """0.02° from the shoulder of an xArm 7 the first word was "Free" alone."""
+    near, far = [[0.0, 0.01, 0.4], [0.1, 0.01, 0.4]], [[0.0, 0.6, 0.4], [0.1, 0.6, 0.4]]
+    said = "but 0.01 rad (0.573°) from a singularity; without times joint rates are not checked"
+    code, out, _ = run(saved(tmp_path, "near.npy", near))
+    assert code == 0
+    assert said in " ".join(out.split())
+    _, out, _ = run(saved(tmp_path, "far.npy", far))
+    assert "without times" not in out

@@ -27,6 +27,7 @@ LEVEL = "scara"
 _ROWS = 5
 _LEVEL_ROWS = 4
 _SAMPLES = 8  # configurations at which the tool must not tilt
+TILTED = 1e-3  # of a pose for a tool that no joint tilts: more is no rounding [rad]
 _TILT = 1e-12  # of a joint, below which it is rounding [rad/rad]
 
 
@@ -96,24 +97,32 @@ def followed_task(robot: Robot, task: Task | str | None) -> Task:
     return level_task(robot, resolved) or resolved
 
 
+def own_tilt(robot: Robot) -> Array:
+    """(3,) Z of the base in the axes of a tool that no joint tilts: the third row of its rotation, in every pose."""
+    return pose(robot, np.zeros(robot.n))[2, :3]
+
+
 def tilts_off(robot: Robot, goals: Array) -> Array:
     """Angles (N,) between the tilt of poses (N, 4, 4) and that of a tool which no joint tilts [rad].
 
     A turn about Z of the base keeps the third row of a rotation: it is the same in every pose of such an arm.
     """
-    own = pose(robot, np.zeros(robot.n))[2, :3]
+    own = own_tilt(robot)
     rows = goals[:, 2, :3]
     across = np.linalg.norm(np.cross(rows, own), axis=1)
     return np.asarray(np.arctan2(across, rows @ own))
 
 
-def tool_stays_level(robot: Robot, task: Task) -> bool:
-    """Whether position and yaw stand for the pose of an arm of four joints that never tilts its tool."""
-    if robot.task == task.name:
-        return False
+def tilt_is_fixed(robot: Robot, task: Task) -> bool:
+    """Whether a task is position and yaw of an arm of four joints that never tilts its tool."""
     pose = Task("pose", (0, 1, 2, 3, 4, 5), length_scale=task.length_scale)
     other = level_task(robot, pose)
     return other is not None and task.rows == other.rows
+
+
+def tool_stays_level(robot: Robot, task: Task) -> bool:
+    """Whether position and yaw stand for the pose of an arm of four joints that never tilts its tool."""
+    return robot.task != task.name and tilt_is_fixed(robot, task)
 
 
 def turn_follows(robot: Robot, task: Task) -> bool:

@@ -29,6 +29,7 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import check_robot
 from rankdrop.kinematics import pose as pose_of
 from rankdrop.local.block import joint_scale, sampling_box, singular_values
+from rankdrop.local.pointing import TILTED, level_task, tilt_is_fixed, tilts_off
 from rankdrop.options import takes
 from rankdrop.poses.inverse import Aim, apart, distinct, wrapped
 from rankdrop.poses.postures import posture_names
@@ -43,9 +44,9 @@ from rankdrop.task import Task, resolve_task
 from rankdrop.text.inverse import inverse_sections, inverse_sentence
 from rankdrop.tolerances import DEFAULT
 
-POSITION, ORIENTATION, JOINTS = "position", "orientation", "joints"
+POSITION, ORIENTATION, JOINTS, TILT = "position", "orientation", "joints", "tilt"
 """Why a pose has no solution: its position is out of reach; it is in reach, but not with this orientation; the arm has
-too few joints to give every orientation."""
+too few joints to give every orientation; no joint tilts the tool, and the pose is tilted."""
 _BATCH, _QUIET, _LIMIT = 256, 3, 8  # starts at a time; batches without news at the end; most starts, in `starts`
 _SINGULAR = 1e-5  # σ_r below which a solution counts as singular: pairs of solutions cannot be separated there
 _SAME = 1e-6  # regular solutions nearer to each other are one [rad; slides scaled]; singular ones, `_STEP`
@@ -114,10 +115,11 @@ class Unreached:
     """How far a pose without solution is from poses that the arm reaches, joint limits ignored.
 
     Attributes:
-        kind: `POSITION`, `ORIENTATION` or `JOINTS`.
+        kind: `POSITION`, `ORIENTATION`, `JOINTS` or `TILT`.
         position: least distance of the tip from the position, whatever the orientation [m].
         shift: … with the orientation kept [m]; None where the arm does not make it.
-        turn: least angle of the tool from the orientation, the position kept [rad]; None where it is not reached.
+        turn: least angle of the tool from the orientation, the position kept [rad]; None where it is not reached. Of
+            `TILT` the angle between the tilt of the pose and that of the tool.
         tip: (4, 4) the reachable pose of the least distance: with the orientation kept where the arm makes it.
         turned: (4, 4) the reachable pose of the least angle; None where there is none.
     """
@@ -249,7 +251,8 @@ def inverse(
     Args:
         robot: the arm.
         pose: of the tip in the base frame: (4, 4); x, y, z, roll, pitch, yaw; or x, y, z, qx, qy, qz, qw [m, rad]. Of
-            x, y, z alone the orientation is that of the base. What the task leaves free is ignored.
+            x, y, z alone the orientation is that of the base. What the task leaves free is ignored, but for the tilt of
+            a tool that no joint tilts.
         task: name, rows or Task; None is the task the arm is made for.
         options: starts and seed; its fields are taken as keywords as well.
 
@@ -276,6 +279,11 @@ def inverse(
     goal = matrix_of(pose)
     aim = Aim(robot, resolved)
     search = _Search(aim, resolved, goal)
+    tilted = _tilted(search, how)
+    if tilted is not None:
+        return InverseSolutions(
+            robot, resolved, how, goal, (), (), _most(robot, resolved), search.tried, search.arrived, False, tilted
+        )
     search.run(how)
     isolated, curves, more = search.parted()
     branches = _judged(search, isolated)
@@ -584,13 +592,34 @@ def _judged(search: _Search, q: Array) -> tuple[Branch, ...]:
     return tuple(sorted(made, key=order))
 
 
+def _tilted(search: _Search, how: InverseOptions) -> Unreached | None:
+    """How far the pose is tilted, where an arm that never tilts its tool is asked for yaw; else None."""
+    aim, robot, goal = search.aim, search.robot, search.goal
+    never = tilt_is_fixed(robot, search.task) or level_task(robot, search.task) is not None
+    if not never:
+        return None
+    off = float(tilts_off(robot, goal[None])[0])
+    if off <= TILTED:
+        return None
+    weights = np.where(np.array(aim.rows) < 3, 1.0, 0.0)
+    near = _nearest(aim, goal, weights, _descent_starts(search, how))
+    tip = pose_of(robot, near)
+    position = float(np.linalg.norm(tip[:3, 3] - goal[:3, 3]))
+    return Unreached(TILT, position, None, off, tip, None)
+
+
+def _descent_starts(search: _Search, how: InverseOptions) -> Array:
+    """(S, n) random configurations, joint limits ignored."""
+    low, high = sampling_box(search.robot, search.task, limits=False)
+    return np.random.default_rng(how.seed).uniform(low, high, (_LEAST_STARTS, search.robot.n))
+
+
 def _unreached(search: _Search, how: InverseOptions) -> Unreached:
     """How far the pose is from those that the arm reaches."""
     aim, robot, goal = search.aim, search.robot, search.goal
     rows = np.array(aim.rows)
     moves = rows < 3
-    low, high = sampling_box(robot, search.task, limits=False)
-    starts = np.random.default_rng(how.seed).uniform(low, high, (_LEAST_STARTS, robot.n))
+    starts = _descent_starts(search, how)
 
     def least(position: float, turning: float) -> tuple[float, float, Array]:
         """Least distance [length scales] and angle [rad] with these weights, and where."""

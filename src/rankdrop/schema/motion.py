@@ -136,13 +136,15 @@ CONTINUA = table(
 )
 UNREACHED = table(
     "unreached",
-    kind=(Literal["position", "orientation", "joints"],
-        "the position is out of reach; it is in reach but not with this orientation; the arm has too few joints"),
+    kind=(Literal["position", "orientation", "joints", "tilt"],
+        "the position is out of reach; it is in reach but not with this orientation; the arm has too few joints; no "
+        "joint tilts the tool, and the pose is tilted"),
     off_position=(num("m", ge=0), "least distance from the position, whatever the orientation",
         attrgetter("position")),
     off_shift=(num("m", ge=0) | None, "the same with the orientation kept; null where the arm does not make it",
         attrgetter("shift")),
-    turn=(num("rad", ge=0) | None, "least angle from the orientation, the position kept; null: not reached"),
+    turn=(num("rad", ge=0) | None, "least angle from the orientation, the position kept; null: not reached; of a "
+        "tilted pose the angle to the tilt of the tool"),
     tip=(many(many(num("1"))), "(4, 4) the reachable pose of the least distance"),
     turned_tip=(many(many(num("1"))) | None, "(4, 4) the reachable pose of the least angle", attrgetter("turned")),
 )

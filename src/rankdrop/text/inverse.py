@@ -132,6 +132,8 @@ def _beyond_cell(robot: Robot, one: Any) -> str:
 def _why(found: Any) -> str:
     """Why a pose has no solution, and how far it is out of reach."""
     why, robot = found.unreached, found.robot
+    if why.kind == "tilt":
+        return _tilted(found)
     if why.shift is None:
         shift = None
     else:
@@ -146,6 +148,16 @@ def _why(found: Any) -> str:
         reached = f"{robot.n} joints reach this position with other orientations only"
         return f"{reached}: off by {apart}{_other_task(found)}"
     return f"This position is in reach with other orientations only: off by {apart}"
+
+
+def _tilted(found: Any) -> str:
+    """How far the pose is tilted, and which tilt the tool has, where no joint tilts it."""
+    robot, why = found.robot, found.unreached
+    _, (roll, pitch, _) = _place_and_angles(robot, why.tip)
+    tilt = f"roll {_fixed(roll, 2)}°, pitch {_fixed(pitch, 2)}°"
+    off = f"{short(degrees(why.turn), 3)}°"
+    said = f"{robot.n} joints never tilt this tool, and the pose is tilted by {off}"
+    return f"{said}. Give it the tilt of the tool: {tilt}"
 
 
 def _out_of_reach(found: Any, shift: str | None) -> str:
@@ -219,7 +231,7 @@ def _tables(found: Any, *, deg: bool) -> Iterator[Section]:
         yield Section("Self-motions", "the tool stands still along them; one configuration of each", columns=(
             "", "verdict", "shape", "inside limits", *heads), rows=rows, texts=(0, 1, 2))  # fmt: skip
     why = found.unreached
-    if why is not None:
+    if why is not None and why.kind != "tilt":
         lines = [f"the nearest tip: {tool_place(robot, why.tip)}"]
         if why.turned is not None:
             lines.append(f"the nearest orientation there: {tool_place(robot, why.turned)}")
@@ -257,6 +269,9 @@ def _continuum_cells(continuum: Any) -> tuple[str, str, str]:
 
 def _searched(found: Any) -> Iterator[str]:
     """How the solutions were searched, and what is not proven."""
+    if found.unreached is not None and found.unreached.kind == "tilt":
+        yield "not searched: the tilt of the tool is the same in every configuration"
+        return
     how = f"random starts of Newton's method (joint limits ignored, seed {found.options.seed})"
     if found.unreached is not None:
         yield (f"none found from {found.starts:,} {how}; that does not prove that there is none, and the distances are "

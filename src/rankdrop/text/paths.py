@@ -6,7 +6,7 @@ A check: five lines first, then crossings, with `full` free stretches and notes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import degrees, isfinite, isnan
+from math import degrees, inf, isfinite, isnan
 from operator import attrgetter
 from typing import Any
 
@@ -30,6 +30,7 @@ from rankdrop.text.words import (
     plural,
     short,
 )
+from rankdrop.tolerances import NEAR
 from rankdrop.units import counted_length
 
 DESCRIBED, LISTED = 2, 12
@@ -174,7 +175,7 @@ def sentence(check: Any) -> str:
         if check.curve.times is not None:
             limits = "; joint limits and rates kept"
         else:
-            limits = ""
+            limits = _near_without_times(check)
         return f"Free: proven for every point of the path{kept}{limits}."
     parts = [*_reached(check), *(_violation(one, check) for one in check.violations), *_open(check)]
     if check.clear:
@@ -187,6 +188,14 @@ def sentence(check: Any) -> str:
             beyond += " without an internal turn"
         return f"{beyond}: {why_ended(check.tool, check.robot)}." + (f" Up to there: {words}" if parts[1:] else "")
     return words
+
+
+def _near_without_times(check: Any) -> str:
+    """How near a free path comes to a singularity where its joint rates are unknown; empty where it stays away."""
+    least = min((one.closest.distance for one in check.stretches), default=inf)
+    if check.margin == "kept" or least >= NEAR:
+        return ""
+    return f", but {angle(least)} from a singularity; without times joint rates are not checked"
 
 
 def _reached(check: Any) -> Iterator[str]:

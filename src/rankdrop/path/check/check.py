@@ -25,7 +25,7 @@ from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.kinematics import check_robot, configurations
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.local.pointing import asked_task, fitting_task, followed_task, tilts_off, tool_stays_level
+from rankdrop.local.pointing import TILTED, asked_task, fitting_task, followed_task, tilt_is_fixed, tilts_off
 from rankdrop.local.posture import by_habit
 from rankdrop.options import takes
 from rankdrop.path.check.follow import Followed, ToolBranch, follow
@@ -67,7 +67,6 @@ from rankdrop.units import counted_length, in_metres, into_metres, out_of_metres
 
 MOST_POSES, MOST_BRANCHES = 300, 16
 """Of a tool path whose branches are all followed."""
-_TILTED = 1e-3  # tilt of a pose that is rounding, for an arm with a level tool [rad]
 _AT_ONE = 1e-5  # σ_r of a row below which it counts as singular: a pose there is reached to half the digits only
 _FOR_BRANCH = 50_000  # enclosures of the proof of one of the other branches
 _EDGE = 1e-9  # a joint this far beyond a limit stands at it [rad, m]
@@ -305,7 +304,8 @@ def check_poses(
 
     Args:
         robot: the arm.
-        poses: (P, 4, 4) of the tip in the base frame [m]; what the task leaves free is ignored.
+        poses: (P, 4, 4) of the tip in the base frame [m]; what the task leaves free is ignored, but for the tilt of a
+            tool that no joint tilts.
         t: (P,) times [s], increasing; None where there are none. The tip keeps its speed between two poses.
         start: (n,) configuration near the first pose, which decides the branch: the nearest solution is taken. None: of
             the solutions found within the joint limits the posture that people use (`by_habit`).
@@ -337,8 +337,7 @@ def check_poses(
     wanted = _checked(poses)
     times = _times(t, len(wanted), "pose")
     resolved = followed_task(robot, task)
-    if task is None:
-        check_tilt(robot, resolved, wanted, "poses")
+    check_tilt(robot, resolved, wanted, "poses")
     first, solutions, moved = configuration_at(robot, wanted[0], resolved, start)
     tolerance = tip_tolerance(how, robot)
     branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
@@ -521,19 +520,19 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
 
 
 def check_tilt(robot: Robot, followed: Task, goals: Array, where: str) -> None:
-    """Refuse poses (P, 4, 4) that are tilted, of an arm that follows position and yaw since it never tilts its tool.
+    """Refuse poses (P, 4, 4) that are tilted, where an arm that never tilts its tool follows position and yaw.
 
     Raises:
         ConfigurationError: a pose is tilted by more than rounding.
     """
-    if not tool_stays_level(robot, followed):
+    if not tilt_is_fixed(robot, followed):
         return
     off = tilts_off(robot, goals)
     worst = int(off.argmax())
-    if off[worst] > _TILTED:
+    if off[worst] > TILTED:
         raise ConfigurationError(
             f"{robot.n} joints never tilt the tool, and pose {worst + 1} is tilted", where=where,
-            got=f"{np.degrees(off[worst]):.3g}° off", allowed=f"{np.degrees(_TILTED):.2g}°",
+            got=f"{np.degrees(off[worst]):.3g}° off", allowed=f"{np.degrees(TILTED):.2g}°",
             mend="give it the tilt of the tool; task='position' checks the position alone",
             typed="give it the tilt of the tool; --task position checks the position alone",
         )  # fmt: skip

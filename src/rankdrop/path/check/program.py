@@ -672,8 +672,7 @@ class _Walker:
         """(4, 4) of a target in the base frame of the arm."""
         goal = np.array(move.target.pose)
         goal[2, 3] += self.raised
-        if self.question.task is None:
-            check_tilt(self.robot, self.task, goal[None], f"{self.program.name}, line {move.line}")
+        check_tilt(self.robot, self.task, goal[None], f"{self.program.name}, line {move.line}")
         return goal
 
     def _solutions(self, goal: Array) -> Array:

@@ -315,3 +315,17 @@ def test_a_planned_path_that_halts_a_motoman_is_known_before_it_is_driven() -> N
     assert (crossed.bracket[0].row, crossed.family) == (7, "k1.f1")
     assert crossed.closest.sigma < 1e-9
     np.testing.assert_allclose(crossed.closest.q, q[6] + crossed.bracket[0].share * (q[7] - q[6]), atol=1e-9)
+
+
+def test_a_step_over_the_seam_of_a_turn_is_told() -> None:
+    """An encoder that counts from 0° to 360° writes 20° and 340°; the rows say 320° through what lies between."""
+    arm = open_robot("planar3r")
+    rows = np.radians([[10.0, 40.0, 20.0], [20.0, 40.0, 20.0], [340.0, 40.0, 20.0], [330.0, 40.0, 20.0]])
+    noted = " ".join(check_path(arm, rows).notes)
+    assert "joint 1 turns by +320° from row 2 to row 3 (20° to 340°)" in noted
+    assert "it went −40°" in noted
+    back = " ".join(check_path(arm, rows[::-1]).notes)
+    assert "joint 1 turns by −320° from row 2 to row 3 (340° to 20°)" in back
+    assert "it went +40°" in back
+    unwound = np.unwrap(rows, axis=0)
+    assert not any("as the rows say" in note for note in check_path(arm, unwound).notes)

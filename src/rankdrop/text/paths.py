@@ -6,7 +6,7 @@ A check: five lines first, then crossings, with `full` free stretches and notes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import degrees, inf, isfinite, isnan
+from math import copysign, degrees, inf, isfinite, isnan
 from operator import attrgetter
 from typing import Any
 
@@ -459,7 +459,7 @@ def half_turn_words(poses: Sequence[int]) -> str:
 
 def notes(check: Any) -> tuple[str, ...]:
     """Remarks; of a tool path its branch and the poses of its crossings."""
-    lines = [_REMARKS[kind].format(values) for kind, values in check.remarks]
+    lines = [_remark(kind, values) for kind, values in check.remarks]
     if check.tool is not None:
         places = [one.closest.place for one in check.crossings][:_NAMED]
         poses = np.interp([place.position for place in places], np.arange(1, check.rows + 1), check.tool.place)
@@ -473,6 +473,20 @@ def notes(check: Any) -> tuple[str, ...]:
         lines += [turn_far_words(turn) for turn in check.turns]
         lines += [f"row {row_words(place)} is pose {pose:.6g}" for place, pose in zip(places, poses, strict=True)]
     return tuple(lines)
+
+
+def _remark(kind: str, values: Any) -> str:
+    """What a reader should know besides the verdict."""
+    if kind == "jump":
+        joint, row, before, after = values
+        turn = minus(f"{degrees(after - before):+.3g}°")
+        ends = f"{short(degrees(before), 4)}° to {short(degrees(after), 4)}°"
+        other = minus(f"{degrees(after - before) - copysign(360.0, after - before):+.3g}°")
+        return (
+            f"joint {joint} turns by {turn} from row {row - 1} to row {row} ({ends}), as the rows say; if these angles "
+            f"start anew after a whole turn, it went {other}: add whole turns to the rows"
+        )
+    return _REMARKS[kind].format(values)
 
 
 def path_sections(

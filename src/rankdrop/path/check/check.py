@@ -49,6 +49,7 @@ from rankdrop.path.check.record import (
 )
 from rankdrop.path.check.survey import Survey, crossings
 from rankdrop.path.check.tool_line import half_turns, poses_at
+from rankdrop.path.check.turns import jump
 from rankdrop.path.curve import Curve, Place, curve
 from rankdrop.path.read.files import Poses, holds_poses, length_hint, read_poses, read_trajectory
 from rankdrop.path.read.trajectory import Trajectory, checked, checked_times, refuse_degrees, rows_of, unit_hint
@@ -147,6 +148,8 @@ def check_path(
         remarks.append(("degrees", hint))
     if rates is not None and how.interpolate == "linear":
         remarks.append(("velocities", None))
+    if (step := jump(robot, rows)) is not None:
+        remarks.append(("jump", step))
     check = check_curve(robot, path, asked_for(robot, task, analysis), how, analysis, tolerances, progress)
     return replace(check, rows=len(rows), remarks=(*check.remarks, *remarks))
 

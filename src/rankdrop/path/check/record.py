@@ -48,7 +48,7 @@ CROSSING, TOUCHING, NOT_FOLLOWED, OUTSIDE, TOO_FAST, TOO_NEAR, UNDECIDED, FREE =
 Evidence = Literal["covered", "determinant", "condition", "singular throughout", "small sigma", "no enclosure",
                    "unfinished"]
 """How the verdict of a stretch is known."""
-Remark = Literal["degrees", "velocities", "lost", "distances", "no distance", "distance open"]
+Remark = Literal["degrees", "velocities", "jump", "lost", "distances", "no distance", "distance open"]
 """What a reader should know besides the verdict; its values follow it in `PathCheck.remarks`."""
 
 

@@ -13,6 +13,7 @@ FAR = np.radians(60.0)
 """Turns that are smaller are not listed [rad]."""
 _SHORT = 0.2  # share of the path within which a turn is made
 _SLOW = 0.1  # share of the largest rate of a turn at which it begins and ends
+_SEAM = np.radians(270.0)  # a step from which on the other way round is at most a quarter turn [rad]
 _MOST = 3  # turns, the largest
 
 
@@ -55,6 +56,28 @@ def far_turns(robot: Robot, path: Curve) -> tuple[FarTurn, ...]:
                 found.append(FarTurn(joint + 1, angle, path.place((first, 0.0)), path.place((last - 1, 1.0))))
     largest = sorted(found, key=lambda one: -abs(one.angle))[:_MOST]
     return tuple(sorted(largest, key=lambda one: one.start))
+
+
+def jump(robot: Robot, rows: Array) -> tuple[int, int, float, float] | None:
+    """The largest step of a turning joint that looks like the seam of angles written within one turn; None: none.
+
+    From 20° to 340° a joint turns by 320° as the rows say; an encoder that counts from 0° to 360° went by −40°.
+
+    Args:
+        robot: the arm.
+        rows: (T, n) samples [rad, m].
+
+    Returns:
+        Number of the joint (from 1), number of the row after the step (from 1), and both angles [rad].
+    """
+    turning = np.array([one.unit == "rad" for one in robot.variables])
+    if len(rows) < 2 or not turning.any():
+        return None
+    steps = np.where(turning, np.abs(np.diff(rows, axis=0)), 0.0)
+    row, joint = np.unravel_index(int(steps.argmax()), steps.shape)
+    if not _SEAM <= steps[row, joint] <= 2.0 * np.pi:
+        return None
+    return int(joint) + 1, int(row) + 2, float(rows[row, joint]), float(rows[row + 1, joint])
 
 
 def _runs(rate: Array, steps: Array) -> list[tuple[int, int]]:

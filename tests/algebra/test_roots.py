@@ -17,6 +17,7 @@ from rankdrop.algebra.field import Point, roots_at, value_at
 from rankdrop.algebra.polynomial import (
     PRIMES,
     ROOTS,
+    Equality,
     factor,
     gcd,
     is_number,
@@ -32,8 +33,11 @@ from rankdrop.algebra.polynomial import (
     surd,
 )
 from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.solving import Solved
+from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.geometry import exact_cosine, turn
+from rankdrop.exact.stratum import atoms_on
 from rankdrop.families.record import exact_of
 from rankdrop.kinematics import jacobian
 from rankdrop.robot.dh import from_dh
@@ -149,6 +153,28 @@ def test_factors_multiply_to_the_polynomial(parts) -> None:
 def test_known_factors(text: str, count: int) -> None:
     names = {"x": RING.t[1], "y": RING.t[2], "a": RING.letter_half["a"], **{w: RING.letter_half[w] for w in ROOTS}}
     assert len(factor(reduced_roots(eval(text, {}, names)))) == count
+
+
+def test_multiplicities_are_those_of_the_product() -> None:
+    x, y, h = RING.t[1], RING.t[2], RING.letter_half
+    f = (x * y + h["sqrt2"]) ** 3 * (x - h["sqrt3"] * y) ** 2 * (x + y + 1)
+    assert sorted(power for _, power in factor(reduced_roots(f))) == [1, 2, 3]
+
+
+def test_zero_in_the_disguise_of_a_root_is_not_factored_for_ever() -> None:
+    """(√3² − 3)(x² − 1)(y² − 1): every factor divides it again and again."""
+    x, y, h = RING.t[1], RING.t[2], RING.letter_half
+    with pytest.raises(ArithmeticError, match="zero"):
+        factor((h["sqrt3"] ** 2 - 3) * (x**2 - 1) * (y**2 - 1))
+
+
+def test_a_solution_with_a_root_put_in_is_reduced() -> None:
+    """t1 = √3 makes t1² − 3 zero, and (t1² − 3) t2 + t2 − 5 a condition on θ2 alone."""
+    x, y, root = RING.t[1], RING.t[2], RING.letter_half["sqrt3"]
+    piece = ZeroSet(RING, {}, solved=(Solved(0, root, root**0),), equations=(x - root,))
+    assert atoms_on(piece, Equality((RING.atom((x**2 - 3) * (y**2 - 1)),))) is None
+    (left,) = atoms_on(piece, Equality((RING.atom((x**2 - 3) * y + y - 5),)))
+    assert str(left.f) == "t2 - 5"
 
 
 def long_polynomial(seed: int, terms: int = 60):

@@ -241,6 +241,17 @@ def test_configurations_of_higher_rank_are_met_where_no_start_leads_to(kind: str
         assert np.ptp(np.sin(theta[both, 4])) > 0.5  # whatever θ5
 
 
+def test_configurations_of_higher_rank_that_few_starts_reach_are_met() -> None:
+    """t5 (t2 − 3) = t5 (t4 − 2) = t5 (t5 − 7) = 0 hold at the wrist, and at one point of θ2, θ4, θ5 besides."""
+    chain = exact_chain(open_robot("puma560"))
+    t2, t4, t5 = (chain.ring.form(chain.ring.to_half(chain.ring.s[1]).f).f.context().gen(k) for k in (1, 3, 4))
+    equations = t5 * (t2 - 3), t5 * (t4 - 2), t5 * (t5 - 7)
+    q = special_strays(chain, ZeroSet(chain.ring, {}, rest=equations, equations=equations), 5)
+    assert len(q)
+    assert np.allclose(np.tan((q + chain.shifts)[:, [1, 3, 4]] / 2), (3.0, 2.0, 7.0), atol=1e-6)
+    assert singular_values(chain.own, q, chain.own_task)[:, 5].min() > 1e-2
+
+
 @pytest.mark.parametrize("kind", ["right angles", "undetermined"])
 def test_a_set_is_cut_off_from_its_special_strays(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Random starts find nothing to cut off; a condition is asked for that fails at the special ones all the same."""

@@ -429,7 +429,7 @@ class Form:
         return [Form(self.ring, part, left) for part in coefficients(self.f, place) if part != 0]
 
     def factors(self) -> Factors:
-        """Factors in lengths alone, and atoms, those at π first; f is not 0.
+        """Factors in lengths alone, and atoms, those at π first; f has every root at most once and is not 0.
 
         Raises:
             TooLong: f has more than `MANY` terms; factoring cannot be interrupted.

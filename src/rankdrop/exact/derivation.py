@@ -234,12 +234,15 @@ def _suppressed(
 
 
 def _suppression_differences(chain: Chain, suppression: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:
-    """Random points of each method's sets, tried on those of the other."""
+    """Random points of each method's sets, tried on those of the other; what the tree left open counts as its own."""
+    held = [drop.piece for drop in tree.drops]
+    held += [case.piece for case in tree.cases]
+    held += [piece for piece, _, _ in tree.without_points]
     pieces = flat_map(lambda family: family.stratum.pieces, suppression.families)
     drawn = [(piece, piece.point(work.rng)) for piece in pieces]
     missing = [
         piece for piece, point in drawn
-        if point is not None and not any(drop.piece.holds_at([point]) for drop in tree.drops)
+        if point is not None and not any(one.holds_at([point]) for one in held)
     ]  # fmt: skip
     surplus = [
         drop.piece for drop in tree.drops if not any(one.holds_at([p]) for p in drop.piece.samples for one in pieces)

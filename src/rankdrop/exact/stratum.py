@@ -35,10 +35,11 @@ from rankdrop.algebra.polynomial import (
     coefficients,
     order,
     primitive,
+    reduced_roots,
     used,
 )
 from rankdrop.algebra.ring import Form, Ring, letters_polynomial, polynomial_of
-from rankdrop.algebra.solving import Solved, plainly_positive
+from rankdrop.algebra.solving import Solved, plainly_positive, substituted
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.lists import flat_map
 
@@ -292,9 +293,7 @@ def _substitute_solutions(piece: ZeroSet, form: Form, assumed: Assumed | None) -
         if one.place < piece.ring.angles:
             degrees[one.place] = 0  # it is not at π
         if f != 0 and f.degrees()[one.place]:
-            parts = coefficients(f, one.place)
-            top, bottom, power = one.numerator, one.denominator, len(parts) - 1
-            f = sum((part * top**k * bottom ** (power - k) for k, part in enumerate(parts)), f * 0)
+            f = reduced_roots(substituted(f, one))
     if f == 0:
         return None
     letters, atoms = Form(piece.ring, f, tuple(degrees)).factors()

@@ -12,7 +12,10 @@ radius, in which a nearer point must lie.
 
 Where one of six freedoms is lost and no limits bind, the second derivative of F is known in closed form, and 56 starts
 take Newton's steps on the condition of Lagrange, towards the set and along it together; of those that get lost four
-walk. Only where fewer than eight ends agree, or no more than got lost, 128 more begin, all of which walk.
+walk. Only where fewer than eight ends agree, or no more than got lost, 128 more begin, all of which walk. A start that
+is given may come from a search of its own, as the nearest point of a known family does. Then the first starts are those
+in its ball, and where it stays the nearest, 32 walks that find nothing nearer are enough; as they are where half of
+them agree.
 
 What is returned is singular and a local minimum, both checked afresh; that no nearer one exists is likely, not proved
 (a certified radius is). Distances are right to 1e-11, but for pieces of the set on which σ has a double zero (Stanford
@@ -45,6 +48,7 @@ from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 STARTS = (128, 512)  # that walk, for corank 1, for more: failures to reach the global minimum are rarer than 1 % then
 NEWTON = (24, 32)  # that take Newton's steps before, around q and in the ball in which a nearer point must lie
 AGREED = 8  # of these, and more than got lost: no walks begin; the nearest was missed in 2 of 14,000 cases then
+FEW = 32  # that walk first, and alone where half of them agree, or a given start stays the nearest
 SAME = 1e-6  # starts whose distances differ by less have found the same [rad]
 _KEPT = 1024  # starts that are drawn once for all configurations, where there are no more
 _RADII = (0.3, 1.0, 2.0, 4.0)  # of the balls of the first starts [rad]
@@ -170,17 +174,13 @@ def _nearest(problem: Problem, centre: Array, first: Array, asked: NearestOption
     check_joints(problem)
     walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if asked.limits else None)
     if starts is None and walk.smooth:
-        ends, distances, lost = walk.newton(first, asked.seed)
-        begun = len(first) + sum(NEWTON)
+        ends = walk.newton(first, asked.seed)
     else:
-        ends, distances, lost = np.empty((0, robot.n)), np.empty(0), 0
-        begun = 0
-    nearest = distances.min(initial=np.inf)
-    if nearest > 0.0 and int((distances <= nearest + SAME).sum()) < max(AGREED, lost + 1):
+        ends = _Ends(np.empty((0, robot.n)), np.empty(0), 0, 0)
+    if not ends.settled:
         walked, far = walk.walked(first, walks, asked.seed)
-        ends, distances = np.concatenate([ends, walked]), np.concatenate([distances, far])
-        begun += len(first) + walks
-    finest = walk.finest(ends)
+        ends = ends.joined(_Ends(walked, far, 0, len(first) + walks))
+    finest = ends.finest or walk.finest(ends.best)
     if finest is None:
         return None
     best, sigma = walk.without_idle_motion(finest[0])
@@ -193,8 +193,8 @@ def _nearest(problem: Problem, centre: Array, first: Array, asked: NearestOption
         corank=rank + corank - int((sigma > tolerances.singular).sum()),
         sigma=float(sigma[rank]),
         stationarity=finest[1],
-        starts=begun,
-        agreeing=int((distances <= distance + SAME).sum()),
+        starts=ends.begun,
+        agreeing=ends.agreeing(distance),
         within_limits=bool(inside.all()),
     )
 
@@ -310,7 +310,7 @@ def check_joints(problem: Problem) -> None:
 
 
 @lru_cache(maxsize=16)
-def _draws(seed: int, counts: tuple[int, int], moves: tuple[bool, ...]) -> tuple[Array, Array]:
+def _draws(seed: int, counts: tuple[int, ...], moves: tuple[bool, ...]) -> tuple[Array, ...]:
     """Points (N, n) that fill balls evenly, over the joints that move: first of several radii, then of radius 1."""
     rng = np.random.default_rng(seed)
 
@@ -319,11 +319,50 @@ def _draws(seed: int, counts: tuple[int, int], moves: tuple[bool, ...]) -> tuple
         share = radii * rng.random((len(radii), 1)) ** (1 / max(1, sum(moves)))
         return np.asarray(x * (share / np.maximum(np.sqrt(np.add.reduce(x * x, axis=1, keepdims=True)), 1e-300)))
 
-    return drawn(np.resize(_RADII, (counts[0], 1))), drawn(np.ones((counts[1], 1)))
+    return drawn(np.resize(_RADII, (counts[0], 1))), *(drawn(np.ones((count, 1))) for count in counts[1:])
 
 
 Run = Callable[[Array, float], tuple[Array, ...]]
 """Starts (N, n), and how far ends may be -> ends (C, n), their distances (C,), and what else there is."""
+
+
+Finest = tuple[Array, float]
+"""A nearest point (n,) to the last digit, and its stationarity."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Ends:
+    """Where starts ended.
+
+    Attributes:
+        best: (C, n) some of the ends, the nearest among them.
+        distances: (N,) of all ends on the singular set.
+        lost: number of starts that took Newton's steps and got lost.
+        begun: number of starts.
+        finest: the nearest of the ends; None where it has not gone on to the last digit.
+        settled: no further start is needed.
+    """
+
+    best: Array
+    distances: Array
+    lost: int
+    begun: int
+    finest: Finest | None = None
+    settled: bool = False
+
+    def joined(self, other: _Ends) -> _Ends:
+        """With the ends of further starts."""
+        best = np.concatenate([self.best, other.best])
+        distances = np.concatenate([self.distances, other.distances])
+        return _Ends(best, distances, self.lost + other.lost, self.begun + other.begun)
+
+    def agreeing(self, nearest: float) -> int:
+        """How many ends are at this distance, those included whose σ is not quite zero and which are too near."""
+        return int((self.distances <= nearest + SAME).sum())
+
+    def settles(self, nearest: float) -> bool:
+        """Whether so many ends agree on the nearest distance that no further start is needed."""
+        return self.agreeing(nearest) >= max(AGREED, self.lost + 1)
 
 
 @dataclass(frozen=True)
@@ -346,18 +385,30 @@ class _Walk:
 
     def _in_two_rounds(self, run: Run, given: Array, counts: tuple[int, int], seed: int) -> tuple[Array, ...]:
         """What comes of q itself and starts around it, then of starts in the ball in which a nearer point must lie."""
-        moves = tuple((~self.problem.idle).tolist())
-        first, rest = (_draws if sum(counts) <= _KEPT else _draws.__wrapped__)(seed, counts, moves)
+        first, rest = self._drawn(counts, seed)
         around = self._ball(first, 1.0)
         around[0] = self.centre
         early = run(np.concatenate([given, around]), np.inf)
         nearest = early[1].min(initial=np.inf)
+        late = run(self._nearer(rest, nearest), nearest)
+        return tuple(np.concatenate(both) for both in zip(early, late, strict=True))
+
+    def _drawn(self, counts: tuple[int, ...], seed: int) -> tuple[Array, ...]:
+        """Points of balls around 0, for rounds of so many starts."""
+        moves = tuple((~self.problem.idle).tolist())
+        if sum(counts) <= _KEPT:
+            return _draws(seed, counts, moves)
+        return _draws.__wrapped__(seed, counts, moves)
+
+    def _nearer(self, draw: Array, nearest: float) -> Array:
+        """Starts in the ball in which a nearer point must lie; none where the centre is singular itself."""
+        if nearest == 0.0:
+            return draw[:0]
         if np.isfinite(nearest):
             radius = _WIDER * nearest
         else:
             radius = max(_RADII)
-        late = run(self._ball(rest if nearest > 0.0 else rest[:0], radius), nearest)
-        return tuple(np.concatenate(both) for both in zip(early, late, strict=True))
+        return self._ball(draw, radius)
 
     def _ball(self, draw: Array, radius: float) -> Array:
         return np.asarray(self.centre + draw * (radius * self.problem.scale))
@@ -369,17 +420,62 @@ class _Walk:
         plain = len(robot.joints) == robot.n and not any(joint.mimic for joint in robot.joints)
         return self.box is None and self.problem.rank == len(rows) - 1 == 5 and plain
 
-    def newton(self, given: Array, seed: int) -> tuple[Array, Array, int]:
-        """The best ends (C, n) of starts that take Newton's steps, distances of all (N,), and how many got lost."""
+    def newton(self, given: Array, seed: int) -> _Ends:
+        """Ends of starts that take Newton's steps, in rounds until one settles the nearest; few of the last walk."""
         if self.problem.sigma(self.centre)[self.problem.rank] <= self.problem.tolerances.target:
-            return self.centre[None], np.zeros(1), 0
-        ends, distances, lost = self._in_two_rounds(self._feet, given, NEWTON, seed)
+            return _Ends(self.centre[None], np.zeros(1), 0, len(given) + sum(NEWTON), settled=True)
+        known = float(self.problem.length(given - self.centre).min(initial=np.inf))
+        around, ball, few = self._drawn((*NEWTON, FEW), seed)
+        around = self._ball(around, 1.0)
+        around[0] = self.centre
+        if 0.0 < known < np.inf:
+            starts = np.concatenate([given, self._nearer(ball, known)])
+            early = self._feet(starts, known)
+            first = self._settled(self._gathered(early, len(starts)))
+            if first.settled:
+                return first
+            late = self._feet(around, np.inf)
+        else:
+            early = self._feet(np.concatenate([given, around]), np.inf)
+            nearest = float(early[1].min(initial=np.inf))
+            late = self._feet(self._nearer(ball, nearest), nearest)
+        found = self._with_lost(*(np.concatenate(both) for both in zip(early, late, strict=True)))
+        second = self._settled(self._gathered(found, len(given) + sum(NEWTON)))
+        if second.settled or second.finest is None:
+            return second
+        return self._confirmed(second, known, self._nearer(few, self.distance(second.finest[0])))
+
+    def _with_lost(self, ends: Array, distances: Array, lost: Array) -> tuple[Array, Array, Array]:
+        """Ends, their distances and lost starts, with the walks of lost ones that may come nearer than all ends."""
         far = self.problem.length(lost - self.centre)
         near = far.argsort(kind="stable")[:_AGAIN]
         near = near[far[near] < _NEAR * distances.min(initial=np.inf)]
-        if len(near):
-            ends, distances = (np.concatenate(b) for b in zip((ends, distances), self.run(lost[near]), strict=True))
-        return _best(ends, distances), distances, len(lost)
+        if not len(near):
+            return ends, distances, lost
+        again, again_far = self.run(lost[near])
+        return np.concatenate([ends, again]), np.concatenate([distances, again_far]), lost
+
+    def _confirmed(self, ends: _Ends, known: float, starts: Array) -> _Ends:
+        """With walks from few starts, which settle the nearest where it was known or half of them agree."""
+        walked = self._gathered(self.run(starts), len(starts))
+        joined = self._settled(ends.joined(walked))
+        if joined.finest is None:
+            return joined
+        nearest = self.distance(joined.finest[0])
+        agreed = abs(known - nearest) <= SAME or 2 * walked.agreeing(nearest) >= len(starts)
+        return replace(joined, settled=joined.settled or agreed)
+
+    def _gathered(self, found: tuple[Array, ...], begun: int) -> _Ends:
+        """Ends (C, n), their distances (C,), and starts that got lost, if any."""
+        lost = sum(len(more) for more in found[2:])
+        return _Ends(_best(found[0], found[1]), found[1], lost, begun)
+
+    def _settled(self, ends: _Ends) -> _Ends:
+        """Ends of which the nearest has gone on to the last digit, and whether it needs no further start."""
+        finest = self.finest(ends.best)
+        if finest is None:
+            return ends
+        return replace(ends, finest=finest, settled=ends.settles(self.distance(finest[0])))
 
     def _feet(self, starts: Array, farthest: float) -> tuple[Array, Array, Array]:
         """Where Newton's steps lead, no farther than that (C, n); the distances (C,); and where others got lost."""
@@ -468,7 +564,7 @@ class _Walk:
         nearer = int((distances < self.distance(end) - _HERE).sum())
         return 2 * nearer < max(len(distances), 1)
 
-    def finest(self, ends: Array) -> tuple[Array, float] | None:
+    def finest(self, ends: Array) -> Finest | None:
         """The best of the ends of walks (C, n), after these have gone on to the last digit; its stationarity."""
         if not len(ends):
             return None

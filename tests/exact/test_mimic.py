@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import cos, pi, sin
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,15 +20,17 @@ from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.determinants import decouple, parting_of
 from rankdrop.exact.method_reason import PartingKind
 from rankdrop.exact.posture_changes import OPEN, decide_postures
-from rankdrop.formula.equation import System
+from rankdrop.formula.equation import Equation, System
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array, Mimic, Robot
+from rankdrop.robot.open import open_robot
 from rankdrop.task import BODY, Task
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
 from rankdrop.verbs.jacobian_in_frame import link_jacobian
 
 HALF, EIGHTH = pi / 2, pi / 4
+HALVES = range(-2, 3)
 A1, A2, A3 = 0.5, 0.4, 0.3
 PLANAR = standard_dh("planar", [(A1, 0, 0, 0), (A2, 0, 0, 0), (A3, 0, 0, 0)], "planar-position")
 WRIST = [(0, EIGHTH, 0.4, 0), (0, -EIGHTH, 0, 0), (0, 0, 0.1, 0)]
@@ -71,9 +75,9 @@ def determinants(robot: Robot, q: Array, rows: tuple[int, ...]) -> Array:
 
 
 def singular(robot: Robot, rows: tuple[int, ...]) -> Array:
-    """(k, n) zeros of det J on random lines, by bisection."""
+    """(k, n) zeros of det J on random lines, by bisection, in all turns after which the arm is the same."""
     rng = np.random.default_rng(1)
-    q, way = rng.uniform(-3, 3, (100, robot.n)), rng.normal(size=(100, robot.n))
+    q, way = rng.uniform(-3, 3, (100, robot.n)) * np.maximum(robot.turns, 1), rng.normal(size=(100, robot.n))
     start, end = determinants(robot, q, rows), determinants(robot, q + way, rows)
     q, way, start = (x[start * end < 0] for x in (q, way, start))
     low, high = np.zeros(len(q)), np.ones(len(q))
@@ -237,13 +241,91 @@ def test_methods_that_need_one_screw_for_each_column_are_left_out() -> None:
             conditions(robot, method=method)
 
 
-def test_half_a_multiplier_is_refused_and_the_way_out_works() -> None:
-    with pytest.raises(RobotError, match=r"let 'joint2' follow 'joint3' with the multiplier 2 and the offset -0\.5"):
-        exact_chain(following(PLANAR, 3, 2, 0.5, 0.25))
-    assert conditions(following(PLANAR, 2, 3, 2.0, -0.5), points=100).verified
-    for m in (1.5, 13.0, 0.3):
-        with pytest.raises(RobotError, match="a whole number from −12 to 12"):
-            exact_chain(following(PLANAR, 3, 2, m))
+URDF = """<robot name="geared">
+  <link name="base"/><link name="l1"/><link name="l2"/><link name="l3"/><link name="l4"/><link name="tool"/>
+  <joint name="j1" type="revolute"><parent link="base"/><child link="l1"/><origin xyz="0 0 0.4"/><axis xyz="0 0 1"/>
+    <limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+  <joint name="j2" type="revolute"><parent link="l1"/><child link="l2"/><origin xyz="0.1 0 0"/><axis xyz="0 -1 0"/>
+    <limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/></joint>
+  <joint name="j3" type="revolute"><parent link="l2"/><child link="l3"/><origin xyz="0.5 0 0"/><axis xyz="0 -1 0"/>
+    <limit lower="-9" upper="9" effort="1" velocity="1"/><mimic joint="j2" multiplier="{multiplier}"/></joint>
+  <joint name="j4" type="revolute"><parent link="l3"/><child link="l4"/><origin xyz="0.3 0 0"/><axis xyz="0 -1 0"/>
+    <limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+  <joint name="t" type="fixed"><parent link="l4"/><child link="tool"/><origin xyz="0.2 0 0"/></joint>
+</robot>"""
+
+
+def geared(folder: Path, multiplier: str, turns: float = 4.0) -> Robot:
+    """A URDF arm of three variables that point the tool, joint 3 following joint 2; limits of ±turns half turns."""
+    path = folder / "geared.urdf"
+    path.write_text(URDF.format(multiplier=multiplier, lower=-turns * pi, upper=turns * pi))
+    return replace(open_robot(str(path)), task="position")
+
+
+@pytest.mark.parametrize(("multiplier", "turns", "angle"), [("-0.5", 2, "θ2/2"), ("0.666666666666667", 3, "θ2/3")])
+def test_fraction_of_a_leader_s_angle(tmp_path: Path, multiplier: str, turns: int, angle: str) -> None:
+    """Families against zeros of det J of an independent Jacobian, over all turns after which the arm is the same."""
+    robot = geared(tmp_path, multiplier)
+    assert robot.turns.tolist() == [1, turns, 1]
+    found = conditions(robot, points=100, coranks=1)
+    assert_both_ways(robot, found)
+    assert any(angle in text for family in found.families for text in family.texts)
+    for family in found.families:
+        later = np.add(family.witness, [0.0, 2 * pi * turns, 0.0])  # the arm is the same there
+        assert np.abs(System(family.equations).values(later[None])).max() < 1e-9
+        sigma = np.linalg.svd(kinematics.jacobian(robot, family.witness)[:3], compute_uv=False)
+        assert sigma[-1] < 1e-9
+        assert [Equation.from_dict(one.to_dict()) for one in family.equations] == [*family.equations]
+
+
+def test_values_of_a_fraction_are_those_of_all_turns_inside_the_limits() -> None:
+    """θ3 = −θ2/2 bends the planar arm back at θ2 = 2πk, whichever k: sin(θ2/2) = 0."""
+    for turns, expected in ((0.9, [0.0, 2 * pi]), (2.0, [0.0, 2 * pi, -2 * pi]), (5.0, [2 * pi * k for k in HALVES])):
+        joints = list(following(PLANAR, 3, 2, -0.5).joints)
+        joints[1] = replace(joints[1], lower=-turns * pi, upper=turns * pi)
+        robot = replace(PLANAR, joints=tuple(joints))
+        (pinned,) = [pin for family in conditions(robot, points=30).families for pin in family.pinned]
+        assert sorted(pinned.values) == pytest.approx(sorted(expected))
+
+
+def test_offsets_of_a_joint_that_others_follow_by_a_third() -> None:
+    """θ2 = q2 + 0.3, by its place in the file: conditions, values, flags and code are all in q2."""
+    turned = standard_dh("turned", [(A1, 0, 0, 0), (A2, 0, 0, 0.3), (A3, 0, 0, 0)], "planar-position")
+    robot = following(turned, 3, 2, 2 / 3, -0.2)
+    found = conditions(robot, points=50)
+    assert_both_ways(robot, found)
+    assert found.shifts == (0.0, pytest.approx(0.3))
+    names: dict[str, Any] = {}
+    exec(found.code("python"), names)  # as a user would
+    zeros = singular(robot, found.task.rows)
+    values = np.abs([function(zeros)[:, 0] for function in names["FAMILIES"].values()])
+    sizes = np.max([np.abs(function(zeros + 0.3)).max() for function in names["FAMILIES"].values()])
+    assert values.min(axis=0).max() < 1e-10 * sizes  # twists of the phases are exact to 1e-12
+    (flag,) = found.flags([0.0, 0.4]).flags
+    det = determinants(robot, np.array([[0.0, 0.4]]), found.task.rows)[0]
+    assert (flag.sign or 0) * det > 0
+
+
+def test_half_an_angle_beside_a_sampled_analysis_and_a_condition_by_hand() -> None:
+    """Without limits the search goes through both turns of joint 2; a condition may be written in its own angle."""
+    robot = following(PLANAR, 3, 2, -0.5)
+    found = analyze(robot, exact="on", starts=300, limits=False)
+    assert found.exact is not None
+    assert found.exact.agrees
+    derived = conditions(robot, points=30)
+    assert derived.test("sin(q2/2) * (4*a1*a2*cos(q2/2) + a1*a3 + a2*a3)").verdict == "exact"
+    assert derived.test("sin(q2)").verdict != "exact"
+    code = derived.code("c")
+    assert "gradient[0][1] = 0.5*cos(q[1]/2.0)" in code
+    assert "remainder(q[1] - (6.283185307179586), 12.566370614359172)" in code
+
+
+def test_multipliers_without_small_parts_are_refused() -> None:
+    for m in (13.0, 0.3001, 7.5, 1 / 13):
+        with pytest.raises(RobotError, match="whole, or a fraction of small numbers"):
+            exact_chain(following(PLANAR, 3, 2, m), parts=True)
+    with pytest.raises(RobotError, match="conditions and analyze know fractions"):
+        link_jacobian(following(PLANAR, 3, 2, 0.5), 1)
 
 
 def test_ratios_of_file_numbers_count_as_whole() -> None:

@@ -118,6 +118,7 @@ class Ring:
         revolute: numbers of the revolute joints.
         prismatic: numbers of the prismatic joints; their variables are q_j [m].
         letters: names of the lengths that stay symbols [m], and of the roots that numbers contain (`ROOTS`).
+        parts: the b of θ_j = b φ_j, for revolute joints j of which s_j, c_j, t_j are those of φ_j; only words need it.
 
     Attributes:
         trig: context of s_j, c_j (every revolute joint), then q_j, then the lengths.
@@ -136,8 +137,15 @@ class Ring:
         ['θ2=0', 'θ2=pi', 't1*t2 - 1']
     """
 
-    def __init__(self, revolute: Sequence[int], prismatic: Sequence[int] = (), letters: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        revolute: Sequence[int],
+        prismatic: Sequence[int] = (),
+        letters: Sequence[str] = (),
+        parts: Mapping[int, int] | None = None,
+    ) -> None:
         module = flint()
+        self.parts = dict(parts or {})
         self.revolute, self.prismatic = tuple(revolute), tuple(prismatic)
         roots = tuple(with_inner(letters))  # the last variables: see `roots.monic`
         self.letters = (*(name for name in letters if name not in roots), *roots)

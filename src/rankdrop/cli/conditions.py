@@ -77,7 +77,7 @@ class Question(Output):
             TaskError: flags of an arm with a Jacobian that is not square.
         """
         if self.test is not None:
-            formula.parse_conditions(self.test, chain.ring, shifts=[float(shift) for shift in chain.shifts])
+            formula.parse_conditions(self.test, chain.ring, shifts=[float(shift) for shift in chain.whole_shifts])
         if (self.start is None) != (self.end is None):
             if self.start is None:
                 missing, given = ("--from", "--to")
@@ -152,7 +152,7 @@ def conditions(
 
     model, task, made = open_ideal(robot, arm, intended=True)
     if output:
-        output.check(model, exact.exact_chain(model, task, lengths=arms.read_lengths(options.lengths)))
+        output.check(model, exact.exact_chain(model, task, lengths=arms.read_lengths(options.lengths), parts=True))
     steps, coranks = options.steps or output.steps_out is not None, options.coranks or (1 if output else None)
     found = run(model, task, replace(options, steps=steps, coranks=coranks), progress=report)
     answers, answered, verdict = output.answer(found)

@@ -267,7 +267,7 @@ def _compared(
         for family in families if not found.left and not found.holds(family.witness).all()
     ]  # fmt: skip
     q = out_of_units(chain.robot, sample(chain.own, chain.own_task, _REGULAR, 0))
-    sigma = singular_values(chain.robot, q, chain.task)[:, min(chain.task.m, chain.n) - 1]
+    sigma = singular_values(chain.parted, q, chain.task)[:, min(chain.task.m, chain.n) - 1]
     wrong = int((found.holds(q[sigma > 1e-3])).sum())
     if wrong:
         different.append(f"the conditions of the method {method} hold at {wrong} regular configurations")

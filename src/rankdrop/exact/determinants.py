@@ -540,7 +540,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
         return _decoupled(chain, split)
     minors: list[Minor] = []
     left: list[str] = []
-    shifts = tuple(map(float, chain.shifts))
+    shifts = tuple(map(float, chain.whole_shifts))
     chosen = list(maximal_minors(chain))
     for of, joints, rows in chosen[:MOST]:
         words = tuple(ROWS[r] for r in rows)
@@ -627,7 +627,7 @@ def _meaning(chain: Chain) -> str:
 
 def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
     """det J11 and det J22 of the blocks, and det J with the sign of their product."""
-    ring, rows, shifts = chain.ring, chain.task.rows, tuple(map(float, chain.shifts))
+    ring, rows, shifts = chain.ring, chain.task.rows, tuple(map(float, chain.whole_shifts))
     minors = []
     for matrix, block in zip(("J11", "J22"), split.blocks, strict=True):
         told = f"{matrix}, {block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}"

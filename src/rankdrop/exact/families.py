@@ -44,7 +44,7 @@ from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import distinct_names, lost_motions, name_family
 from rankdrop.families.record import Check, ExactConditions, Family, Order, exact_of, place_of
 from rankdrop.formula.equation import Equation, System
-from rankdrop.formula.writing import RADIANS, AnglePin, Condition
+from rankdrop.formula.writing import RADIANS, Condition, pin_of
 from rankdrop.lists import flat_map
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.problem import Problem, wrapped
@@ -242,7 +242,7 @@ def _with_right_angles(
 
 def _equations(chain: Chain, conditions: Sequence[Polynomial]) -> tuple[Equation, ...]:
     """Half-angle polynomials as equations in configurations of `Chain.own`."""
-    shifts = chain.shifts.tolist()
+    shifts = chain.whole_shifts.tolist()
     return tuple(
         Condition(chain.ring, chain.own_polynomial(f)).equation(chain.own_numbers, chain.n, shifts) for f in conditions
     )
@@ -296,7 +296,7 @@ def add_separating_condition(
 def _away(chain: Chain, f: Polynomial, strays: Array) -> int:
     """At how many configurations a condition does not hold."""
     equation = Condition(chain.ring, chain.own_polynomial(f)).equation(
-        chain.own_numbers, chain.n, chain.shifts.tolist()
+        chain.own_numbers, chain.n, chain.whole_shifts.tolist()
     )
     return int((np.abs(equation(strays)) > CONDITION_FAILS).sum())
 
@@ -532,10 +532,10 @@ def _family(
 ) -> Family:
     """One row of sets as a family, its number and final name still to come."""
     name, lost, witness = told
-    pins = tuple(AnglePin(*one) for one in sorted(row.pins.items()))
+    pins = tuple(pin_of(chain.ring, *one) for one in sorted(row.pins.items()))
     polynomials = tuple(Condition(chain.ring, f) for f in sorted(row.equations, key=len))
     coupled = tuple(sorted(set(flat_map(lambda one: one.joints, polynomials))))
-    shifts = tuple(float(x) for x in chain.shifts)
+    shifts = tuple(float(x) for x in chain.whole_shifts)
     pinned = pins_in_q(chain.robot, pins, shifts)
     exact = ExactConditions(
         pinned=(*pinned, *slides_at_zero(chain.robot, polynomials)),

@@ -12,9 +12,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import partial
 from itertools import combinations, product
 from math import cos, pi, remainder
 from typing import TypeVar
+
+import numpy as np
 
 from rankdrop.algebra.decompose import decompose
 from rankdrop.algebra.field import Point
@@ -23,9 +26,11 @@ from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
+from rankdrop.exact.arm.parts import parts_of, slowed, values_in_turns, whole_angles
 from rankdrop.families.record import ExactConditions, Family, Pin, exact_of
 from rankdrop.formula.equation import Equation
-from rankdrop.formula.writing import AnglePin, Condition
+from rankdrop.formula.writing import AnglePin, Condition, pin_of
+from rankdrop.lists import flat_map
 from rankdrop.robot.model import Robot
 from rankdrop.sections import words_of
 from rankdrop.units import exponent, into_units
@@ -37,10 +42,13 @@ Stated = AnglePin | Condition
 
 
 def pins_in_q(robot: Robot, pins: Iterable[AnglePin], shifts: Sequence[float]) -> tuple[Pin, ...]:
-    """Joints at simple angles θ as values of q = θ − shift in (−π, π], under the names of the arm's joints."""
+    """Joints at simple angles θ as values of q = θ − shift in (−π, π], under the names of the arm's joints.
+
+    Of a part of an angle (`AnglePin.part`) they are those of the part.
+    """
     found = []
     for pin in pins:
-        values = tuple(_angle(angle - shifts[pin.joint - 1]) for angle in pin.angles)
+        values = tuple(_angle(angle - shifts[pin.joint - 1] / pin.part) for angle in pin.angles)
         found.append(Pin(robot.variables[pin.joint - 1].name, pin.joint, values))
     return tuple(found)
 
@@ -75,14 +83,46 @@ def derived_in_units(family: Family, robot: Robot, numbers: Mapping[str, float] 
         robot: the arm as given, or one of the same kind.
         numbers: values of its letters [m]; None for those that the family was derived with.
     """
+    parts = parts_of(robot)
+    return replace(
+        family,
+        equations=tuple(slowed(one, parts) for one in equations_in_parts(family, robot, numbers)),
+        witness=tuple(float(x) for x in into_units(robot, family.witness)),
+    )
+
+
+def equations_in_parts(
+    family: Family, robot: Robot, numbers: Mapping[str, float] | None = None
+) -> tuple[Equation, ...]:
+    """The equations of `derived_in_units` in the variables of `in_parts(robot)`; arguments as there."""
     exact = exact_of(family)
     if numbers is None:
         numbers = exact.numbers
     stated: tuple[Stated, ...] = (*exact.pins, *polynomials_in_units(exact, robot))
+    return equations_of(stated, numbers_in_units(numbers, exponent(robot)), exact.shifts)
+
+
+def families_in_whole_angles(robot: Robot, families: Iterable[Family]) -> tuple[Family, ...]:
+    """Families of `in_parts(robot)`, as they are derived, as those of the arm: their angles are b φ."""
+    return tuple(_in_whole_angles(one, robot) for one in families)
+
+
+def _in_whole_angles(family: Family, robot: Robot) -> Family:
+    parts, exact = parts_of(robot), exact_of(family)
+    if max(parts) == 1:
+        return family
+
+    def turned(pin: Pin) -> Pin:
+        place = pin.number - 1
+        inside = partial(values_in_turns, part=parts[place], lower=robot.lower[place], upper=robot.upper[place])
+        return replace(pin, values=tuple(flat_map(inside, pin.values)))
+
     return replace(
         family,
-        equations=equations_of(stated, numbers_in_units(numbers, exponent(robot)), exact.shifts),
-        witness=tuple(float(x) for x in into_units(robot, family.witness)),
+        pinned=tuple(map(turned, family.pinned)),
+        equations=tuple(slowed(one, parts) for one in family.equations),
+        witness=tuple(float(x) for x in whole_angles(robot, np.array(family.witness))),
+        exact=replace(exact, pinned=tuple(map(turned, exact.pinned))),
     )
 
 
@@ -274,7 +314,7 @@ class Row:
     def texts(self) -> tuple[str, ...]:
         """The conditions, for people."""
         return (
-            *(AnglePin(*one).text() for one in sorted(self.pins.items())),
+            *(pin_of(self.pieces[0].ring, *one).text() for one in sorted(self.pins.items())),
             *(Condition(self.pieces[0].ring, f).text() for f in sorted(self.equations, key=len)),
         )
 
@@ -288,7 +328,7 @@ class Row:
         """All conditions, or how long they are: they take time to be written shortly, and nobody reads them."""
         if self.terms <= READABLE:
             return ", ".join(self.texts)
-        pins = (AnglePin(*one).text() for one in sorted(self.pins.items()))
+        pins = (pin_of(self.pieces[0].ring, *one).text() for one in sorted(self.pins.items()))
         count = len(self.equations)
         return ", ".join([*pins, f"{count} condition{'s' if count > 1 else ''} of {self.terms} terms"])
 

@@ -21,6 +21,7 @@ from rankdrop.algebra.polynomial import flint
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.parts import whole_angles
 from rankdrop.exact.family import alone, merge
 from rankdrop.exact.tree import rank_on
 from rankdrop.formula.equation import System
@@ -174,7 +175,7 @@ def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | Non
         OutOfTime: the deadline has passed.
     """
     work = work or Work()
-    parsed = parse_conditions(text, chain.ring, shifts=[float(shift) for shift in chain.shifts])
+    parsed = parse_conditions(text, chain.ring, shifts=[float(shift) for shift in chain.whole_shifts])
     general = _Comparison(chain, parsed, pieces, {}, work)
     special = bool(chain.letters) and any(general.sizes)
     if special:
@@ -301,8 +302,9 @@ class _Comparison:
         q = theta - self.chain.shifts
         turning = [j - 1 for j in self.ring.revolute]
         q[turning] = wrap(q[turning]) + 0.0
-        values = [float(one(theta, self.chain.numbers)) for one in self.parsed]
         sigma = singular_values(self.chain.own, into_units(robot, q), self.chain.own_task)
+        q = whole_angles(robot, q)
+        values = [float(one(theta, self.chain.numbers)) for one in self.parsed]
         slides = [joint.kind is JointKind.PRISMATIC for joint in robot.variables]
         shown = tuple(float(x) if slide else degrees(x) for x, slide in zip(q, slides, strict=True))
         value = max(values, key=abs)

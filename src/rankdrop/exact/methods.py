@@ -67,6 +67,7 @@ from rankdrop.algebra.work import OutOfTime
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.parts import whole_angles
 from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.conjunctions import (
     TOLD,
@@ -188,7 +189,8 @@ def zero_of(chain: Chain, p: Polynomial) -> tuple[float, ...] | None:
         values, _ = values_of(chain, p, way)
         first = max(1, int(np.argmax(values >= 0.0)))
         low, high = way[first - 1], way[first]
-    return tuple(map(float, out_of_units(chain.robot, (low + high)[None] / 2 - chain.shifts)[0]))
+    found = out_of_units(chain.robot, (low + high)[None] / 2 - chain.shifts)[0]
+    return tuple(map(float, whole_angles(chain.robot, found)))
 
 
 def cofactors(builder: Derivation) -> None:

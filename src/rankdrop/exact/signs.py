@@ -34,6 +34,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.lint import round_points
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import name_family
+from rankdrop.formula.notation import Text, Wave
 from rankdrop.formula.writing import ratio, text_of
 from rankdrop.kinematics import one_configuration
 from rankdrop.lists import flat_map
@@ -152,7 +153,7 @@ def half_angle_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str
 def reading(ring: Ring, atom: Atom) -> tuple[str, int]:
     """(text of an atom's function, sign of that text over `half_angle_values`)."""
     if atom.pinned:
-        half = f"θ{atom.joint}/2"
+        half = Text(divisors=ring.parts).share(atom.joint, 1)
         texts = {"0": f"sin({half})", "pi": f"cos({half})", "pi/2": f"sin({half} − π/4)", "-pi/2": f"sin({half} + π/4)"}
         return texts[atom.value], 1
     trig = ring.to_trig(atom.f)
@@ -183,7 +184,8 @@ def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor
     if simple_pair(atoms):
         # sin θ = 2 sin(θ/2) cos(θ/2); cos θ = −2 sin(θ/2 − π/4) sin(θ/2 + π/4)
         sine = atoms[0].value == "0"
-        return SignedFactor(ring, atoms, f"{'s' if sine else 'c'}{atoms[0].joint}", periodic, 1 if sine else -1)
+        whole = Wave("sin" if sine else "cos", ((atoms[0].joint, 2),))
+        return SignedFactor(ring, atoms, Text(divisors=ring.parts).wave(whole), periodic, 1 if sine else -1)
     read = [reading(ring, atom) for atom in atoms]
     if len(read) == 1:
         text = read[0][0]
@@ -445,7 +447,7 @@ class Signs:
     def values(self, q: Array) -> Array:
         """(N, n) configurations -> (N, number of factors) scaled values."""
         chain = self.chain
-        theta = into_units(chain.robot, np.atleast_2d(q)) + chain.shifts
+        theta = chain.theta(np.atleast_2d(q))
         return np.stack([factor.values(theta, chain.numbers, chain.power) for factor in self.factors], axis=1)
 
 
@@ -554,7 +556,7 @@ def _crossings(signs: Signs, index: int, start: Array, end: Array) -> list[Cross
 
     def value(share: Array) -> Array:
         q = start + share[:, None] * (end - start)
-        return factor.values(into_units(chain.robot, q) + chain.shifts, chain.numbers, chain.power)
+        return factor.values(chain.theta(q), chain.numbers, chain.power)
 
     met = zeros_between(value, float(np.abs(end - start).sum()) / tau, DEFAULT.singular)
     return [Crossing(at, factor.text, str(signs.names[index] or ""), kind) for at, kind in met]

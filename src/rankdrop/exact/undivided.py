@@ -8,7 +8,7 @@ of it are solved for numerically from random starts; finding none proves nothing
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import comb
 
@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.parts import parts_of, slowed, whole_angles
 from rankdrop.exact.tree import OpenCase, Tree
 from rankdrop.formula.equation import Equation, System
-from rankdrop.formula.writing import AnglePin, Condition
+from rankdrop.formula.writing import AnglePin, Condition, pin_of
 from rankdrop.problem import Problem, wrapped
-from rankdrop.robot.model import Array
+from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import words_of
 from rankdrop.solve import newton
 from rankdrop.tolerances import REAL_STARTS
@@ -113,7 +114,7 @@ def undivided_sets(chain: Chain, tree: Tree, off_families: OffFamilies, seed: in
 def _undivided(chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamilies, seed: int) -> UndividedSet:
     piece, order = case.piece, case.order - tree.cleared
     corank = tree.generic_rank - case.order + 1
-    pins = tuple(AnglePin(joint, (value,)) for joint, value in sorted(piece.pins.items()))
+    pins = tuple(pin_of(chain.ring, joint, (value,)) for joint, value in sorted(piece.pins.items()))
     polynomials = sorted(piece.equations, key=len)
     equations = equations_of(chain, piece)
     q = _points(chain, corank, equations, seed)
@@ -135,11 +136,27 @@ def _undivided(chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamili
     )
 
 
+def cases_in_whole_angles(robot: Robot, cases: Sequence[UndividedSet]) -> tuple[UndividedSet, ...]:
+    """Cases of `in_parts(robot)`, as they are derived, as those of the arm."""
+    return tuple(_in_whole_angles(one, robot) for one in cases)
+
+
+def _in_whole_angles(case: UndividedSet, robot: Robot) -> UndividedSet:
+    witness = case.witness
+    if witness is not None:
+        witness = tuple(float(x) for x in whole_angles(robot, np.array(witness)))
+    return replace(
+        case, equations=tuple(slowed(one, parts_of(robot)) for one in case.equations), witness=witness
+    )
+
+
 def equations_of(chain: Chain, piece: ZeroSet) -> tuple[Equation, ...]:
     """The conditions of a set as equations in configurations of `Chain.own`."""
     own = [Condition(chain.ring, chain.own_polynomial(f)) for f in piece.equations]
-    stated: list[AnglePin | Condition] = [*(AnglePin(joint, (value,)) for joint, value in piece.pins.items()), *own]
-    return tuple(one.equation(chain.own_numbers, chain.n, chain.shifts.tolist()) for one in stated)
+    stated: list[AnglePin | Condition] = [
+        *(pin_of(chain.ring, joint, (value,)) for joint, value in piece.pins.items()), *own
+    ]  # fmt: skip
+    return tuple(one.equation(chain.own_numbers, chain.n, chain.whole_shifts.tolist()) for one in stated)
 
 
 def size_of(chain: Chain, f: Polynomial) -> PolynomialSize:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -333,7 +334,11 @@ def _equation_of(waves: NDArray[np.complex128], joints: tuple[int, ...], n: int)
         elif wave > zero:
             pairs = ((2 * c.real, "cos"), (-2 * c.imag, "sin"))
             terms += [Term(part, kind, wave, zero) for part, kind in pairs if abs(part) > floor]
-    return normalised(sorted(terms, key=lambda term: (sum(map(abs, term.harmonics)), term.harmonics, term.kind)))
+
+    def place(term: Term) -> tuple[float, tuple[Any, ...], str]:
+        return sum(map(abs, map(float, term.harmonics))), term.harmonics, term.kind
+
+    return normalised(sorted(terms, key=place))
 
 
 EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off

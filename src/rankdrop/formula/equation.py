@@ -26,6 +26,7 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.robot.model import Array
 from rankdrop.solve import CUT
 
+_PARTS = 144  # largest denominator of a harmonic
 _UNSEEN = 1e-10  # terms below this share of the largest are not written for people: fits leave them, as rounding
 
 
@@ -36,16 +37,22 @@ class Term:
     Attributes:
         coefficient: c.
         kind: "sin" or "cos".
-        harmonics: (n,) twice the multiples m, so that they are whole numbers.
+        harmonics: (n,) twice the multiples m, so that they are whole numbers; fractions where another joint turns by a
+            fraction of the angle.
         powers: (n,) exponents of prismatic joints.
         shift: phase s [rad].
     """
 
     coefficient: float
     kind: str
-    harmonics: tuple[int, ...]
+    harmonics: tuple[int | Fraction, ...]
     powers: tuple[int, ...]
     shift: float = 0.0
+
+    @property
+    def divided(self) -> bool:
+        """Whether a harmonic is no whole number."""
+        return any(isinstance(h, Fraction) for h in self.harmonics)
 
 
 @dataclass(frozen=True)
@@ -87,7 +94,7 @@ class Equation:
         Returns:
             (t, n) multiples m, (t,) shifts [rad], (t,) a, (t,) b, (t, n) powers p.
         """
-        found: dict[tuple[tuple[int, ...], tuple[int, ...], float], list[float]] = {}
+        found: dict[tuple[tuple[int | Fraction, ...], tuple[int, ...], float], list[float]] = {}
         for term in self.terms:
             pair = found.setdefault((term.harmonics, term.powers, term.shift), [0.0, 0.0])
             pair[term.kind == "sin"] += term.coefficient
@@ -110,11 +117,11 @@ class Equation:
 
     @property
     def parity(self) -> tuple[int, ...] | None:
-        """(n,) 0 or 1 per joint: what q_j + 2π does to the sign of f; None when the terms disagree."""
+        """(n,) 0 or 1 per joint: what q_j + 2π does to the sign of f; None when terms disagree, and for fractions."""
         kinds = {tuple(h % 2 for h in term.harmonics) for term in self.terms}
-        if len(kinds) == 1:
-            return kinds.pop()
-        return None
+        if len(kinds) > 1 or any(term.divided for term in self.terms):
+            return None
+        return tuple(map(int, kinds.pop()))
 
     def __call__(self, q: ArrayLike) -> Array:
         """f(q).
@@ -196,7 +203,7 @@ class Equation:
                 {
                     "coefficient": term.coefficient,
                     "kind": term.kind,
-                    "harmonics": [h / 2 for h in term.harmonics],
+                    "harmonics": [float(h / 2) for h in term.harmonics],
                     "powers": list(term.powers),
                     "shift": term.shift,
                 }
@@ -212,13 +219,21 @@ class Equation:
                 Term(
                     float(term["coefficient"]),
                     term["kind"],
-                    tuple(round(2 * m) for m in term["harmonics"]),
+                    tuple(map(_harmonic, term["harmonics"])),
                     tuple(int(p) for p in term["powers"]),
                     float(term["shift"]),
                 )
                 for term in record["terms"]
             )
         )
+
+
+def _harmonic(multiple: float) -> int | Fraction:
+    """Twice a multiple that a file holds as a decimal."""
+    share = Fraction(2 * multiple).limit_denominator(_PARTS)
+    if share.denominator == 1:
+        return int(share)
+    return share
 
 
 def compiled(equations: Sequence[Equation]) -> _core.Families:
@@ -316,7 +331,7 @@ def _wave(term: Term, style: _Style, number: Callable[[float], str]) -> str:
     halved, python = _halved(term), style is _PYTHON
     angles = _sum_of_angles(term, style)
     one_joint = sum(map(bool, term.harmonics)) == 1 and not term.shift
-    bare = one_joint and (python or angles.startswith(style["angle"][0]))  # no minus, no multiple
+    bare = one_joint and (python or angles.startswith(style["angle"][0])) and not term.divided  # no minus, no multiple
     argument = angles + _phase(term, style, number)
     if halved:
         argument = f"{argument}/2" if bare else f"({argument})/2"
@@ -328,12 +343,12 @@ def _wave(term: Term, style: _Style, number: Callable[[float], str]) -> str:
 
 def _halved(term: Term) -> bool:
     """Whether the argument of a term is written as half a sum of angles: a harmonic, in half angles, is odd."""
-    return any(h % 2 for h in term.harmonics)
+    return not term.divided and any(h % 2 for h in term.harmonics)
 
 
 def _sum_of_angles(term: Term, style: _Style) -> str:
     """Angles of the joints with their multiples, "θ2+2θ3"; the sum that is halved, where it is."""
-    unit = 1 if _halved(term) else 2
+    unit = Fraction(1 if _halved(term) else 2)
     text = ""
     for j, h in enumerate(term.harmonics, start=1):
         if not h:
@@ -342,10 +357,17 @@ def _sum_of_angles(term: Term, style: _Style) -> str:
             text += style["minus"]
         elif text:
             text += "+"
-        multiple = abs(h) // unit
-        if multiple > 1:
-            text += f"{multiple}{style['multiple']}"
-        text += style["angle"].format(j)
+        text += _multiple(abs(Fraction(h)) / unit, style["angle"].format(j), style)
+    return text
+
+
+def _multiple(multiple: Fraction, angle: str, style: _Style) -> str:
+    """An angle times a positive number: "2θ3", "3θ2/2"."""
+    text = angle
+    if multiple.numerator > 1:
+        text = f"{multiple.numerator}{style['multiple']}{angle}"
+    if multiple.denominator > 1:
+        text += f"/{multiple.denominator}"
     return text
 
 

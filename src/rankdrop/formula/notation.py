@@ -25,6 +25,7 @@ from decimal import Decimal
 from fractions import Fraction
 from html import escape
 from math import comb, gcd, lcm, pi
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from rankdrop.algebra.polynomial import ROOTS, WRITTEN, Polynomial, approximation, flint, rational_square, reduced_roots
@@ -390,15 +391,12 @@ def _readable(value: Fraction) -> str:
     return short
 
 
-def _are_short_half_turns(turns: Sequence[tuple[int, int]]) -> bool:
-    return all(m == 2 and j < 10 for j, m in turns)
-
-
 class Text:
     """Unicode: a2 c2 + a3 c23 − d4 s23. Other notations write numbers, symbols, waves and powers their own way.
 
     Args:
         most: sums of more characters are told by what they hold; None for none.
+        divisors: of joints whose angle in a form is a part of the joint's own, how many make the whole (`Ring.parts`).
     """
 
     times = " "
@@ -408,9 +406,11 @@ class Text:
     metre = " m"
     between = ""  # a number and an angle
     most: int | None = None
+    divisors: Mapping[int, int] = MappingProxyType({})
 
-    def __init__(self, most: int | None = None) -> None:
+    def __init__(self, most: int | None = None, divisors: Mapping[int, int] | None = None) -> None:
         self.most = most
+        self.divisors = divisors or {}
 
     def number(self, value: Fraction) -> str:
         """A positive number: whole, or six digits."""
@@ -429,12 +429,26 @@ class Text:
 
     def wave(self, wave: Wave) -> str:
         """sin or cos of a combination of angles: c23, s(θ1 − θ2), cos(θ4/2)."""
-        if _are_short_half_turns(wave.turns):
+        short = self.short(wave)
+        if short:
+            return short
+        full = wave.halved or self.divided(wave)
+        return f"{wave.kind if full else wave.kind[0]}({self.combination(wave)})"
+
+    def short(self, wave: Wave) -> str:
+        """c23 of a plain sum of whole angles up to θ9; "" of another combination."""
+        if all(j < 10 and m == 2 * self.divisors.get(j, 1) for j, m in wave.turns):
             return wave.kind[0] + "".join(str(j) for j, _ in wave.turns)
-        return f"{wave.kind if wave.halved else wave.kind[0]}({self.combination(wave)})"
+        return ""
+
+    def divided(self, wave: Wave) -> bool:
+        """Whether an angle of a wave is a part of its joint's own."""
+        return any(j in self.divisors for j, _ in wave.turns)
 
     def combination(self, wave: Wave) -> str:
-        """The angle of a wave: θ3 − θ5, (θ3 + θ5)/2."""
+        """The angle of a wave: θ3 − θ5, (θ3 + θ5)/2, 3θ2/2 + θ4."""
+        if self.divided(wave):
+            return self.sum_of_shares(wave)
         halved = all(m % 2 for _, m in wave.turns)
         parts = []
         for j, m in wave.turns:
@@ -444,6 +458,24 @@ class Text:
         text = self.signed(parts) + self.offset(wave)
         return self.half(text) if halved else text
 
+    def sum_of_shares(self, wave: Wave) -> str:
+        """The angle of a wave in shares of the joints' own angles: 3θ2/2 + θ4."""
+        return self.signed([(m < 0, self.share(j, abs(m))) for j, m in wave.turns]) + self.offset(wave)
+
+    def share(self, joint: int, halves: int) -> str:
+        """So many halves of a joint's angle in a form, as a share of the joint's own: 3θ2/4."""
+        share = Fraction(halves, 2 * self.divisors.get(joint, 1))
+        return self.fraction_of(share, self.theta(joint))
+
+    def fraction_of(self, share: Fraction, angle: str) -> str:
+        """A share of an angle: θ2/2, 3θ2/2."""
+        text = angle
+        if share.numerator != 1:
+            text = f"{self.number(Fraction(share.numerator))}{self.between}{angle}"
+        if share.denominator == 1:
+            return text
+        return f"{text}/{self.number(Fraction(share.denominator))}"
+
     def theta(self, joint: int) -> str:
         """The angle of one joint."""
         return self.angle.format(joint)
@@ -452,7 +484,7 @@ class Text:
         """What is added to the angle of a wave."""
         if wave.less == "0":
             return ""
-        return f" − {wave.less}"
+        return f" − {wave.less}{'/2' * self.divided(wave)}"
 
     def half(self, text: str) -> str:
         """Half an angle."""
@@ -628,14 +660,25 @@ class Latex(Text):
             return rf"\theta_{joint}"
         return self.angle.format(joint)
 
+    def fraction_of(self, share: Fraction, angle: str) -> str:
+        """A small fraction, its number above the line."""
+        if share.numerator == 1:
+            top = angle
+        else:
+            top = f"{share.numerator} {angle}"
+        if share.denominator == 1:
+            return top
+        return rf"\tfrac{{{top}}}{{{share.denominator}}}"
+
     def half(self, text: str) -> str:
         """A small fraction."""
         return rf"\tfrac{{{text}}}{{2}}"
 
     def wave(self, wave: Wave) -> str:
         """c_{23}, or the name in full."""
-        if _are_short_half_turns(wave.turns):
-            return latex_name(super().wave(wave))
+        short = self.short(wave)
+        if short:
+            return latex_name(short)
         return rf"\{wave.kind}({self.combination(wave)})"
 
     def power(self, text: str, factor: Factor, power: int) -> str:
@@ -677,11 +720,13 @@ class Python(Text):
         shifts: of each joint [rad], slides have none; empty for none.
         variable: pattern of a joint variable, with {0} for its number and {1} for its place from 0.
         names: what lengths are called there, where it is something else.
+        divisors: as of `Text`; such a joint's angle is q / part + shift.
     """
 
     shifts: Sequence[float] = ()
     variable: str = "q{0}"
     names: Mapping[str, str] = field(default_factory=dict)
+    divisors: Mapping[int, int] = field(default_factory=dict)
 
     times, minus, between = "*", "-", "*"
     exact = True
@@ -706,13 +751,15 @@ class Python(Text):
 
     def offset(self, wave: Wave) -> str:
         """Σ m_j shift_j / 2, twice that where the whole angle is halved, less what the wave says."""
-        less, halved = wave.less, all(m % 2 for _, m in wave.turns)
+        less, halved, divided = wave.less, all(m % 2 for _, m in wave.turns), self.divided(wave)
         if less == "0":
             text = ""
         else:
-            text = f" {'+' if less[0] == '-' else '-'} {self.simple(less.lstrip('-'))}"
-        shifts = (m * float(self.shifts[j - 1]) for j, m in wave.turns if len(self.shifts))
-        constant = sum(shifts) * (1.0 if halved else 0.5)
+            text = f" {'+' if less[0] == '-' else '-'} {self.simple(less.lstrip('-'))}{'/2' * divided}"
+        shifts = (
+            m * float(self.shifts[j - 1]) / self.divisors.get(j, 1) for j, m in wave.turns if len(self.shifts)
+        )
+        constant = sum(shifts) * (1.0 if halved and not divided else 0.5)
         return text + f" {'+' if constant > 0 else '-'} {abs(constant)!r}" * bool(constant)
 
     def theta(self, joint: int) -> str:

@@ -431,7 +431,8 @@ class Meaning:
             shift = Fraction(float(self.shifts[joint - 1]))
         else:
             shift = Fraction(0)
-        return _combined({joint: Fraction(1)}, {ONE: -shift})  # q = θ − shift
+        part = self.ring.parts.get(joint, 1)
+        return _combined({joint: Fraction(part)}, {ONE: -shift})  # q = θ − shift, θ = part · the ring's angle
 
     def angles(self) -> str:
         """The names of angles that may be used."""

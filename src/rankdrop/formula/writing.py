@@ -16,7 +16,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain
@@ -375,6 +375,7 @@ class AnglePin(NamedTuple):
     Attributes:
         joint: number.
         values: out of `SIMPLE`.
+        part: b where the angle at these values is θ_j / b: θ_j is at b times the values, modulo 2πb.
 
     Example:
         >>> from rankdrop.formula.notation import C, Python
@@ -387,6 +388,7 @@ class AnglePin(NamedTuple):
 
     joint: int
     values: tuple[str, ...]
+    part: int = 1
 
     @property
     def joints(self) -> tuple[int]:
@@ -408,17 +410,25 @@ class AnglePin(NamedTuple):
 
     def text(self, sign: str = "=") -> str:
         """For people: "θ4 = 0 or π"; with "≠" of one value: "θ4 ≠ 0"."""
-        return f"θ{self.joint} {sign} {' or '.join(self.words)}"
+        return f"{self._angle(Text())} {sign} {' or '.join(self.words)}"
 
     def latex(self) -> str:
         r"""LaTeX, without delimiters: \theta_4 \in \{0, \pi\}."""
         kept = _checked(self.values)
-        name = Latex().theta(self.joint)
+        name = self._angle(Latex())
         if len(kept) == 1:
             return f"{name} = {LATEX[kept[0]]}"
         if set(kept) == QUARTERS:
             return rf"{name} = \pm\frac{{\pi}}{{2}}"
         return rf"{name} \in \{{{', '.join(LATEX[value] for value in kept)}\}}"
+
+    def _angle(self, notation: Text) -> str:
+        return notation.fraction_of(Fraction(1, self.part), notation.theta(self.joint))
+
+    @property
+    def parts(self) -> dict[int, int]:
+        """The joint with its part, as notations take it; empty for a whole angle."""
+        return {self.joint: self.part} if self.part > 1 else {}
 
     @property
     def form(self) -> Product:
@@ -436,14 +446,17 @@ class AnglePin(NamedTuple):
 
     def code(self, notation: Python) -> str:
         """`form` as an expression in q."""
-        return notation.product(self.form)
+        return _of_parts(notation, self.parts).product(self.form)
 
     def gradient(self, notation: Python) -> dict[int, str]:
         """The derivative of `code` by its joint variable."""
-        return {self.joint: notation.value(derivative(self.form, self.joint))}
+        slope = _divided(derivative(self.form, self.joint), self.part)
+        return {self.joint: _of_parts(notation, self.parts).value(slope)}
 
     def equation(self, letters: Mapping[str, float], n: int, shifts: Sequence[float] | None = None) -> Equation:
-        """The numeric equation Π sin((θ_j − value) / 2) = 0 in q; arguments as in `Condition.equation`."""
+        """The numeric equation Π sin((θ_j − value) / 2) = 0 in q, of a part of θ_j in q_j / part; arguments as in
+        `Condition.equation`.
+        """
         size = len(self.angles)
         coefficients = np.array([1.0 + 0.0j])
         for angle in self.angles:  # sin(x) = (exp(ix) − exp(−ix)) / 2i, powers of exp(iθ/2) from −size to size
@@ -452,7 +465,7 @@ class AnglePin(NamedTuple):
         if shifts is None:
             shift = 0.0
         else:
-            shift = float(shifts[self.joint - 1])
+            shift = float(shifts[self.joint - 1]) / self.part
         terms = []
         for power in range(size, -1, -1):
             value = coefficients[power + size] * (2 if power else 1)
@@ -508,11 +521,11 @@ class Condition:
         Args:
             sign: "=", or "≠" for the negation.
         """
-        return self._written(Text(), sign)
+        return self._written(Text(divisors=self.ring.parts), sign)
 
     def latex(self) -> str:
         r"""The same in LaTeX, without delimiters: a_2 c_2 + a_3 c_{23} = 0."""
-        return self._written(Latex())
+        return self._written(Latex(divisors=self.ring.parts))
 
     def _written(self, notation: Text, sign: str = "=") -> str:
         relation = self.relation
@@ -522,22 +535,29 @@ class Condition:
 
     def code(self, notation: Python) -> str:
         """The left-hand side as an expression in q; zero where the condition holds."""
-        return notation.zero(self.form)
+        return _of_parts(notation, self.ring.parts).zero(self.form)
 
     def gradient(self, notation: Python) -> dict[int, str]:
         """Derivatives of `code` by the number of the joint; those that vanish are left out."""
+        notation = _of_parts(notation, self.ring.parts)
         parts = notation.parts(self.form)
         slopes = {joint: total(derivative(part, joint) for part in parts) for joint in self.joints}
-        return {joint: notation.value(slope) for joint, slope in slopes.items() if slope.number}
+        return {
+            joint: notation.value(_divided(slope, self.ring.parts.get(joint, 1)))
+            for joint, slope in slopes.items()
+            if slope.number
+        }
 
     def equation(self, letters: Mapping[str, float], n: int, shifts: Sequence[float] | None = None) -> Equation:
-        """The numeric equation in q, its largest coefficient 1.
+        """The numeric equation in q (of a joint in `Ring.parts` in q_j / part), its largest coefficient 1.
 
         Args:
             letters: value of every length that occurs [m].
             n: number of joints.
             shifts: θ_j = q_j + shifts[j − 1] [rad]; those of slides are 0.
         """
+        if shifts is not None:
+            shifts = [float(shift) / self.ring.parts.get(j, 1) for j, shift in enumerate(shifts, 1)]
         return _equation(self.waves, letters, n, shifts)
 
     @cached_property
@@ -570,6 +590,18 @@ class Condition:
         value = -numbers.get(0, Fraction(0)) / numbers[1]
         minus, unit = notation.minus * (value < 0), notation.metre * bool(value)
         return f"{notation.slide.format(self.joints[0])} {sign} {minus}{notation.number(abs(value))}{unit}"
+
+
+def _of_parts(notation: Python, parts: Mapping[int, int]) -> Python:
+    """A notation for forms in which the angles of some joints are parts of their own."""
+    if parts:
+        return replace(notation, divisors=parts)
+    return notation
+
+
+def _divided(slope: Product, part: int) -> Product:
+    """The derivative by a joint variable of which the angle of a form is one of so many parts."""
+    return Product(slope.number / part, slope.factors)
 
 
 def _equation(
@@ -617,9 +649,9 @@ def _related(turns: tuple[tuple[int, int], ...], value: float, notation: Text, s
     value = (value + pi) % tau - pi
     value = pi if abs(value + pi) < _SAME else value
     if [multiple for _, multiple in turns] != [1, -1]:
-        parts = [(m < 0, ("" if abs(m) == 1 else str(abs(m))) + notation.angle.format(j)) for j, m in turns]
+        parts = [(m < 0, notation.share(j, 2 * abs(m))) for j, m in turns]
         return f"{notation.signed(parts)} {sign} {notation.angle_value(value)}"
-    right, left = (notation.angle.format(j) for j, _ in turns)
+    right, left = (notation.share(j, 2) for j, _ in turns)
     if abs(value - pi) < _SAME:
         other = value
     else:
@@ -652,7 +684,7 @@ def text_of(ring: Ring, p: Polynomial) -> str:
         if p == 0:
             known[key] = "0"
         else:
-            known[key] = Text().sum(parts_of(form_of(ring, p)))
+            known[key] = Text(divisors=ring.parts).sum(parts_of(form_of(ring, p)))
     return known[key]
 
 
@@ -683,7 +715,7 @@ def condition_text(ring: Ring, p: Polynomial, sign: str = "=") -> str:
     for j in ring.revolute:
         for value in SIMPLE:
             if wanted == primitive(polynomial_of(ring, ring.pin(j, value))):
-                return f"θ{j} {sign} {WORDS[value]}"
+                return pin_of(ring, j, (value,)).text(sign)
     text = text_of(ring, wanted)
     return f"{text_of(ring, -wanted) if text.startswith('−') else text} {sign} 0"
 
@@ -699,23 +731,33 @@ def atoms_text(
         written: how a polynomial that vanishes is written; None for the shortest form.
         sign: of joints at simple angles.
     """
-    texts = [pin.text(sign) for pin in _pins(atoms)]
+    texts = [pin.text(sign) for pin in _pins(ring, atoms)]
     written = written or (lambda f: Condition(ring, f).text(sign))
     return " or ".join([*texts, *(written(atom.f) for atom in atoms if not atom.pinned)])
 
 
+def pin_of(ring: Ring, joint: int, values: Sequence[str]) -> AnglePin:
+    """A joint of a ring at simple angles, or a part of its angle."""
+    return AnglePin(joint, tuple(values), ring.parts.get(joint, 1))
+
+
 def count_alternatives(atoms: Sequence[Atom]) -> int:
     """How many alternatives `atoms_text` joins with "or": a joint at ±π/2 is one, a joint at 0 or π two."""
-    return sum(len(pin.words) for pin in _pins(atoms)) + sum(not atom.pinned for atom in atoms)
+    pins = (AnglePin(joint, tuple(values)) for joint, values in _simple_angles(atoms).items())
+    return sum(len(pin.words) for pin in pins) + sum(not atom.pinned for atom in atoms)
 
 
-def _pins(atoms: Sequence[Atom]) -> list[AnglePin]:
+def _pins(ring: Ring, atoms: Sequence[Atom]) -> list[AnglePin]:
     """The joints at simple angles among atoms, in order, each with all of its values."""
+    return [pin_of(ring, joint, chosen) for joint, chosen in sorted(_simple_angles(atoms).items())]
+
+
+def _simple_angles(atoms: Sequence[Atom]) -> dict[int, list[str]]:
     values: dict[int, list[str]] = {}
     for atom in atoms:
         if atom.pinned:
             values.setdefault(atom.joint, []).append(atom.value)
-    return [AnglePin(joint, tuple(chosen)) for joint, chosen in sorted(values.items())]
+    return values
 
 
 FOLDED = 240
@@ -759,19 +801,19 @@ class Value:
         Args:
             most: factors of more characters than that are told by their size; None for none.
         """
-        return Text(most).value(self.form)
+        return Text(most, self.ring.parts).value(self.form)
 
     def latex(self) -> str:
         """LaTeX, without delimiters."""
-        return Latex().value(self.form)
+        return Latex(divisors=self.ring.parts).value(self.form)
 
     def code(self, notation: Python) -> str:
         """An expression in q and the lengths."""
-        return notation.value(self.form)
+        return _of_parts(notation, self.ring.parts).value(self.form)
 
     def powers(self) -> tuple[tuple[str, str, int], ...]:
         """(text, LaTeX, multiplicity) of each factor."""
-        text, latex = Text(), Latex()
+        text, latex = Text(divisors=self.ring.parts), Latex(divisors=self.ring.parts)
         return tuple(
             (text.sum(_opened(factor)), latex.sum(_opened(factor)), int(power)) for factor, power in self.form.factors
         )

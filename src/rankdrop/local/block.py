@@ -171,13 +171,14 @@ def sample(robot: Robot, task: Task, count: int, seed: int, *, limits: bool = Fa
 def sampling_box(robot: Robot, task: Task, *, limits: bool) -> tuple[Array, Array]:
     """Lower and upper corner (n,) of the configurations worth sampling.
 
-    A turning joint goes round the full circle unless `limits`. A sliding joint always keeps its limits. A limit that is
-    missing, or so far away that it says nothing (`travel_limits`), leaves room for one turn, or for twice the reach.
+    A turning joint goes round the full circle, or as many as `Robot.turns` says, unless `limits`. A sliding joint
+    always keeps its limits. A limit that is missing, or so far away that it says nothing (`travel_limits`), leaves room
+    for as much, or for twice the reach.
     """
     low, high = np.empty(robot.n), np.empty(robot.n)
     for i, joint in enumerate(robot.variables):
         slides = joint.kind is JointKind.PRISMATIC
-        room = reach(robot) if slides else np.pi
+        room = reach(robot) if slides else np.pi * max(robot.turns[i], 1)
         if limits or slides:
             lower, upper = (joint.lower, joint.upper)
         else:

@@ -97,7 +97,7 @@ class Conditions(Result):
     @cached_property
     def chain(self) -> Chain:
         """The arm over the exact ring, in which conditions are polynomials: made for whoever asks."""
-        made = exact_chain(self.robot, self.task, lengths=self.settings.lengths)
+        made = exact_chain(self.robot, self.task, lengths=self.settings.lengths, parts=True)
         return made if self.letters else replace(made, letters={}, written={})  # with letters it took too long
 
     @property

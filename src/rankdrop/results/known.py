@@ -350,7 +350,7 @@ def to_stored(conditions: Conditions) -> Record:
     record["why"] = asdict(conditions.reason)
     record["families"] = [
         {key: value for key, value in written.items() if key not in _AGAIN}
-        | {"pins": [[joint, list(values)] for joint, values in exact.pins]}
+        | {"pins": [[pin.joint, list(pin.values)] for pin in exact.pins]}
         | {"polynomials": [_terms(one.polynomial) for one in exact.polynomials]}
         for written, exact in zip(record["families"], map(exact_of, conditions.families), strict=True)
     ]

@@ -249,7 +249,7 @@ def _check_equations(family: Family, n: int, where: str) -> None:
     require((named, "a family has equations exactly where it is named", f"{where}.named", family.named, None))
     for i, equation in enumerate(family.equations):
         place = f"{where}.terms[{i}]"
-        highest = max(max(map(abs, (*term.harmonics, *term.powers))) for term in equation.terms)
+        highest = max(max(map(abs, map(float, (*term.harmonics, *term.powers)))) for term in equation.terms)
         require(
             (equation.n == n, "the equation has another number of joints", place, equation.n, n),
             (highest <= _HIGHEST, "a power or a harmonic is too high", place, highest, f"up to {_HIGHEST}"),
@@ -334,7 +334,8 @@ def _check_exact(analysis: _Analysed, exact: Derivation) -> None:
     n = analysis.robot.n
     require((len(exact.shifts) in (0, n), "one shift for each joint", "$.exact.shifts", len(exact.shifts), n))
     if exact.derived:
-        at("$.robot.frame", lambda: exact_chain(analysis.robot, analysis.task))  # of this task in this frame
+        # of this task in this frame
+        at("$.robot.frame", lambda: exact_chain(analysis.robot, analysis.task, parts=True))
     differs = (exact.status == "differs") is bool(exact.disagreements)
     require(
         (differs, "there are disagreements exactly where the status is differs", "$.exact.status", exact.status, None)

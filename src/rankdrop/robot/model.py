@@ -12,8 +12,9 @@ import hashlib
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from fractions import Fraction
 from functools import cached_property, wraps
-from math import inf
+from math import inf, lcm
 from typing import Any, TypeVar, TypeVarTuple
 from weakref import WeakKeyDictionary
 
@@ -275,10 +276,30 @@ class Robot:
             whole[driver] &= joint.kind is JointKind.REVOLUTE and float(joint.multiplier).is_integer()
         return _fixed(whole)
 
+    @cached_property
+    def turns(self) -> NDArray[np.int64]:
+        """(n,) turns of a variable after which the arm is the same; 0: it slides, or no number up to `MOST_TURNS` does.
+
+        A joint that follows it by −1/2 or 2/3 turns a whole number of times in 2 or 3 turns of its leader.
+        """
+        found = [1] * self.n
+        for joint, driver in zip(self.joints, self.drivers, strict=True):
+            share = Fraction(joint.multiplier).limit_denominator(MOST_TURNS)
+            found[driver] = lcm(found[driver], share.denominator)
+            if joint.kind is not JointKind.REVOLUTE or abs(float(share) - joint.multiplier) > _SAME_RATIO:
+                found[driver] = 0
+            if found[driver] > MOST_TURNS:
+                found[driver] = 0
+        return _fixed(found)
+
     def _repr_html_(self) -> str:
         """For notebooks: the joints with their kinds and limits, angles in degrees."""
         return html(_sections(self))
 
+
+MOST_TURNS = 12
+"""Largest common denominator of the multipliers of joints that follow another one which is looked for."""
+_SAME_RATIO = 1e-12  # multipliers that differ by less are one, rounded differently
 
 _Given = TypeVarTuple("_Given")
 _Made = TypeVar("_Made")

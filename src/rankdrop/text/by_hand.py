@@ -484,7 +484,7 @@ class Words:
         if len(p) <= READABLE:
             return condition_text(self._ring, p, sign)
         if self._whole:
-            return f"{Text().zero(single_angles(self._ring, p))} {sign} 0"
+            return f"{Text(divisors=self._ring.parts).zero(single_angles(self._ring, p))} {sign} 0"
         return f"a polynomial of {len(p)} terms {sign} 0"
 
     def _polynomial(self, sign: str, f: Polynomial) -> str:
@@ -504,7 +504,7 @@ class Words:
             form = fourier(self._ring.form(f))
         else:
             form = single_angles(self._ring, p)
-        return f"{Text().zero(form)} {sign} 0"
+        return f"{Text(divisors=self._ring.parts).zero(form)} {sign} 0"
 
     def _unequal(self, group: Sequence[Equality]) -> str:
         """That not all equalities of a group hold: "θ6 ≠ 0" of one without alternatives."""

@@ -244,8 +244,9 @@ class Code:
                 shift = self.shifts[pin.joint - 1]
             else:
                 shift = 0.0
+            period = 2 * pi * pin.part
             for place, angle in enumerate(pin.angles):
-                gap = f"fabs(remainder(q[{pin.joint - 1}] - ({float(angle - shift)!r}), {2 * pi!r}))"
+                gap = f"fabs(remainder(q[{pin.joint - 1}] - ({float(pin.part * angle - shift)!r}), {period!r}))"
                 body += f"    way = {gap if place == 0 else f'fmin(way, {gap})'};\n"
             body += "    square += way * way;\n"
         if not exact.polynomials:

@@ -641,7 +641,7 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
     """
     agrees = analysis.exact is not None and analysis.exact.agrees
     exact = agrees or _holds_in_families(derived)
-    exact_claim = exact and not exact_chain(analysis.robot, analysis.task).rounded
+    exact_claim = exact and not exact_chain(analysis.robot, analysis.task, parts=True).rounded
     claims = _claims((analysis.sound_and_complete, SAMPLED), (exact_claim, EXACT))
     if not analysis.complete:
         text = f"Interrupted: corank {analysis.unfinished} is unfinished; nothing is said about it and higher ones."

@@ -37,8 +37,8 @@ def conditions(
     it, and `points` singular configurations found numerically, which all have to lie on one.
 
     Args:
-        robot: revolute and prismatic joints; a joint that follows another one is of its kind, with a whole multiplier
-            where it turns.
+        robot: revolute and prismatic joints; a joint that follows another one is of its kind, and turns at a
+            whole multiple or a fraction of small numbers.
         task: as in `resolve_task`; None is the one the arm is made for.
         options: method, lengths, coranks, time limit and seed; or its fields as keywords. Half of the time limit is
             the limit on the work done, counted in steps, so that the result does not depend on how fast the machine is

@@ -19,10 +19,19 @@ from rankdrop.algebra.polynomial import PRIMES
 from rankdrop.algebra.work import GRACE, SLOWER, OutOfTime, Work, failure
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.arm.parts import whole_angles
 from rankdrop.exact.derivation import CorankOne, check_method, corank_one
 from rankdrop.exact.determinants import Determinants, determinants_of
 from rankdrop.exact.families import Reality, families, real_sets
-from rankdrop.exact.family import Assumption, Unreal, UnrealSet, alone, derived_in_units, merge
+from rankdrop.exact.family import (
+    Assumption,
+    Unreal,
+    UnrealSet,
+    alone,
+    equations_in_parts,
+    families_in_whole_angles,
+    merge,
+)
 from rankdrop.exact.letters import (
     assumptions,
     decided_by_numbers,
@@ -34,7 +43,7 @@ from rankdrop.exact.letters import (
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.tree import Drop, OpenCase, Tree, rank_tree
-from rankdrop.exact.undivided import UndividedSet, undivided_sets
+from rankdrop.exact.undivided import UndividedSet, cases_in_whole_angles, undivided_sets
 from rankdrop.families.inspection import DIGITS, FOLLOWED, descents, near_misses
 from rankdrop.families.pictured import posed
 from rankdrop.families.points import Cloud, cloud, explained
@@ -86,7 +95,7 @@ def derived(
     """The conditions of an arm; arguments and errors are those of `rankdrop.conditions`."""
     begun = monotonic()
     work = Work(asked.seconds / SLOWER, asked.seed, progress)
-    given = exact_chain(robot, task, lengths=asked.lengths)
+    given = exact_chain(robot, task, lengths=asked.lengths, parts=True)
     basic = None if asked.basic is None else read_joints(asked.basic)
     check_method(given, asked.method, basic=basic, frame=asked.frame)
     lowest = _lowest_rank(given, asked.coranks)
@@ -150,7 +159,7 @@ def derived(
         task=chain.task,
         generic_rank=tree.generic_rank,
         letters={name: float(value) for name, value in chain.letters.items()},
-        shifts=tuple(float(x) for x in chain.shifts),
+        shifts=tuple(float(x) for x in chain.whole_shifts),
         remarks=(
             *chain_remarks(chain), *following_texts(robot), *remarks, *misses, *near_structure_texts(chain)
         ),
@@ -158,7 +167,7 @@ def derived(
         reason=first.reason,
         steps=steps,
         determinants=determinants,
-        families=posed_exactly(robot, chain.task, found),
+        families=families_in_whole_angles(robot, posed_exactly(chain.parted, chain.task, found)),
         lowest=lowest,
         assumptions=tuple(assumed),
         not_real=tuple(not_real),
@@ -170,7 +179,7 @@ def derived(
         seconds=monotonic() - begun,
         limited=work.limited,
         settings=asked,
-        undivided=tuple(undivided),
+        undivided=cases_in_whole_angles(robot, undivided),
     )
     return _with_numbers_where_missed(result, over, work, progress)
 
@@ -527,7 +536,7 @@ def _on_families(
     equations = [_own_equations(chain, family) for family in families if family.corank >= corank]
     check, remaining = explained(met, equations)
     wrong, sigma = near_misses(met, remaining, equations)
-    off = out_of_units(chain.robot, met.q[np.setdiff1d(remaining, wrong)])
+    off = whole_angles(chain.robot, out_of_units(chain.robot, met.q[np.setdiff1d(remaining, wrong)]))
     return _OnFamilies(Check(check.tested - len(wrong), check.agree), off, len(wrong), sigma)
 
 
@@ -535,7 +544,7 @@ def _own_equations(chain: Chain, family: Family | UndividedSet) -> tuple[Equatio
     """The conditions for the arm in its own unit of length."""
     if isinstance(family, UndividedSet):
         return family.equations
-    return derived_in_units(family, chain.robot).equations
+    return equations_in_parts(family, chain.robot)
 
 
 def _wanted(points: int, corank: int) -> int:

@@ -27,7 +27,7 @@ from rankdrop.algebra.polynomial import (
 )
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import OutOfTime
-from rankdrop.errors import TaskError
+from rankdrop.errors import RobotError, TaskError
 from rankdrop.exact.arm.geometry import (
     Deviation,
     Section,
@@ -38,10 +38,11 @@ from rankdrop.exact.arm.geometry import (
     sections,
     tip_roundings,
 )
+from rankdrop.exact.arm.parts import in_parts, parts_of
 from rankdrop.lists import flat_map
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import BODY, WORLD_ALIGNED, Task, resolve_task
-from rankdrop.units import exponent, in_units, task_in_units
+from rankdrop.units import exponent, in_units, into_units, task_in_units
 
 Matrix = list[list[Polynomial]]
 
@@ -103,12 +104,13 @@ the sets of lower rank bind four freedoms and more, of as many conditions in let
 
 
 def ring_of(robot: Robot, letters: Iterable[str]) -> Ring:
-    """The ring that an arm's screws live in; variables are numbered from 1."""
+    """The ring that an arm's screws live in; variables are numbered from 1, parts of angles are known to it."""
     kinds = [joint.kind for joint in robot.variables]
     revolute, prismatic = (
         [i for i, kind in enumerate(kinds, 1) if kind is wanted] for wanted in (JointKind.REVOLUTE, JointKind.PRISMATIC)
     )
-    return Ring(revolute, prismatic, tuple(letters))
+    parts = {j: part for j, part in enumerate(parts_of(robot), 1) if part > 1}
+    return Ring(revolute, prismatic, tuple(letters), parts)
 
 
 def numbers_in_units(numbers: Mapping[str, float], power: int) -> dict[str, float]:
@@ -236,9 +238,18 @@ class Chain:
 
     @cached_property
     def shifts(self) -> Array:
-        """(n,) what is to be added to q to get the variables of the conditions: θ = q + shift [rad, m]."""
+        """(n,) what is to be added to q of `parted` to get the variables of the conditions: θ = q + shift [rad, m]."""
+        return np.asarray(self.whole_shifts / np.array(parts_of(self.robot)))
+
+    @cached_property
+    def whole_shifts(self) -> Array:
+        """(n,) the same for q of the robot, and whole angles θ of its joints [rad, m]."""
         own = (section for section, joint in zip(self.sections, self.robot.joints, strict=True) if joint.mimic is None)
         return np.array([section.shift for section in own])
+
+    def theta(self, q: Array) -> Array:
+        """(..., n) the variables of the conditions at configurations of the robot, slides in the arm's own unit."""
+        return np.asarray(into_units(self.robot, q) / np.array(parts_of(self.robot)) + self.shifts)
 
     @cached_property
     def numbers(self) -> dict[str, float]:
@@ -250,10 +261,15 @@ class Chain:
         """Power of ten of the arm's own unit of length."""
         return exponent(self.robot)
 
+    @cached_property
+    def parted(self) -> Robot:
+        """The robot with the angles that conditions speak of as its variables: itself, but for parts of angles."""
+        return in_parts(self.robot)
+
     @property
     def own(self) -> Robot:
-        """The robot in its own unit."""
-        return in_units(self.robot)
+        """`parted` in its own unit: all that is computed with numbers during a derivation is of this arm."""
+        return in_units(self.parted)
 
     @cached_property
     def own_task(self) -> Task:
@@ -363,7 +379,7 @@ class Chain:
             return screws
         found = [[self.ring.zero] * 6 for _ in range(self.n)]
         for section, screw in zip(self.sections, screws, strict=True):
-            column, m = found[section.variable - 1], self.ring.constant(section.multiplier)
+            column, m = found[section.variable - 1], self.ring.constant(section.rate)
             found[section.variable - 1] = [x + m * y for x, y in zip(column, screw, strict=True)]
         return each_entry(self.ring.reduce, found)
 
@@ -525,6 +541,7 @@ def exact_chain(
     task: str | Task | None = None,
     *,
     lengths: str | Mapping[str, float] = "auto",
+    parts: bool = False,
 ) -> Chain:
     """Make a robot exact: twists as quarter turns or rationals, lengths as letters or decimals.
 
@@ -536,11 +553,12 @@ def exact_chain(
 
     Args:
         robot: revolute and prismatic joints. A joint that follows another one is of the same kind; one that turns has a
-            whole multiplier.
+            whole multiplier, or, with `parts`, a fraction of small numbers.
         task: as in `resolve_task`; None is the one that the arm is made for.
         lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns, `ODD` others aside, there
             are at most `MANY` different lengths, and at most `WIDE` joints for all six rows), or a mapping from letters
             to values [m]: lengths of that value get the letter.
+        parts: whether the caller knows that conditions may speak of parts of joint angles (`parts_of`).
 
     Raises:
         RobotError: a helical joint, or one that follows another in a way that is not algebraic.
@@ -548,6 +566,11 @@ def exact_chain(
         OptionError: a letter that means something else in conditions, or that no length has.
     """
     resolved = resolve_task(task, robot)
+    if not parts and max(parts_of(robot)) > 1:
+        raise RobotError(
+            "a joint follows another one by a fraction of its angle", where=f"robot {robot.name!r}",
+            allowed="whole multipliers", mend="conditions and analyze know fractions",
+        )  # fmt: skip
     if resolved.m < 6 and resolved.frame not in (WORLD_ALIGNED, BODY):
         raise TaskError(
             "exact conditions of a task with some rows only are derived in the base's or the tip's axes, at the tip",

@@ -21,6 +21,7 @@ import numpy as np
 
 from rankdrop.algebra.polynomial import ROOTS, Number, surd
 from rankdrop.errors import OptionError, RobotError
+from rankdrop.exact.arm.parts import parts_of
 from rankdrop.lists import flat_map
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.numbers import Line, Normal, axis_lines, common_normals, frame_at, reach
@@ -78,14 +79,16 @@ class Section:
     Attributes:
         kind: of the joint.
         phase: θ_i at q = 0 (for a slide its constant angle).
-        shift: θ_i = q_i + shift [rad]: 0 where the phase is a whole number of quarter turns, which `phase` then holds;
-            else the phase itself, and θ_i is what conditions speak of. 0 of a joint that follows another one.
+        shift: b θ_i = q_i + shift [rad], b the part: 0 where the phase is a whole number of quarter turns, which
+            `phase` then holds; else the phase itself, and θ_i is what conditions speak of. 0 of a joint that follows
+            another one.
         d: distance along axis i between the two normals [m], at q = 0 for a slide.
         a: distance between axes i and i+1 along the normal [m].
         twist: from axis i to axis i+1 about the normal.
         variable: number of the variable that moves the joint, from 1.
-        multiplier: m of a joint that follows another one: its angle is phase + m θ_v, its distance d + m q_v, with v
-            the variable; whole for an angle. 1 for a joint that is a variable of its own.
+        multiplier: m of the joint: its angle is phase + m θ_v, its distance d + m q_v, with v the variable; whole for
+            an angle. The part for a turning joint that is a variable of its own, 1 for a slide.
+        part: b of the variable: conditions speak of θ_v, of which b make the variable's own angle; mostly 1.
     """
 
     kind: JointKind
@@ -96,6 +99,12 @@ class Section:
     twist: Turn
     variable: int
     multiplier: Fraction
+    part: int = 1
+
+    @property
+    def rate(self) -> Fraction:
+        """How fast the joint moves when its variable does, 1 for a variable of its own."""
+        return self.multiplier / self.part
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +142,7 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
         RobotError: a helical joint, or one that follows another in a way that is not algebraic.
     """
     _check(robot)
+    parts = parts_of(robot)
     lines, normals = _lines_and_normals(robot)
     angles = [_angle(normals[i][0], normals[i + 1][0], line[0]) for i, line in enumerate(lines)]
     shifts = {joint.name: _shift(joint, angle) for joint, angle in zip(robot.joints, angles, strict=True)}
@@ -142,7 +152,8 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
         (_, _, start), (after, near, far), z = normals[i], normals[i + 1], lines[i][0]
         angle, distance, twist = angles[i], float((near - start) @ z), turn(0.0)
         turns = joint.kind is JointKind.REVOLUTE
-        multiplier = Fraction(round(joint.multiplier) if turns else repr(float(joint.multiplier)))
+        part = parts[robot.drivers[i]]
+        multiplier = Fraction(round(part * joint.multiplier) if turns else repr(float(joint.multiplier)))
         # φ + m q + b = (φ + b − m s) + m θ, where θ = q + s is what conditions speak of; s = 0 of a slide
         if joint.mimic is None:
             shift = shifts[joint.name]
@@ -168,7 +179,7 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
                 size = unit if what in "ad" else 1.0
                 roundings.append(Deviation(what, (i + 1,), size * error, size * value))
         variable = robot.drivers[i] + 1
-        found.append(Section(joint.kind, phase, shift, exact["d"], exact["a"], twist, variable, multiplier))
+        found.append(Section(joint.kind, phase, shift, exact["d"], exact["a"], twist, variable, multiplier, part))
     return tuple(found), tuple(roundings)
 
 
@@ -232,6 +243,7 @@ def _length(value: float) -> Fraction:
 
 def _check(robot: Robot) -> None:
     kinds = {joint.name: joint.kind for joint in robot.joints}
+    parts = dict(zip((joint.name for joint in robot.variables), parts_of(robot), strict=True))
     for joint in robot.joints:
         where = f"robot {robot.name!r}, joint {joint.name!r}"
         if joint.kind is JointKind.HELICAL:
@@ -252,37 +264,26 @@ def _check(robot: Robot) -> None:
                 allowed="a joint of the same kind as the one it follows",
                 mend="rankdrop analyze finds its singularities numerically",
             )
-        if joint.kind is JointKind.REVOLUTE and not _is_whole(joint.multiplier):
-            inverse = _inverse(joint.multiplier)
+        if joint.kind is JointKind.REVOLUTE and not _is_whole(joint.multiplier * parts[joint.driver]):
             raise RobotError(
-                "exact conditions need a whole multiplier: else the sine of the follower's angle is no polynomial in "
-                "the sine and cosine of its leader's",
+                "exact conditions need a multiplier that is whole, or a fraction of small numbers: else the sine of "
+                "the follower's angle is no polynomial in the sine and cosine of a part of its leader's",
                 where=where,
                 got=f"{joint.multiplier:.12g} times {leader!r}",
-                allowed=f"a whole number from −{LARGEST} to {LARGEST}",
-                mend="rankdrop analyze finds its singularities numerically" if inverse is None else
-                f"in the robot file let {leader!r} follow {joint.name!r} with the multiplier {inverse} and the offset "
-                f"{-inverse * joint.offset + 0.0:.12g} rad; or rankdrop analyze finds its singularities numerically",
+                allowed=f"fractions p/q, to 12 digits, with p and the common denominator of all joints that follow "
+                f"{leader!r} up to {LARGEST}",
+                mend="write the fraction with all digits (0.666666666666667); or rankdrop analyze finds its "
+                "singularities numerically",
             )
 
 
 LARGEST = 12
-"""Largest multiplier of a joint that follows another one: the degree of conditions grows with it."""
+"""Largest multiplier of a joint that follows another one, in parts of its leader's angle: degrees grow with it."""
 
 
 def _is_whole(multiplier: float) -> bool:
     """Whether cos and sin of a follower's angle are polynomials in those of its leader's, of degree up to `LARGEST`."""
     return abs(multiplier - round(multiplier)) <= _NOISE["angle"] and abs(multiplier) <= LARGEST
-
-
-def _inverse(multiplier: float) -> int | None:
-    """1 / m where that is whole: with it the leader can follow its follower; None for another multiplier."""
-    if not 0 < abs(multiplier) < 1:
-        return None
-    inverse = round(1 / multiplier)
-    if abs(inverse) <= LARGEST and abs(1 / multiplier - inverse) <= ALIGNED:
-        return inverse
-    return None
 
 
 def first_and_last(robot: Robot) -> tuple[Array, Array]:

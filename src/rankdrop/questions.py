@@ -158,7 +158,7 @@ class ConditionsOptions(Options):
     ] = "auto"
     coranks: Annotated[int, option("The highest corank to derive; else all", ge=1)] | None = None
     seconds: Annotated[
-        float, option("Limit on the processor's time: finished families are shown, and unfinished sets",
+        float, option("Limit on the work, as counted seconds: finished families are shown, and unfinished sets",
                       unit="s", gt=0, name="--time-limit")
     ] = 60.0  # fmt: skip
     seed: Annotated[int, _SEED] = 0

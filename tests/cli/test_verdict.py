@@ -161,7 +161,7 @@ def test_explain_begins_with_the_five_sentences_of_its_summary(run, q: str, code
     [
         ({"complete": False, "left": ("one system",)}, "one system"),
         ({"complete": False, "left": ("one system", "another")}, "one system; another"),
-        ({"complete": False, "left": ("one system",), "seconds": 30.0}, "the derivation takes more than 30 s"),
+        ({"complete": False, "left": ("one system",), "limited": True}, "the derivation takes more than 30 s"),
         ({"interrupted": True}, INTERRUPTED),
     ],
 )

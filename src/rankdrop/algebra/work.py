@@ -48,16 +48,18 @@ GRACE = 5.0
 
 
 SLOWER = 1.5
-"""Seconds of the processor's time for each second of work: a machine so many times slower finds the same, and so does a
-busy one."""
+"""Seconds of a limit that a user gives for each second of work: the counted work takes about so long."""
+SAFETY = 15.0
+"""Seconds of the processor's time for each second of work after which it ends in any case: a machine that is ten times
+slower finds the same, and so does a busy one."""
 
 
 class Work:
     """One derivation in progress.
 
     Args:
-        seconds: limit on work from now on, by `spent`; infinity for none. `SLOWER` times as much of the
-            processor's time.
+        seconds: limit on work from now on, by `spent`; infinity for none. The safety limit on the processor's time is
+            `SAFETY` times as much.
         seed: of the random points.
         progress: called now and then as progress(label, done, total).
 
@@ -77,7 +79,7 @@ class Work:
 
     def __init__(self, seconds: float = inf, seed: int = 0, progress: Progress | None = None) -> None:
         self._end = spent() + seconds
-        self._last = process_time() + SLOWER * seconds
+        self._last = process_time() + SAFETY * seconds
         self.seed = seed
         self._progress = progress
         self.rng = random.Random(seed)

@@ -491,7 +491,7 @@ def _tested_lines(conditions: Any) -> Iterator[str]:
 
 def _unfinished(conditions: Any) -> Iterator[Section]:
     if conditions.left:
-        limit = f"the limit is {conditions.settings.seconds:g} s of processor time, half of it for the counted work"
+        limit = f"the limit is the work of {conditions.settings.seconds:g} s, counted in steps"
         longer = advised("time-limit", "…", python="seconds=…")
         if conditions.limited:
             more = f"; {limit}, and a longer {longer} may finish it"

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from rankdrop.cover.speed import SpeedRegion
 
 SECONDS: Mapping[str, float] = {"auto": 30.0, "on": 120.0}
-"""Limits on the processor's time, three times those on work: most arms of the catalogue need 0.02 to 4 s."""
+"""Limits as `--time-limit` has them, counted in work: most arms of the catalogue need 0.02 to 4 s."""
 SAMPLED, TESTED = 10_000, 2_000
 """Random starts for each corank where nothing was derived, and where they test derived families."""
 
@@ -107,7 +107,7 @@ def _why_incomplete(derived: Conditions, seconds: float) -> str:
     """Why not all singular configurations are on derived families."""
     if derived.undivided:
         return undivided_sentence(derived)
-    if derived.seconds >= seconds:
+    if derived.limited:
         return too_long(seconds)
     return "; ".join(derived.left)
 

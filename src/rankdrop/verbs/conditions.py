@@ -40,9 +40,9 @@ def conditions(
         robot: revolute and prismatic joints; a joint that follows another one is of its kind, and turns at a
             whole multiple or a fraction of small numbers.
         task: as in `resolve_task`; None is the one the arm is made for.
-        options: method, lengths, coranks, time limit and seed; or its fields as keywords. Half of the time limit is
-            the limit on the work done, counted in steps, so that the result does not depend on how fast the machine is
-            unless time is what ends it. What was derived by then is returned, and so it is after Ctrl-C.
+        options: method, lengths, coranks, time limit and seed; or its fields as keywords. The time limit is one on the
+            work done, counted in steps, so that the result does not depend on how fast the machine is; ten times as
+            much processor time ends it in any case. What was derived by then is returned, and so it is after Ctrl-C.
         progress: called as progress(label, done, total).
         given: fields of the options. Shipped conditions answer the question with all its defaults.
 

@@ -192,9 +192,10 @@ def _with_numbers_where_missed(
     """
     asked = result.settings
     optional = bool(result.letters) and asked.lengths == "auto"
-    if not (over and optional) or work.interrupted or work.time_left <= 0:
+    if not (over and optional) or work.interrupted or work.left <= 0 or work.time_left <= 0:
         return result
-    found = derived(result.robot, result.task, replace(asked, lengths="numbers", seconds=work.time_left), progress)
+    seconds = SLOWER * work.left
+    found = derived(result.robot, result.task, replace(asked, lengths="numbers", seconds=seconds), progress)
     return replace(found, remarks=(*found.remarks, MISSED_BY_LETTERS), settings=asked)
 
 

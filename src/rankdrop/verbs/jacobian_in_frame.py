@@ -56,7 +56,7 @@ def link_jacobian(
         symbolic: closed forms; needs python-flint.
         inverse: the inverse, too: closed where closed forms are asked for, and of the numbers.
         lengths: as in `exact_chain`.
-        seconds: limit on work for the closed inverse; of the processor's time three times as much.
+        seconds: limit on work for the closed inverse; of the processor's time fifteen times as much.
 
     Raises:
         RobotError: a helical joint, or one that follows another in a way that is not algebraic.

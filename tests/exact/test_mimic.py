@@ -262,6 +262,7 @@ def geared(folder: Path, multiplier: str, turns: float = 4.0) -> Robot:
     return replace(open_robot(str(path)), task="position")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("multiplier", "turns", "angle"), [("-0.5", 2, "θ2/2"), ("0.666666666666667", 3, "θ2/3")])
 def test_fraction_of_a_leader_s_angle(tmp_path: Path, multiplier: str, turns: int, angle: str) -> None:
     """Families against zeros of det J of an independent Jacobian, over all turns after which the arm is the same."""
@@ -288,6 +289,7 @@ def test_values_of_a_fraction_are_those_of_all_turns_inside_the_limits() -> None
         assert sorted(pinned.values) == pytest.approx(sorted(expected))
 
 
+@pytest.mark.slow
 def test_offsets_of_a_joint_that_others_follow_by_a_third() -> None:
     """θ2 = q2 + 0.3, by its place in the file: conditions, values, flags and code are all in q2."""
     turned = standard_dh("turned", [(A1, 0, 0, 0), (A2, 0, 0, 0.3), (A3, 0, 0, 0)], "planar-position")
@@ -306,6 +308,7 @@ def test_offsets_of_a_joint_that_others_follow_by_a_third() -> None:
     assert (flag.sign or 0) * det > 0
 
 
+@pytest.mark.slow
 def test_half_an_angle_beside_a_sampled_analysis_and_a_condition_by_hand() -> None:
     """Without limits the search goes through both turns of joint 2; a condition may be written in its own angle."""
     robot = following(PLANAR, 3, 2, -0.5)

@@ -106,7 +106,9 @@ def test_imports_go_down() -> None:
 PUBLIC = frozenset(f"rankdrop.{name}" for name in rankdrop.__all__)
 
 
-RECORD = frozenset(f"families.{name}" for name in ("facts", "lost", "name", "naming", "record", "summary"))
+RECORD = frozenset(
+    f"families.{name}" for name in ("contradiction", "facts", "lost", "name", "naming", "record", "summary")
+)
 """What a family is, however it was found."""
 
 

@@ -162,8 +162,8 @@ def _reasons(found: Analysis, derived: Conditions) -> Iterable[str]:
         if row.soundness.agree < row.soundness.tested:
             yield f"row {row.id}: {row.soundness.agree} of {row.soundness.tested} solutions singular"
     if found.exact is not None and not found.exact.holds:
-        yield from found.exact.disagreements or (found.exact.reason,)
-    yield from (*derived.left, *derived.disagreements)
+        yield from map(str, found.exact.disagreements or (found.exact.reason,))
+    yield from map(str, (*derived.left, *derived.disagreements))
 
 
 def _short(reasons: Iterable[str]) -> str:

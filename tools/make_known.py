@@ -53,7 +53,7 @@ def write(name: str) -> tuple[str, tuple[str, ...], str]:
         record = to_stored(derived)
     else:
         missing.append("conditions")
-        why = "; ".join((*derived.left, *derived.disagreements)) or "a check does not hold"
+        why = "; ".join(map(str, (*derived.left, *derived.disagreements))) or "a check does not hold"
         told = f"; NO CONDITIONS, {derived.verdict.word}: {why[:300]}"
     replace_file(path, file_text(None, record).encode())  # for the analysis, which takes its families from there
     found = analyze(robot, starts=STARTS, seed=SEED, exact="auto", threads=1)

@@ -62,6 +62,8 @@ _WORDED = {
     "LostDirection": "rankdrop.text.directions", "FramedDirections": "rankdrop.text.directions",
     "Idealised": "rankdrop.text.ideal", "Nearest": "rankdrop.text.nearest",
     "ScrewSystem": "rankdrop.text.screw_systems", "AlwaysSingular": "rankdrop.text.screw_systems",
+    "Unfinished": "rankdrop.text.unfinished", "Contradiction": "rankdrop.text.contradictions",
+    "DerivationRemark": "rankdrop.text.remarks",
     "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",
 }  # fmt: skip
 """Class of a record -> module that words it."""

@@ -24,6 +24,7 @@ from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, Unrea
 from rankdrop.families.record import exact_of
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import shipped_conditions
+from rankdrop.results.old_sentences import contradictions_of_sentences
 from rankdrop.schema import load_schema
 from rankdrop.sections import Formula
 from rankdrop.task import resolve_task
@@ -398,7 +399,7 @@ def test_an_interruption_keeps_what_was_done(run, monkeypatch: pytest.MonkeyPatc
 def test_a_disagreement_is_shown_and_ends_with_three(
     run, puma: Conditions, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    wrong = replace(puma, disagreements=("the rank tree has θ5 = 0, decoupling has not",))
+    wrong = replace(puma, disagreements=contradictions_of_sentences(["the rank tree has θ5 = 0, decoupling has not"]))
     monkeypatch.setattr(rankdrop, "conditions", lambda *args, **options: wrong)
     ended = run("conditions", "puma560", "--quiet", "--full")
     assert ended.code == exits.UNEXPLAINED

@@ -10,8 +10,10 @@ import pytest
 
 import rankdrop
 from rankdrop.cli import exits
+from rankdrop.exact.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.families.record import AGREES, DIFFERS, INTERRUPTED, NOT_DERIVED, Check
 from rankdrop.results.analysis import Analysis
+from rankdrop.results.old_sentences import contradictions_of_sentences
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.verbs.analyze import analyze, derive
@@ -39,7 +41,7 @@ def first_and_last(text: str) -> tuple[str, str]:
 
 def differs(found: Analysis) -> Analysis:
     said = ("exact k1.f1 (elbow): 3 of 257 of its points lie on no numeric family of this corank, q = (0, 1) is one",)
-    return replace(found, exact=replace(found.exact, status=DIFFERS, disagreements=said))
+    return replace(found, exact=replace(found.exact, status=DIFFERS, disagreements=contradictions_of_sentences(said)))
 
 
 def unsound(found: Analysis) -> Analysis:
@@ -104,9 +106,11 @@ def test_an_arm_without_singular_configurations_has_not_been_proven_to_have_none
 @pytest.mark.parametrize(
     ("change", "word", "begins"),
     [
-        ({"disagreements": ("the rank tree has a set …",)}, "contradicted", "Contradicted: the rank tree has a set"),
+        ({"disagreements": contradictions_of_sentences(["the rank tree has a set …"])}, "contradicted",
+         "Contradicted: the rank tree has a set"),
         ({"explained": Check(100, 97)}, "contradicted", "Contradicted: 3 configurations found numerically lie on no"),
-        ({"complete": False, "left": ("one system",)}, "incomplete", "Incomplete: one system."),
+        ({"complete": False, "left": (Unfinished(UnfinishedKind.NOT_RUN, phase=Phase.SPECIAL),)}, "incomplete",
+         "Incomplete: arms of special lengths."),
     ],
 )
 def test_conditions_calls_nothing_verified_where_it_ends_with_three(

@@ -11,13 +11,14 @@ from reference.trig import value
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.determinants import decouple, parting_of
 from rankdrop.exact.method_reason import PartingKind
+from rankdrop.exact.remark import near_structure
 from rankdrop.kinematics import jacobian, link_poses, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.ideal import ideal
 from rankdrop.robot.open import open_robot
 from rankdrop.task import ROWS, Frame
 from rankdrop.text.by_hand import steps_of
-from rankdrop.text.structure import near_structure_texts, parting_text
+from rankdrop.text.structure import parting_text
 from rankdrop.tolerances import DEFAULT
 
 HALF = np.pi / 2
@@ -442,7 +443,7 @@ def test_a_wrist_that_is_nearly_spherical_decouples_once_it_is_ideal():
             (0, 0, 0, 0)]  # fmt: skip
     robot = from_dh(rows, convention="standard")
     assert decouple(exact_chain(robot)) is None
-    assert "the axes of joints 4, 5, 6 miss a common point by 1 mm" in near_structure_texts(exact_chain(robot))
+    assert "the axes of joints 4, 5, 6 miss a common point by 1 mm" in map(str, near_structure(exact_chain(robot)))
     found = decouple(exact_chain(ideal(robot, length=0.002)[0]))
     assert [block.name for block in found.blocks] == ["arm", "wrist"]
     wrist = found.blocks[1].parts[0]

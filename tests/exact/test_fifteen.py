@@ -64,5 +64,5 @@ def test_where_sampling_contradicts_letters_numbers_are_taken(monkeypatch: pytes
     assert found.verified, found.verdict.sentence
     assert found.in_families
     assert not found.letters
-    assert any("conditions for general lengths miss" in remark for remark in found.remarks)
+    assert any("conditions for general lengths miss" in str(remark) for remark in found.remarks)
     assert _holds(found)

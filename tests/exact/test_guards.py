@@ -17,6 +17,7 @@ from rankdrop.exact.families import Reality
 from rankdrop.exact.family import merge
 from rankdrop.exact.letters import covered_by_numeric_tree, decided_by_numbers, splits
 from rankdrop.exact.tree import Drop, rank_tree
+from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.record import DIFFERS, exact_of
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
@@ -103,13 +104,14 @@ def test_a_family_that_is_not_singular_at_the_arms_own_lengths_is_no_exact_deriv
     assert _not_singular(chain, sets, found.families, found.generic_rank) == []
     far = [(drop, replace(reality, points=reality.points + 1e-3)) for drop, reality in sets]
     (told,) = _not_singular(chain, far, found.families, found.generic_rank)
-    assert "does not vanish at" in told
+    assert "does not vanish at" in str(told)
 
 
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"disagreements": ("k1.f1: the rank modulo a prime is not 3 at 2 of 6 random points",)}, "modulo a prime"),
+        ({"disagreements": (Contradiction(ContradictionKind.RANK, "k1.f1", rank=3, wrong=2, tested=6),)},
+         "k1.f1: the rank modulo a prime is not 3 at 2 of 6 random points"),
         ({"generic_rank": 3}, "the rank is 3 almost everywhere exactly, 4 numerically"),
     ],
 )
@@ -125,7 +127,7 @@ def test_ranks_that_differ_are_a_disagreement(monkeypatch: pytest.MonkeyPatch, c
     assert found is not None
     assert found.status == DIFFERS
     assert len(found.disagreements) == 1
-    assert said in found.disagreements[0]
+    assert said in str(found.disagreements[0])
     assert not found.holds
 
 
@@ -156,7 +158,8 @@ def test_a_disagreement_is_a_line_with_one_configuration() -> None:
     first = [drop for drop in tree.drops if drop.rank == 5]
     less = replace(tree, drops=[drop for drop in tree.drops if drop is not first[0]])
     assert corank_one(chain, "decoupling", tree, (), Work(60.0, 0)).disagreements == ()
-    (line,) = corank_one(chain, "decoupling", less, (), Work(60.0, 0)).disagreements
+    (found,) = corank_one(chain, "decoupling", less, (), Work(60.0, 0)).disagreements
+    line = str(found)
     assert line.startswith("decoupling has 1 set that the rank tree has not: at q = (")
     assert line.endswith("the rank is 5 of 6")
     assert len(line) < 200

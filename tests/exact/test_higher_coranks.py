@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from rankdrop.algebra.halt import Halt, HaltKind
 from rankdrop.exact import higher_coranks, reciprocal
 from rankdrop.exact.conjunctions import Conjunction, Derivation
 from rankdrop.robot.open import open_robot
@@ -40,17 +41,17 @@ def test_wrong_conditions_of_a_higher_corank_are_disagreements(
     monkeypatch.setattr(reciprocal, "_products_vanish", lambda *_: fault)
     found = derived("stanford")
     assert found.verdict.word == "contradicted"
-    assert "for corank 2 are wrong on " in found.disagreements[0]
-    assert any(one.endswith(said) for one in found.disagreements)
+    assert "for corank 2 are wrong on " in str(found.disagreements[0])
+    assert any(str(one).endswith(said) for one in found.disagreements)
 
 
 def test_what_is_not_finished_of_a_higher_corank_is_stated(monkeypatch: pytest.MonkeyPatch) -> None:
     def stopped(*given, corank: int, **options) -> Derivation:
         found = Derivation(given[0], "reciprocity", 1.0, corank=corank)
-        found.left.append("7 exceptional cases")
+        found.halt(Halt(HaltKind.EXCEPTIONAL_CASES, number=7))
         return found
 
     monkeypatch.setattr(higher_coranks, "derive", stopped)
     found = derived("scara")
-    assert "reciprocity, corank 2: 7 exceptional cases" in found.left
+    assert "reciprocity, corank 2: 7 exceptional cases" in map(str, found.left)
     assert found.verdict.word == "incomplete"

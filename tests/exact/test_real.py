@@ -21,6 +21,7 @@ from rankdrop.exact.families import full_rank, real_points, real_sets, reality
 from rankdrop.exact.family import Unreal, alone, merge
 from rankdrop.exact.letters import sign_of
 from rankdrop.exact.tree import Drop
+from rankdrop.exact.unfinished import Unfinished
 from rankdrop.families.record import exact_of
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
@@ -40,7 +41,7 @@ def test_a_sum_of_squares_is_cut_down_to_its_real_points(chain: Chain) -> None:
     f = t[3] ** 2 * (1 + t[5] ** 2) ** 2 + t[5] ** 2 * (1 + t[3] ** 2) ** 2
     (f,) = [g for g, _ in f.factor()[1]]
     piece = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
-    left: list[str] = []
+    left: list[Unfinished] = []
     sets, not_real = real_sets(chain, [Drop(piece, 5)], Work(), left)
     both = ("0", "pi")
     assert {tuple(sorted(one.piece.pins.items())) for one, _ in sets} == {((3, x), (5, y)) for x in both for y in both}
@@ -68,23 +69,23 @@ def test_a_negative_discriminant_is_a_proof(chain: Chain) -> None:
 
 
 def test_a_limit_that_was_met_is_told(chain: Chain) -> None:
-    left: list[str] = []
+    left: list[Unfinished] = []
     work = Work(1.0)
     tick(1.1e6)
     sets, not_real = real_sets(chain, [Drop(ZeroSet(chain.ring, {3: "0"}), 5)], work, left)
     assert (sets, not_real) == ([], [])
-    assert left == ["the limit on work was reached: 1 of 1 sets were not searched for real points"]
+    assert list(map(str, left)) == ["the limit on work was reached: 1 of 1 sets were not searched for real points"]
 
 
 def test_points_near_which_conditions_touch_zero_are_told(chain: Chain) -> None:
     """t5² = 0 is met to 1e-8 only: the rank is neither lost there nor clearly higher."""
-    left: list[str] = []
+    left: list[Unfinished] = []
     f = chain.ring.t[5] ** 2
     piece = ZeroSet(chain.ring, {}, rest=(f,), zero=(chain.ring.s[5],), equations=(f,))
     sets, not_real = real_sets(chain, [Drop(piece, 5)], Work(), left)
     assert (sets, not_real) == ([], [])
     assert len(left) == 1
-    assert "its conditions are dependent at all that were found" in left[0]
+    assert "its conditions are dependent at all that were found" in str(left[0])
 
 
 def test_conditions_that_hold_where_the_rank_is_higher_are_told(
@@ -95,11 +96,11 @@ def test_conditions_that_hold_where_the_rank_is_higher_are_told(
     f = t[5] * (t[4] - t[1] * 3)
     piece = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
     monkeypatch.setattr(families, "add_separating_condition", lambda *_: None)
-    left: list[str] = []
+    left: list[Unfinished] = []
     sets, _ = real_sets(chain, [Drop(piece, 5)], Work(), left)
     assert len(sets) == 1
     assert len(left) == 1
-    assert "hold at configurations of higher rank, too" in left[0]
+    assert "hold at configurations of higher rank, too" in str(left[0])
     left.clear()
     sets, _ = real_sets(chain, [Drop(ZeroSet(chain.ring, {5: "0"}), 5)], Work(), left)
     assert len(sets) == 1
@@ -234,13 +235,13 @@ def test_real_points_that_are_not_all_separated_are_reported(
             work.without_points[one.key] = one
         return []
 
-    left: list[str] = []
+    left: list[Unfinished] = []
     real_sets(chain, [Drop(piece, 2)], Work(), left)
-    assert not any("were not all taken apart" in text for text in left)
+    assert not any("were not all taken apart" in str(one) for one in left)
     monkeypatch.setattr(families, "_thinner", unfinished)
     left = []
     real_sets(chain, [Drop(piece, 2)], Work(), left)
-    assert any("the real points of a set were not all taken apart" in text for text in left)
+    assert any("the real points of a set were not all taken apart" in str(one) for one in left)
 
 
 @pytest.mark.by_hand_at("1", "2")

@@ -12,7 +12,7 @@ from rankdrop.exact.arm.structure import structure_of
 from rankdrop.local.axes import Scene
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
-from rankdrop.text.structure import deviation_text
+from rankdrop.text.remarks import deviation_words
 
 KNOWN = {
     "anthropomorphic": ([(4, 5, 6)], [(2, 3)]),
@@ -74,7 +74,7 @@ def test_axes_on_one_line_are_no_spherical_group():
 def test_near_structures_of_gen3_are_told_in_millimetres():
     chain = exact_chain(open_robot("gen3"))
     near = {one.joints: one for one in structure_of(chain).near}
-    told = deviation_text(chain.robot, near[1, 2, 3])
+    told = deviation_words(near[1, 2, 3], "")
     assert told == "the axes of joints 1, 2, 3 miss a common point by 11.75 mm"
     assert near[5, 6, 7].miss == pytest.approx(0.00035, abs=1e-5)
 
@@ -88,4 +88,4 @@ def test_a_calibrated_twist_is_nearly_parallel():
     (near,) = structure_of(exact_chain(robot, "pose")).near
     assert (near.kind, near.joints) == ("parallel", (1, 2))
     assert near.miss == pytest.approx(0.001, rel=1e-3)
-    assert "0.057° from parallel" in deviation_text(robot, near)
+    assert "0.057° from parallel" in deviation_words(near, "")

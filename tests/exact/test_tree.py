@@ -221,7 +221,7 @@ def test_what_is_found_before_an_interruption_is_kept() -> None:
 
     found = conditions(open_robot("anthropomorphic"), progress=interrupt)
     assert not found.complete
-    assert any("interrupted" in line for line in found.left)
+    assert any("interrupted" in str(one) for one in found.left)
     assert Counter(family.corank for family in found.families)[1] == 3
 
 

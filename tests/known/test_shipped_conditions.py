@@ -21,6 +21,8 @@ from rankdrop.codec import json_text
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.family import equations_of
+from rankdrop.exact.unfinished import Phase, Unfinished, UnfinishedKind
+from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.record import exact_of
 from rankdrop.results import known as shelf
 from rankdrop.results.conditions import Conditions
@@ -97,8 +99,12 @@ def test_what_is_read_back_is_what_was_derived(name: str) -> None:
 
 
 def test_only_what_is_complete_is_stored() -> None:
+    unfinished = (Unfinished(UnfinishedKind.NOT_RUN, phase=Phase.SPECIAL),)
     with pytest.raises(ResultFileError, match="only a complete derivation"):
-        to_stored(replace(derived("scara"), complete=False, left=("something",)))
+        to_stored(replace(derived("scara"), complete=False, left=unfinished))
+    contradicted = (Contradiction(ContradictionKind.REGULAR, method="cofactors", wrong=3),)
+    with pytest.raises(ResultFileError, match=r"contradicted is not stored.*hold at 3 regular"):
+        to_stored(replace(derived("scara"), disagreements=contradicted))
 
 
 @pytest.mark.parametrize("key", ["families", "letters", "explained", "settings"])

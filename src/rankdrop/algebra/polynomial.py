@@ -23,25 +23,10 @@ from math import isqrt, lcm, prod
 from types import ModuleType
 from typing import Any, NamedTuple
 
+from rankdrop.algebra.halt import Halt, HaltKind, TooLong
 from rankdrop.algebra.matrix import entries
 from rankdrop.errors import MissingExtraError
 from rankdrop.lists import flat_map
-
-
-class OutOfTime(Exception):
-    """A limit has passed; whoever catches it says what is left.
-
-    Args:
-        words: which limit.
-    """
-
-    def __init__(self, words: str = "the limit on work was reached") -> None:
-        super().__init__(words)
-
-
-class TooLong(OutOfTime):
-    """A polynomial would grow too long on the way that was tried; another way may do."""
-
 
 _watching: list[Callable[[], None]] = []
 
@@ -536,7 +521,7 @@ def _from_images(
             found = None
         if found is not None and holds(_image(found, last)[0], *there):
             return found
-    raise TooLong("a condition with roots of numbers has too long coefficients")
+    raise TooLong(Halt(HaltKind.COEFFICIENTS))
 
 
 def _combined(
@@ -767,7 +752,7 @@ def _split(f: Polynomial) -> list[Polynomial]:
             return [f]
         if (root := _squarefree(f)) is not None:
             return _split(root)
-    raise TooLong("no shift makes the norm of a polynomial squarefree")
+    raise TooLong(Halt(HaltKind.NORM))
 
 
 def _content(f: Polynomial) -> Polynomial | None:

@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.algebra.halt import Halt, HaltKind, TooLong
 from rankdrop.algebra.polynomial import (
     COS_SIN,
     TANGENT,
@@ -42,7 +43,7 @@ from rankdrop.algebra.polynomial import (
     used,
     with_inner,
 )
-from rankdrop.algebra.work import TooLong, tick
+from rankdrop.algebra.work import tick
 from rankdrop.robot.model import Array
 
 _BITS = 500  # of a coefficient: twice as many take four times as long to factor
@@ -312,7 +313,7 @@ class Ring:
         if any(degrees[k] % 2 for k in range(n)):
             return None
         if len(f) > MANY:
-            raise TooLong(f"a condition of {len(f):,} terms is too long to be written in sines and cosines")
+            raise TooLong(Halt(HaltKind.SINES, terms=len(f)))
         tick(20 + 20 * len(f))
 
         @cache
@@ -357,7 +358,7 @@ class Ring:
             TooLong: it would have millions of terms; it cannot be interrupted, and takes gigabytes.
         """
         if len(one) * len(two) > _LONGEST or max(len(one), len(two)) > 5 * MANY:
-            raise TooLong(f"a product of polynomials of {len(one):,} and {len(two):,} terms would grow too long")
+            raise TooLong(Halt(HaltKind.PRODUCT, terms=len(one), others=len(two)))
         return one * two
 
     def determinant(self, rows: Sequence[Sequence[Polynomial]]) -> Polynomial:
@@ -444,7 +445,7 @@ class Form:
         """
         ring, f = self.ring, self.f
         if len(f) > MANY:
-            raise TooLong(f"a condition of {len(f):,} terms is too long to be factored")
+            raise TooLong(Halt(HaltKind.FACTORING, terms=len(f)))
         if len(f) > _FAMILIAR:
             return self._factored()
         key = (str(f), self.degrees)

@@ -18,6 +18,7 @@ from itertools import chain, combinations, permutations
 from math import prod
 
 from rankdrop.algebra.field import dense, plane_size, reduced, residue, roots, solvable_in_space
+from rankdrop.algebra.halt import Halt, HaltKind, TooLong
 from rankdrop.algebra.polynomial import (
     PRIMES,
     Atom,
@@ -36,7 +37,7 @@ from rankdrop.algebra.polynomial import (
     used_by,
 )
 from rankdrop.algebra.ring import Form, Ring
-from rankdrop.algebra.work import TooLong, Work, tick
+from rankdrop.algebra.work import Work, tick
 
 _HUGE = 20_000_000  # products of terms: a second or two
 
@@ -82,7 +83,7 @@ def substituted(f: Polynomial, solved: Solved) -> Polynomial:
     bounds = [1 + max(int(d), 0) + power * max(int(a), int(b), 0) for d, a, b in degrees]
     dense = longest * prod(bounds) // bounds[solved.place]
     if min(len(f) * longest**power, dense) > _HUGE:
-        raise TooLong(f"a condition of {len(f):,} terms would grow too long with a solution of {longest:,} put in")
+        raise TooLong(Halt(HaltKind.SUBSTITUTION, terms=len(f), others=longest))
     powers = [f.context().constant(1)]
     for _ in parts[1:]:
         powers.append(reduced_roots(powers[-1] * solved.denominator))

@@ -15,9 +15,10 @@ from math import inf
 from time import process_time
 from typing import Any
 
-from rankdrop.algebra.polynomial import OutOfTime as OutOfTime
+from rankdrop.algebra.halt import INTERRUPTED, Halt, HaltKind
+from rankdrop.algebra.halt import OutOfTime as OutOfTime
+from rankdrop.algebra.halt import TooLong as TooLong
 from rankdrop.algebra.polynomial import Polynomial, is_number, primitive
-from rankdrop.algebra.polynomial import TooLong as TooLong
 from rankdrop.algebra.polynomial import watched as watched
 
 _spent = 0.0
@@ -34,11 +35,13 @@ def spent() -> float:
     return _spent * 1e-6
 
 
-def failure(error: BaseException) -> str:
-    """What ended a derivation: the limit that was met, or the error, in words."""
+def halt_of(error: BaseException) -> Halt:
+    """What ended a derivation: the limit that was reached, Ctrl-C, or the error."""
     if isinstance(error, OutOfTime):
-        return str(error)
-    return f"{type(error).__name__}: {error}"
+        return error.halt
+    if isinstance(error, KeyboardInterrupt):
+        return INTERRUPTED
+    return Halt(HaltKind.ERROR, error=type(error).__name__, message=str(error))
 
 
 Progress = Callable[[str, int, int], None]
@@ -103,7 +106,7 @@ class Work:
             raise OutOfTime
         if process_time() > self._last:
             self.limited = True
-            raise OutOfTime("the processor's time ran out")
+            raise OutOfTime(Halt(HaltKind.PROCESSOR))
 
     def show(self, label: str, done: int, total: int) -> None:
         """Tell how far the derivation is."""

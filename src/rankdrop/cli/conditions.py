@@ -209,7 +209,7 @@ def _brief(
     if lost is not None:
         blocks.append(lost)
     if found.left:
-        left = Section("Not finished", lines=found.left)
+        left = Section("Not finished", lines=tuple(map(str, found.left)))
         blocks.append(left)
         cut = [left, *cut]
     notes = [text.assumed_line(found), text.more_line(None if found.anew else found.seconds)]

@@ -8,7 +8,7 @@ not.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.algebra.field import Point, holds
+from rankdrop.algebra.halt import Halt, HaltKind
 from rankdrop.algebra.matrix import each_entry, submatrix
 from rankdrop.algebra.polynomial import Atom, Equality, Polynomial, order
 from rankdrop.algebra.ring import Ring, add_terms, numeric_terms
@@ -26,6 +27,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.letters import sign_of
 from rankdrop.exact.stratum import atoms_on, meet
+from rankdrop.exact.unfinished import Unfinished, UnfinishedKind
 from rankdrop.formula.writing import RADIANS
 from rankdrop.lists import smallest_sets
 from rankdrop.robot.model import Array
@@ -196,7 +198,7 @@ class Derivation:
         self.conditions: list[Conjunction] = []
         self.notes: list[Note] = []
         self.sizes: dict[str, int] = {}
-        self.left: list[str] = []
+        self.left: list[Unfinished] = []
         self.generic = False
         self._whole = 0  # polynomials that were left unfactored
         self._atoms: dict[str, tuple[Atom, ...]] = {}
@@ -211,16 +213,16 @@ class Derivation:
         """Wall time that is left [s]."""
         return self._work.left
 
-    def check(self, what: str) -> None:
-        """Go on with `what` if there is time.
+    def check(self, step: Halt) -> None:
+        """Continue with a step if there is time.
 
         Raises:
-            OutOfTime: there is none; says what was about to be done.
+            OutOfTime: there is none; names the step.
         """
         try:
             self._work.check()
         except OutOfTime:
-            raise OutOfTime(what) from None
+            raise OutOfTime(step) from None
 
     def case_by_case(self, treat: Callable[[ZeroSet], list[ZeroSet]]) -> None:
         """Treat the whole space, then the exceptional cases that follow from each case, until none is left.
@@ -235,12 +237,12 @@ class Derivation:
         waiting = [ZeroSet.whole(self.ring)]
         while waiting:
             case = waiting.pop(0)
-            cases = f"{len(waiting) + 1} exceptional cases"
+            cases = Halt(HaltKind.EXCEPTIONAL_CASES, number=len(waiting) + 1)
             try:
                 self.check(cases)
                 waiting += treat(case)
             except OutOfTime as error:
-                raise OutOfTime(f"{error}; {cases}") from error
+                raise OutOfTime(replace(error.halt, waiting=cases)) from error
         self.generic = False
 
     @property
@@ -266,9 +268,16 @@ class Derivation:
     def finish(self) -> None:
         """Name the factors that were not found, and the lengths assumed ≠ 0 that are 0 for this arm."""
         zero = [factor for factor in self.assumptions if sign_of(self.chain, factor) == 0]
-        self.left += [f"the arm with {one} = 0, which this arm has: its conditions are not these" for one in zero]
+        self.left += [self._unfinished(UnfinishedKind.ZERO_LENGTHS, conditions=str(factor)) for factor in zero]
         if self._whole:
-            self.left.append(f"factors of {self._whole} polynomial{'s' if self._whole > 1 else ''}")
+            self.left.append(self._unfinished(UnfinishedKind.FACTORS, number=self._whole))
+
+    def halt(self, halt: Halt) -> None:
+        """Note that the method was ended before its end."""
+        self.left.append(self._unfinished(UnfinishedKind.METHOD, halt=halt))
+
+    def _unfinished(self, kind: UnfinishedKind, **facts: Any) -> Unfinished:
+        return Unfinished(kind, method=self.method.replace("_", "-"), corank=self.corank, **facts)
 
     def full_rank(self) -> int:
         """The rank of almost every configuration, which has to be that of a matrix of full rank.
@@ -292,7 +301,7 @@ class Derivation:
         Raises:
             OutOfTime: no time is left.
         """
-        self.check("minors")
+        self.check(Halt(HaltKind.MINORS))
         return self.ring.determinant(submatrix(columns, range(len(columns)), rows))
 
     def minors(self, columns: Columns, size: int) -> Iterator[Polynomial]:
@@ -313,7 +322,7 @@ class Derivation:
         """
         key = str(p)
         if key not in self._atoms:
-            self.check(f"factors of a polynomial of {len(p)} terms")
+            self.check(Halt(HaltKind.FACTORS, terms=len(p)))
             found = self.ring.factors_within(p, self.remaining)
             if found is None:
                 return None
@@ -332,7 +341,7 @@ class Derivation:
             return None
         atoms = self.atoms(p)
         if atoms is None:
-            raise OutOfTime(f"factors of a polynomial of {len(p)} terms")
+            raise OutOfTime(Halt(HaltKind.FACTORS, terms=len(p)))
         if atoms:
             found = atoms_on(piece, Equality(atoms), self._work.assumed)
         else:

@@ -21,6 +21,8 @@ from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import derive
 from rankdrop.exact.suppression import Suppression, suppress
 from rankdrop.exact.tree import Tree
+from rankdrop.exact.unfinished import Unfinished, UnfinishedKind
+from rankdrop.families.contradiction import TREE, Contradiction, ContradictionKind
 from rankdrop.families.record import Family
 from rankdrop.lists import flat_map
 from rankdrop.local.block import sample, singular_values
@@ -53,8 +55,8 @@ class CorankOne:
     method: str
     reason: MethodReason
     derived: Decoupling | Suppression | Derivation | Tree | None
-    left: tuple[str, ...] = ()
-    disagreements: tuple[str, ...] = ()
+    left: tuple[Unfinished, ...] = ()
+    disagreements: tuple[Contradiction, ...] = ()
     higher: tuple[HigherCorank, ...] = ()
 
 
@@ -200,27 +202,30 @@ def _inside_none(sets: Sequence[ZeroSet], others: Sequence[ZeroSet]) -> list[Zer
 
 def _differences(
     chain: Chain, method: str, missing: Sequence[ZeroSet], surplus: Sequence[ZeroSet], tree: Tree
-) -> tuple[str, ...]:
-    """One line for each way round: how many sets, and a configuration on one of them; the sets may be polynomials of
-    thousands of terms."""
-    ways = ((method, "the rank tree", missing), ("the rank tree", method, surplus))
-    return tuple(
-        f"{own} has {len(sets)} {'set' if len(sets) == 1 else 'sets'} that {other} has not: "
-        f"{_describe_missed(chain, sets, tree)}"
-        for own, other, sets in ways
-        if sets
-    )
+) -> tuple[Contradiction, ...]:
+    """Sets of the method that the rank tree does not have, and the reverse: how many, and a configuration on one."""
+    found = []
+    for own, other, sets in ((method, TREE, missing), (TREE, method, surplus)):
+        if sets:
+            q, rank = _configuration_on(chain, sets, tree.generic_rank)
+            found.append(
+                Contradiction(
+                    ContradictionKind.SETS, method=own, other=other, number=len(sets), q=q, rank=rank,
+                    full_rank=tree.generic_rank,
+                )
+            )  # fmt: skip
+    return tuple(found)
 
 
-def _describe_missed(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
-    rng, r = np.random.default_rng(0), tree.generic_rank
-    for one in sets:
-        met = real_points(chain, one, r - 1, rng)
-        for rank, found in ((r - 1, met.points), (r, met.strays)):
-            if len(found):
-                q = ", ".join(f"{x + 0.0:.6g}".replace("-", "−") for x in found[0])
-                return f"at q = ({q}), which is on one, the rank is {rank} of {r}"
-    return f"no real configuration of rank {r - 1} or {r} was found on them"
+def _configuration_on(chain: Chain, sets: Sequence[ZeroSet], full_rank: int) -> tuple[tuple[float, ...], int]:
+    """A real configuration on one of the sets, and the rank there; ((), full_rank) where none was found."""
+    rng = np.random.default_rng(0)
+    for piece in sets:
+        on_set = real_points(chain, piece, full_rank - 1, rng)
+        for rank, points in ((full_rank - 1, on_set.points), (full_rank, on_set.strays)):
+            if len(points):
+                return tuple(points[0].tolist()), rank
+    return (), full_rank
 
 
 def _suppressed(
@@ -228,12 +233,16 @@ def _suppressed(
 ) -> CorankOne:
     basic, frame = chosen
     found = suppress(chain, frame=frame, basic=basic, seconds=work.left)
-    left = (f"suppression did not finish {len(found.left)} of its cases",) if found.left else ()
-    different = () if found.left else _suppression_differences(chain, found, tree, work)
-    return CorankOne("suppression", reason, found, left, different)
+    if found.left:
+        left = (Unfinished(UnfinishedKind.SUPPRESSION, number=len(found.left)),)
+        return CorankOne("suppression", reason, found, left)
+    different = _suppression_differences(chain, found, tree, work)
+    return CorankOne("suppression", reason, found, (), different)
 
 
-def _suppression_differences(chain: Chain, suppression: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:
+def _suppression_differences(
+    chain: Chain, suppression: Suppression, tree: Tree, work: Work
+) -> tuple[Contradiction, ...]:
     """Random points of each method's sets, tried on those of the other; what the tree left open counts as its own."""
     held = [drop.piece for drop in tree.drops]
     held += [case.piece for case in tree.cases]
@@ -263,14 +272,13 @@ def _compared(
     basic, frame = chosen
     found = derive(chain, method.replace("-", "_"), seconds, frame=frame, basic=basic)
     different = [
-        f"the witness of {family.id} does not satisfy the conditions of the method {method}"
+        Contradiction(ContradictionKind.WITNESS, family=family.id, method=method)
         for family in families if not found.left and not found.holds(family.witness).all()
     ]  # fmt: skip
     q = out_of_units(chain.robot, sample(chain.own, chain.own_task, _REGULAR, 0))
     sigma = singular_values(chain.parted, q, chain.task)[:, min(chain.task.m, chain.n) - 1]
     wrong = int((found.holds(q[sigma > 1e-3])).sum())
     if wrong:
-        different.append(f"the conditions of the method {method} hold at {wrong} regular configurations")
-    left = tuple(f"{method}: {one}" for one in found.left)
+        different.append(Contradiction(ContradictionKind.REGULAR, method=method, wrong=wrong))
     unfactored = sum(what == "unfactored" for what, _ in found.notes)
-    return CorankOne(method, replace(reason, unfactored=unfactored), found, left, tuple(different))
+    return CorankOne(method, replace(reason, unfactored=unfactored), found, tuple(found.left), tuple(different))

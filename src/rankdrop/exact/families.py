@@ -20,7 +20,7 @@ from rankdrop.algebra.decompose import decompose, with_points
 from rankdrop.algebra.matrix import each_entry, submatrix
 from rankdrop.algebra.polynomial import Polynomial, coefficients, is_number, used
 from rankdrop.algebra.ring import Form
-from rankdrop.algebra.work import OutOfTime, TooLong, Work, failure, watched
+from rankdrop.algebra.work import OutOfTime, TooLong, Work, halt_of, watched
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
@@ -39,6 +39,7 @@ from rankdrop.exact.family import (
 )
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
+from rankdrop.exact.unfinished import Unfinished, UnfinishedKind
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import distinct_names, lost_motions, name_family
@@ -330,7 +331,12 @@ _ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
 
 
 def real_sets(
-    chain: Chain, drops: Sequence[Drop], work: Work, left: list[str], seed: int = 0, cases: list[Drop] | None = None
+    chain: Chain,
+    drops: Sequence[Drop],
+    work: Work,
+    left: list[Unfinished],
+    seed: int = 0,
+    cases: list[Drop] | None = None,
 ) -> tuple[list[tuple[Drop, Reality]], list[UnrealSet]]:
     """The sets that have real points, in short words, with these points, and the sets that have none.
 
@@ -341,10 +347,10 @@ def real_sets(
         chain: the arm.
         drops: of its rank tree.
         work: deadline.
-        left: gets what is not finished, in sentences.
+        left: gets what is not finished.
         seed: of the random starts.
-        cases: gets the sets that are not finished, in place of sentences: a limit was met, their conditions hold at
-            configurations of higher rank, too, or their real points are not all known. None: there are sentences only.
+        cases: gets the sets that are not finished, in place of `left`: a limit was reached, their conditions hold at
+            configurations of higher rank, too, or their real points are not all known. None: all go to `left`.
     """
     kept: list[tuple[Drop, Reality]] = []
     left_out: dict[UnrealSet, list[ZeroSet]] = {}  # by reason, without conditions
@@ -369,12 +375,12 @@ def real_sets(
                 work.interrupt()
             break
         waiting = [*waiting[1:], *thinner]
-        open_, why = _verdict(piece, found, drop.rank)
+        open_, why = _verdict(piece, found)
         if work.without_points or len(work.unresolved) > systems:
-            open_ = "the real points of a set were not all taken apart"
+            open_ = UnfinishedKind.REAL_POINTS
             work.without_points.clear()
         elif thinner:
-            open_ = ""
+            open_ = None
         is_case = _keep_open(open_, drop, piece, left, cases)
         if found.real and not is_case:
             kept.append((Drop(piece, drop.rank), found))
@@ -385,44 +391,40 @@ def real_sets(
     return [one for one in kept if any(one[0] is drop for drop in remaining)], unreal
 
 
-def _keep_open(open_: str, drop: Drop, piece: ZeroSet, left: list[str], cases: list[Drop] | None) -> bool:
-    """Keep a set of which something remains open, "" for nothing: as a case, or in words; whether it is a case."""
-    if open_ and cases is not None:
+def _keep_open(
+    open_: UnfinishedKind | None, drop: Drop, piece: ZeroSet, left: list[Unfinished], cases: list[Drop] | None
+) -> bool:
+    """Keep a set of which something remains open, None for nothing: as a case, or in `left`; whether it is a case."""
+    if open_ is not None and cases is not None:
         cases.append(drop)
         return True
-    if open_:
-        left.append(f"{open_}: {alone(piece).text}")
+    if open_ is not None:
+        left.append(Unfinished(open_, rank=drop.rank, conditions=alone(piece).text))
     return False
 
 
 def _keep_unsearched(
-    stop: BaseException, waiting: Sequence[Drop], total: int, left: list[str], cases: list[Drop] | None
+    stop: BaseException, waiting: Sequence[Drop], total: int, left: list[Unfinished], cases: list[Drop] | None
 ) -> None:
-    """Keep the sets that wait where the search for real points ends: as cases where a limit ended it, else in words."""
+    """Keep the sets that wait where the search for real points ends: as cases where a limit ended it, else in `left`.
+    """
     if cases is not None and isinstance(stop, OutOfTime | TooLong):
         cases += waiting
         return
-    if isinstance(stop, Exception):
-        what = failure(stop)
-    else:
-        what = "interrupted"
-    left.append(f"{what}: {len(waiting)} of {total} sets were not searched for real points")
+    left.append(Unfinished(UnfinishedKind.UNSEARCHED, halt=halt_of(stop), number=len(waiting), total=total))
 
 
-def _verdict(piece: ZeroSet, found: Reality, rank: int) -> tuple[str, UnrealSet | None]:
-    """What remains open of a set, "" for nothing, and why it is left out, None where it is not."""
+def _verdict(piece: ZeroSet, found: Reality) -> tuple[UnfinishedKind | None, UnrealSet | None]:
+    """What remains open of a set, None for nothing, and why it is left out, None where it is not."""
     if found.real and len(found.strays):
-        return (
-            f"the conditions of a set of rank {rank} hold at configurations of higher rank, too, and no further "
-            "condition was found that separates them"
-        ), None
+        return UnfinishedKind.STRAYS, None
     if found.real:
-        return "", None
+        return None, None
     if found.proof:
-        return "", UnrealSet("", Unreal.PROVEN, proof=found.proof)
+        return None, UnrealSet("", Unreal.PROVEN, proof=found.proof)
     if found.unclear or (len(piece.equations) > 1 and len(found.points)):
-        return "a set has real points, but its conditions are dependent at all that were found", None
-    return "", UnrealSet("", Unreal.NOT_FOUND, tried=REAL_STARTS)
+        return UnfinishedKind.DEPENDENT, None
+    return None, UnrealSet("", Unreal.NOT_FOUND, tried=REAL_STARTS)
 
 
 def _sharp(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rankdrop.algebra.work import Work
@@ -9,7 +10,10 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.conjunctions import Derivation
 from rankdrop.exact.methods import derive
 from rankdrop.exact.tree import Tree
+from rankdrop.exact.unfinished import Unfinished
+from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.record import Check
+from rankdrop.lists import flat_map
 
 UNTRIED = Check(0, 0)
 """Nothing was tried."""
@@ -76,3 +80,26 @@ def _on_sets(derived: Derivation, tree: Tree) -> Check:
         wanted = drop.rank <= limit
         right += all(derived.holds_at(point) == wanted for point in drop.piece.samples)
     return Check(len(tree.drops), right)
+
+
+def unfinished_coranks(higher: Sequence[HigherCorank]) -> list[Unfinished]:
+    """What was not finished of coranks above 1."""
+    return flat_map(lambda one: one.derived.left, higher)
+
+
+def wrong_coranks(higher: Sequence[HigherCorank]) -> list[Contradiction]:
+    """Coranks above 1 with conditions that the rank tree or numeric configurations contradict."""
+    found = []
+    for one in higher:
+        compared = (
+            (ContradictionKind.HIGHER_SETS, one.sets),
+            (ContradictionKind.HIGHER_SINGULAR, one.singular),
+            (ContradictionKind.HIGHER_REGULAR, one.regular),
+        )
+        for kind, check in compared:
+            wrong = check.tested - check.agree
+            if wrong:
+                found.append(
+                    Contradiction(kind, method="reciprocity", corank=one.corank, wrong=wrong, tested=check.tested)
+                )
+    return found

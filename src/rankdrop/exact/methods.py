@@ -56,14 +56,15 @@ vanishes, or where the matrix without them loses rank.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import combinations
 from math import prod
 from operator import mul
 
 import numpy as np
 
+from rankdrop.algebra.halt import Halt, HaltKind, OutOfTime
 from rankdrop.algebra.polynomial import Atom, Equality, Polynomial
-from rankdrop.algebra.work import OutOfTime
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain
@@ -491,13 +492,14 @@ def singular_vector(builder: Derivation) -> None:
             waiting[:0] = _eliminated(builder, step)  # pivots that do not vanish first: that case holds most
         except OutOfTime as error:
             builder.generic = True
-            raise OutOfTime(f"{error}; {len(waiting) + 1} cases") from error
+            cases = Halt(HaltKind.CASES, number=len(waiting) + 1)
+            raise OutOfTime(replace(error.halt, waiting=cases)) from error
     builder.note("pivots", cases=builder.sizes["cases"], conditions=len(builder.conditions))
 
 
 def _eliminated(builder: Derivation, step: _Pivots) -> list[_Pivots]:
     """One step of elimination; the cases that follow from it."""
-    builder.check("elimination")
+    builder.check(Halt(HaltKind.ELIMINATION))
     case, rows, chosen = step
     columns = columns_on(case, builder.chain.columns)
     size = min(len(columns), len(columns[0]))
@@ -660,7 +662,7 @@ def derive(
     Args:
         chain: the arm and its task.
         method: one of `METHODS`.
-        seconds: wall time that may be spent; what is not done by then is told in `Derivation.left`.
+        seconds: wall time that may be spent; what is not finished by then is in `Derivation.left`.
         frame: for reciprocity: link 1 … n − 1 in whose frame the screws are taken; None for the shortest one.
         basic: for reciprocity: the reciprocal screw is that of five of these joints, as far as that goes.
         corank: k of the configurations of rank m − k or less; above 1 for reciprocity alone.
@@ -689,6 +691,6 @@ def derive(
     try:
         _METHODS[method](builder)
     except OutOfTime as error:
-        builder.left.append(str(error))
+        builder.halt(error.halt)
     builder.finish()
     return builder

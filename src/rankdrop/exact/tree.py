@@ -39,9 +39,10 @@ from rankdrop.algebra.field import P, rank, residues, roots_at, value_at
 from rankdrop.algebra.matrix import each_entry, entries, submatrix
 from rankdrop.algebra.polynomial import ROOTS, Atom, Polynomial, flint, image_modulo, primitive
 from rankdrop.algebra.ring import Form, Ring, Terms, replace_angles
-from rankdrop.algebra.work import OutOfTime, TooLong, Work, failure, spent, tick, watched
+from rankdrop.algebra.work import OutOfTime, TooLong, Work, halt_of, spent, tick, watched
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.unfinished import Unfinished, UnfinishedKind
 from rankdrop.lists import flat_map
 from rankdrop.local.block import generic_rank
 
@@ -268,7 +269,7 @@ class Tree:
         cleared: by how much the rank of the matrix in use is lower, see `Chain.cleared`.
         drops: the largest sets for each rank, ranks descending: none lies inside another one of the same or lower rank.
         complete: False when time ran out or the user interrupted it.
-        left: what was not finished, in words.
+        left: what was not finished.
         visited: sets looked at.
         unresolved: systems of conditions that could not be taken apart; what they hold is missing.
         without_points: sets without a point modulo any of the primes that may be real, the order of the minors that
@@ -283,12 +284,12 @@ class Tree:
     cleared: int = 0
     drops: list[Drop] = field(default_factory=list)
     complete: bool = True
-    left: list[str] = field(default_factory=list)
+    left: list[Unfinished] = field(default_factory=list)
     visited: int = 0
     unresolved: list[str] = field(default_factory=list)
     without_points: list[tuple[ZeroSet, int, bool]] = field(default_factory=list)
     cases: list[OpenCase] = field(default_factory=list)
-    unstated: list[str] = field(default_factory=list)
+    unstated: list[Unfinished] = field(default_factory=list)
     lowest: int = 0
 
     @property
@@ -325,7 +326,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
         unwanted: asked after each set; where it says so the tree ends there, incomplete.
 
     Returns:
-        Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
+        Tree; incomplete, with what is left, where time ran out or the user interrupted it.
     """
     work.lengths = chain.letters
     whole = ZeroSet.whole(chain.ring)
@@ -333,7 +334,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
         columns, never = chain.cleared
     except Exception as stop:
         rank = generic_rank(chain.own, chain.own_task)
-        left = [f"{failure(stop)}: the arm's screws were not written down"]
+        left = [Unfinished(UnfinishedKind.SCREWS, halt=halt_of(stop))]
         return Tree(rank, complete=False, left=left, unstated=left)
     generic = rank_on(columns, whole)
     found: list[Drop] = []
@@ -347,13 +348,8 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
                 _explore(columns, order, waiting, found, tree, work, unwanted)
         except (Exception, KeyboardInterrupt) as stop:  # whatever fails leaves this open: the search does not need it
             tree.complete = False
-            if isinstance(stop, Exception):
-                what = failure(stop)
-            else:
-                what = "interrupted"
             tree.left.append(
-                f"{what} while looking for drops below rank {order + never}: {len(waiting)} sets were not derived "
-                "to the end"
+                Unfinished(UnfinishedKind.RANK, halt=halt_of(stop), rank=order + never, number=len(waiting))
             )
             _keep_cases(tree, waiting, order, stop, divided=order < generic)
             if isinstance(stop, KeyboardInterrupt):

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.families.contradiction import Contradiction
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
 from rankdrop.formula.equation import Equation, System
@@ -516,7 +517,7 @@ class Derivation:
         reason: why nothing was derived; else "".
         letters: lengths that are symbols, and their values [m].
         shifts: θ = q + shift, per joint: exact conditions speak of θ [rad, m].
-        disagreements: sentences; none where derivation and numerical tests agree.
+        disagreements: none where derivation and numerical tests agree; `str` gives a sentence.
     """
 
     status: str
@@ -525,7 +526,7 @@ class Derivation:
     reason: str = ""
     letters: Mapping[str, float] | None = None
     shifts: tuple[float, ...] = ()
-    disagreements: tuple[str, ...] = ()
+    disagreements: tuple[Contradiction, ...] = ()
 
     @property
     def agrees(self) -> bool:

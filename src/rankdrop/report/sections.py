@@ -61,7 +61,7 @@ def exact_section(content: Content) -> str:
     if joined is not None and shown:
         letters = letters_text(joined.letters)
         told = _paragraphs(["The families are derived exactly." + escape(f" Lengths: {letters}." if letters else "")])
-        after = _paragraphs([f"Disagreement: {_cut(one)}" for one in joined.disagreements], "bad")
+        after = _paragraphs([f"Disagreement: {_cut(str(one))}" for one in joined.disagreements], "bad")
     elif derived is None:
         return f"{head}<p>Not derived: {escape(content.exact_missing)}</p></section>"
     else:
@@ -104,12 +104,12 @@ def _derivation(derived: Conditions) -> Iterator[str]:
 
 def _open_ends(derived: Conditions) -> str:
     """What was left unfinished, disagrees, is remarked, or has no real point, as HTML."""
-    unfinished = [f"Not finished: {_cut(one)}" for one in derived.left[:_LINES]]
+    unfinished = [f"Not finished: {_cut(str(one))}" for one in derived.left[:_LINES]]
     if len(derived.left) > _LINES:
         unfinished.append(f"… and {len(derived.left) - _LINES} more.")
     if derived.complete:  # a point on none of the families says nothing about an unfinished derivation
-        unfinished += [f"Disagreement: {_cut(one)}" for one in derived.disagreements]
-    told = _paragraphs(unfinished, "bad") + _paragraphs(map(escape, derived.remarks), "small")
+        unfinished += [f"Disagreement: {_cut(str(one))}" for one in derived.disagreements]
+    told = _paragraphs(unfinished, "bad") + _paragraphs((escape(str(remark)) for remark in derived.remarks), "small")
     if not derived.not_real:
         return told
     unreal = _paragraphs((escape(str(one)) for one in derived.not_real), "small")

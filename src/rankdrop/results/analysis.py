@@ -26,6 +26,7 @@ from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.formula.equation import Equation
 from rankdrop.local.block import singular_values
 from rankdrop.results.aspect_summary import AspectSummary
+from rankdrop.results.contradictions import derivation_from_dict
 from rankdrop.results.names import name_of
 from rankdrop.results.old_files import conditions_of_derivation, exact_from_dict, freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
@@ -187,7 +188,7 @@ class Analysis(Result):
             complete=record["complete"],
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
-            exact=_part(record, "exact", Derivation),
+            exact=at("$.exact", lambda: _derivation(record)),
             near=_part(record, "near", Near),
             speeds=_part(record, "speeds", SpeedDistances),
             slow=_part(record, "slow", SlowShare),
@@ -303,6 +304,13 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")
     return family
+
+
+def _derivation(record: Record) -> Derivation | None:
+    """The entry `exact`; None where the record has none."""
+    if "exact" not in record:
+        return None
+    return derivation_from_dict(record["exact"])
 
 
 def _part(record: Record, entry: str, kind: type[Any]) -> Any:

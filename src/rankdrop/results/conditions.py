@@ -18,7 +18,10 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, UnrealSet
 from rankdrop.exact.method_reason import MethodReason
+from rankdrop.exact.remark import DerivationRemark
 from rankdrop.exact.undivided import UndividedSet
+from rankdrop.exact.unfinished import Unfinished
+from rankdrop.families.contradiction import Contradiction
 from rankdrop.families.record import Check, Family, exact_of
 from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.formula.notation import Step
@@ -48,7 +51,7 @@ class Conditions(Result):
         generic_rank: of the task Jacobian almost everywhere; corank k means rank `generic_rank − k`.
         letters: the lengths that are symbols, and their values [m].
         shifts: θ = q + shift, per joint: conditions speak of θ [rad, m].
-        remarks: what was rounded, or is nearly so.
+        remarks: what was rounded, or is nearly so; `str` gives a sentence, here and of the next two.
         method, reason: how the conditions of corank 1 were derived, and why so; by reciprocity higher coranks as well.
         steps: that derivation, step by step.
         families: of every corank that was derived, large ones first, each with its exact conditions.
@@ -56,10 +59,10 @@ class Conditions(Result):
         assumptions: lengths for which more happens.
         not_real: sets without a real point for the arm's lengths, and why.
         explained: of singular configurations found numerically, how many lie on a family.
-        disagreements: whatever two methods, or the derivation and a check, say differently. None is as it should be.
+        disagreements: what two methods, or the derivation and a check, find differently. None is as it should be.
         complete: nothing was left unfinished: every singular configuration is on a family or on an undivided case.
         interrupted: Ctrl-C ended it.
-        left: what was not finished, in words.
+        left: what was not finished, and what contradicts an unfinished derivation.
         seconds: spent.
         limited: a limit on work or time ended it: a longer one derives more.
         settings: what was asked for; with the robot and the version it determines the result.
@@ -73,7 +76,7 @@ class Conditions(Result):
     generic_rank: int
     letters: Mapping[str, float]
     shifts: tuple[float, ...]
-    remarks: tuple[str, ...]
+    remarks: tuple[DerivationRemark, ...]
     method: str
     reason: MethodReason
     steps: tuple[Step, ...]
@@ -82,10 +85,10 @@ class Conditions(Result):
     assumptions: tuple[Assumption, ...]
     not_real: tuple[UnrealSet, ...]
     explained: Check
-    disagreements: tuple[str, ...]
+    disagreements: tuple[Contradiction, ...]
     complete: bool
     interrupted: bool
-    left: tuple[str, ...]
+    left: tuple[Unfinished | Contradiction, ...]
     seconds: float
     settings: ConditionsOptions
     limited: bool = False

@@ -31,11 +31,12 @@ import numpy as np
 
 from rankdrop.algebra.polynomial import Polynomial, flint, root_values, with_inner
 from rankdrop.algebra.ring import Ring
-from rankdrop.codec import Record, restored
+from rankdrop.codec import Record, plain, restored
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import EVIDENCE, Assumption, UnrealSet, pins_in_q, slides_at_zero
 from rankdrop.exact.method_reason import MethodReason
+from rankdrop.exact.remark import DerivationRemark
 from rankdrop.families.lost import LostFreedom, freedoms_at_witness
 from rankdrop.families.record import Check, ExactConditions, Family, WrittenCondition, exact_of, family_from_metres
 from rankdrop.formula.equation import Equation
@@ -49,6 +50,7 @@ from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.conditions import SCHEMA, Conditions
 from rankdrop.results.names import name_of
 from rankdrop.results.old_files import freedoms_of_sentences
+from rankdrop.results.old_sentences import contradictions_of_sentences, remarks_of_sentences
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
 from rankdrop.robot.open import open_robot
 from rankdrop.sections import words_of
@@ -327,17 +329,25 @@ def file_text(analysis: Record | None, conditions: Record | None) -> str:
     return "\n".join(lines) + "\n"
 
 
-_AGAIN = ("robot", "equations", "lost_words", "determinants", "not_real", "undivided", "reason")
+_AGAIN = ("robot", "equations", "lost_words", "determinants", "not_real", "undivided", "reason", "remarks",
+          "disagreements", "left")  # fmt: skip
 """Entries of the record that are made again: from the robot asked about, from `terms`, `lost_freedoms`, `unreal`,
-`why`; determinants belong to steps, which are not stored, and there are no undivided cases."""
+`why`, `noted`; determinants belong to steps, which are not stored, and a complete derivation that nothing contradicts
+has no undivided cases, nothing left and no disagreements."""
 
 
 def to_stored(conditions: Conditions) -> Record:
     """A complete derivation as plain data: `from_stored` is its inverse, given the same arm.
 
     Raises:
-        ResultFileError: a derivation that is not complete; nothing of it can be vouched for later.
+        ResultFileError: a derivation that is not complete, or that a check contradicts; nothing of it can be vouched
+            for later.
     """
+    if conditions.disagreements:
+        raise ResultFileError(
+            "a derivation that is contradicted is not stored", where=conditions.robot.name,
+            got=str(conditions.disagreements[0]),
+        )  # fmt: skip
     if not conditions.in_families or conditions.interrupted:
         raise ResultFileError(
             "only a complete derivation is stored", where=conditions.robot.name,
@@ -348,6 +358,7 @@ def to_stored(conditions: Conditions) -> Record:
     record["arm"] = _arm(conditions.robot) | {"task": _task(conditions.task)}
     record["generic_rank"] = conditions.generic_rank
     record["why"] = asdict(conditions.reason)
+    record["noted"] = [_facts(remark) for remark in conditions.remarks]
     record["families"] = [
         {key: value for key, value in written.items() if key not in _AGAIN}
         | {"pins": [[pin.joint, list(pin.values)] for pin in exact.pins]}
@@ -425,7 +436,7 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         generic_rank=record["generic_rank"],
         letters=dict(record["letters"]),
         shifts=tuple(record["shifts"]),
-        remarks=tuple(record["remarks"]),
+        remarks=_remarks(record),
         method=record["method"],
         reason=restored(MethodReason, record["why"]),
         steps=restored(tuple[Step, ...], record["steps"]),
@@ -434,14 +445,30 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         assumptions=restored(tuple[Assumption, ...], record["assumptions"]),
         not_real=restored(tuple[UnrealSet, ...], record["unreal"]),
         explained=Check(record["explained"]["tested"], record["explained"]["explained"]),
-        disagreements=tuple(record["disagreements"]),
+        disagreements=contradictions_of_sentences(record.get("disagreements", ())),
         complete=record["complete"],
         interrupted=record["interrupted"],
-        left=tuple(record["left"]),
+        left=(),  # of a complete derivation
         seconds=0.0,
         settings=restored(ConditionsOptions, record["settings"]),
         anew=anew,
     )
+
+
+def _facts(remark: DerivationRemark) -> Record:
+    """The fields of a remark that do not have their defaults, as plain data."""
+    defaults = DerivationRemark(remark.kind)
+    record: Record = plain(remark)
+    given = [name for name in record if getattr(remark, name) != getattr(defaults, name)]
+    return {name: record[name] for name in ("kind", *given)}
+
+
+def _remarks(record: Record) -> tuple[DerivationRemark, ...]:
+    """The remarks of a stored derivation; up to version 0.2 they were sentences."""
+    if "noted" in record:
+        remarks: tuple[DerivationRemark, ...] = restored(tuple[DerivationRemark, ...], record["noted"])
+        return remarks
+    return remarks_of_sentences(record["remarks"])
 
 
 def _freedoms(record: Record, robot: Robot, task: Task) -> tuple[LostFreedom, ...]:

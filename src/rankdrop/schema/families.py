@@ -16,6 +16,7 @@ from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
 from rankdrop.exact.lint import Difference, Example
 from rankdrop.exact.signs import Between, Crossing, Flags
 from rankdrop.exact.undivided import PolynomialSize, UndividedSet
+from rankdrop.families.contradiction import Contradiction
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import Detail, FamilyName, JointValues, LowRank, Shorter, Variable
 from rankdrop.families.record import (
@@ -84,6 +85,11 @@ SOUNDNESS = table(
 def _absent(_: Any) -> UnsetType:
     """Value of an entry that is added to the record by whoever was asked for it."""
     return UNSET
+
+
+def _sentences(field: str) -> Callable[[Any], list[str]]:
+    """Function of a record that gives the sentences of its facts in a field."""
+    return lambda record: list(map(str, getattr(record, field)))
 
 
 def _terms(family: Any) -> list[Any]:
@@ -207,6 +213,12 @@ FAMILY = table(
         lambda one: one.exact or UNSET),
 )
 OLD_EXACT_FAMILIES = table("old_exact_families", **_EXACT, id=str)
+CONTRADICTION = table(
+    "contradiction",
+    of=Contradiction,
+    called=(optional(CALLED), "", lambda one: one.called or UNSET),
+    q=many(num("joint")),
+)
 EXACT = table(
     "exact",
     of=Derivation,
@@ -215,6 +227,10 @@ EXACT = table(
     seconds=num("s", gt=0),
     letters=mapping(num("m")) | None,
     shifts=many(num("joint")),
+    disagreements=(optional(many(str)), "sentences; none where derivation and numerical tests agree",
+        _sentences("disagreements")),
+    contradictions=(optional(many(CONTRADICTION)), "the same as facts; absent where there are none; since 0.3",
+        lambda one: one.disagreements or UNSET),
     families=(optional(many(OLD_EXACT_FAMILIES)), "up to 0.2: the exact conditions of all families; since 0.3 each "
         "family has its own", _absent),
 )
@@ -485,7 +501,7 @@ CONDITIONS_FILE = file(
     settings=CONDITIONS_SETTINGS,
     letters=(mapping(num("m")), "value of each length that is a letter [m]"),
     shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
-    remarks=(many(str), "what was rounded, or is nearly so"),
+    remarks=(many(str), "what was rounded, or is nearly so", _sentences("remarks")),
     method=(str, "how corank 1 was derived in addition to the rank tree"),
     reason=(str, "why so", lambda found: reason_text(found.reason)),
     steps=(many(STEPS), "that derivation, step by step"),
@@ -503,9 +519,10 @@ CONDITIONS_FILE = file(
     complete=(bool, "nothing was left unfinished"),
     interrupted=(bool, "Ctrl-C ended the derivation"),
     verified=(bool, "complete, and every check that was made holds"),
-    left=(many(str), "what was not finished"),
+    left=(many(str), "what was not finished", _sentences("left")),
     disagreements=(many(str),
-        "what two methods, or the derivation and a check, say differently; empty when all is well"),
+        "what two methods, or the derivation and a check, say differently; empty when all is well",
+        _sentences("disagreements")),
     lowest=(whole(ge=0, le=6), "rank down to which drops were looked for"),
     families=(many(CONDITIONS_FAMILY), "of all coranks, by corank"),
     assumptions=(many(ASSUMPTIONS), "lengths for which more happens"),

@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from rankdrop.exact.remark import chain_remarks
 from rankdrop.sections import Section
 from rankdrop.text.places import joint_cells, joint_heads
-from rankdrop.text.structure import chain_remarks
 from rankdrop.text.words import listing, plural
 
 POSTURES = {
@@ -292,7 +292,7 @@ def rounding_notes(found: Any) -> tuple[str, ...]:
     """What was rounded to make the arm exact; () where it is not."""
     if found.chain is None:
         return ()
-    return chain_remarks(found.chain)
+    return tuple(map(str, chain_remarks(found.chain)))
 
 
 def _counting_line(count: Any) -> str:

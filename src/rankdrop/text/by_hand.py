@@ -15,11 +15,9 @@ from rankdrop.exact.arm.structure import listed, triples
 from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, conditions_on
 from rankdrop.exact.derivation import CorankOne
 from rankdrop.exact.determinants import Decoupling, MinorChoice, minor_name, parting_of
-from rankdrop.exact.higher_coranks import HigherCorank
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.suppression import Case, Dependence, Proof, Suppression
 from rankdrop.exact.tree import Tree
-from rankdrop.families.record import Check
 from rankdrop.formula.notation import Step, Text, fourier
 from rankdrop.formula.writing import (
     Condition,
@@ -63,31 +61,6 @@ def every_step(chain: Chain, derivation: CorankOne) -> tuple[Step, ...]:
     for one in derivation.higher:
         steps += steps_of(chain, one.derived)
     return tuple(steps)
-
-
-def higher_left_texts(higher: Sequence[HigherCorank]) -> list[str]:
-    """What was not finished of coranks above 1."""
-    return [f"reciprocity, corank {one.corank}: {left}" for one in higher for left in one.derived.left]
-
-
-_COMPARED = {
-    "sets": "on {wrong} of {tested} sets of the rank tree",
-    "singular": "at {wrong} of {tested} configurations of this corank found numerically, where they do not hold",
-    "regular": "at {wrong} of {tested} configurations of a lower corank, where they hold",
-}
-"""Where conditions of a corank above 1 are wrong, by what they were compared with."""
-
-
-def higher_differences_texts(higher: Sequence[HigherCorank]) -> list[str]:
-    """What conditions of coranks above 1 say that the rank tree or numeric configurations do not."""
-    texts = []
-    for one in higher:
-        for what, words in _COMPARED.items():
-            check: Check = getattr(one, what)
-            if check.agree < check.tested:
-                where = words.format(wrong=check.tested - check.agree, tested=check.tested)
-                texts.append(f"the conditions of the method reciprocity for corank {one.corank} are wrong {where}")
-    return texts
 
 
 def _decoupling(found: Decoupling) -> Iterator[str]:

@@ -20,6 +20,7 @@ from typing import Any
 
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, Unreal, UnrealSet
+from rankdrop.exact.remark import rounded_number
 from rankdrop.families.record import Family, exact_of
 from rankdrop.families.summary import (
     CONTRADICTED,
@@ -46,7 +47,7 @@ from rankdrop.text.code import Code
 from rankdrop.text.families import share_text
 from rankdrop.text.lost import lost_line, lost_note, lost_sentences
 from rankdrop.text.special import family_label
-from rankdrop.text.structure import deviation_text, reason_text
+from rankdrop.text.structure import reason_text
 from rankdrop.version import VERSION
 
 _TOGETHER = 64  # characters up to which all conditions of a family stand on one line
@@ -75,7 +76,7 @@ def arm_lines(conditions: Any) -> dict[str, str]:
         "lengths": letters or "as numbers",
         "angles": angles_text(conditions.robot, conditions.shifts),
         "always": always if rank < rows else "",
-        "remarks": "\n".join(conditions.remarks),
+        "remarks": "\n".join(map(str, conditions.remarks)),
         "method": f"rank tree{'' if method == 'tree' else f'; {_twice(conditions)} also by {method}'}",
         "reason": reason_text(conditions.reason),
     }
@@ -278,7 +279,7 @@ def undivided_sentence(conditions: Any) -> str:
 
 def unfinished_text(conditions: Any) -> str:
     """Why not every singular configuration is known to be on a family."""
-    return "; ".join(conditions.left) or undivided_sentence(conditions)
+    return "; ".join(map(str, conditions.left)) or undivided_sentence(conditions)
 
 
 def _condition_notes(conditions: Any) -> Iterator[str]:
@@ -498,7 +499,7 @@ def _unfinished(conditions: Any) -> Iterator[Section]:
         else:
             more = ""
         ended = f"the exact derivation ended after {conditions.seconds:.1f} s{more}"
-        yield Section("Not finished", ended, tuple(conditions.left))
+        yield Section("Not finished", ended, tuple(map(str, conditions.left)))
 
 
 def _number(value: float) -> str:
@@ -648,7 +649,7 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
         return Verdict(INTERRUPTED, claims, text)
     failures: list[Failure] = [*_failures(analysis)]
     if derived is not None and derived.in_families:  # of an unfinished one it says nothing that a point is on no family
-        failures += [("disagreement", text) for text in derived.disagreements]
+        failures += [("disagreement", contradiction) for contradiction in derived.disagreements]
     if failures:
         return _failed(failures, claims)
     sentence = f"{_verified(analysis, derived=exact, exact=exact_claim)}{_apart(analysis, derived)}."
@@ -699,7 +700,7 @@ def _apart(analysis: Any, derived: Any) -> str:
 def _failures(analysis: Any) -> Iterator[Failure]:
     exact = analysis.exact
     if exact is not None and exact.derived and not exact.agrees:
-        yield from (("derivation", text) for text in exact.disagreements)
+        yield from (("derivation", contradiction) for contradiction in exact.disagreements)
     yield from _sampled_failures(analysis)
     if exact is not None and not exact.derived and not exact.holds:
         yield "not derived", exact.reason
@@ -762,7 +763,7 @@ def _derived(derived: Any, claims: tuple[str, ...]) -> Verdict:
 
 def _contradictions(derived: Any) -> Iterator[Failure]:
     lie_on, points = derived.explained.agree, derived.explained.tested
-    yield from (("disagreement", text) for text in derived.disagreements)
+    yield from (("disagreement", contradiction) for contradiction in derived.disagreements)
     if lie_on < points and not derived.disagreements and derived.complete:
         yield "cloud", points - lie_on
     yield from (("no rank", row.id) for row in derived.families if not exact_of(row).rank_check.tested)
@@ -777,7 +778,7 @@ def _exactness(chain: Chain) -> tuple[str, str]:
     """How a derivation was made, and what was rounded for it: "" where nothing was."""
     if not chain.rounded:
         return EXACT, ""
-    texts = [deviation_text(chain.robot, one) for one in chain.rounded]
+    texts = [str(rounded_number(chain.robot, deviation)) for deviation in chain.rounded]
     if len(texts) > 1:
         more = f" (and {len(texts) - 1} more)"
     else:

@@ -483,7 +483,7 @@ def agreement(
         return
     if derivation.disagreements:
         yield "Numerical tests CONTRADICT the exact derivation:", True
-        yield from ((f"  {text}", True) for text in derivation.disagreements)
+        yield from ((f"  {contradiction}", True) for contradiction in derivation.disagreements)
     printed = any(map(exact_conditions, families))
     if printed:
         symbols = _symbols(derivation, robot)
@@ -554,26 +554,6 @@ def _corank_section(
     )  # fmt: skip
 
 
-MISSED_BY_LETTERS = "lengths are numbers: conditions for general lengths miss singular configurations of these"
-
-
-def near_misses_text(corank: int, many: int, followed: int, sigma: float, digits: int) -> str:
-    """Configurations with a small σ that many digits show not to be singular; `sigma` is inf where no minimum was met.
-    """
-    if followed == many:
-        which = ""
-    else:
-        which = f"{followed} of them, spread over all their σ, "
-    if isfinite(sigma):
-        least = f" (smallest σ {sigma:.2g})"
-    else:
-        least = ""
-    return (
-        f"corank {corank}: {count(many, 'configuration')} with a small σ on no family left out: {which}followed with "
-        f"{digits} digits, the rank does not drop there{least}"
-    )
-
-
 def mistaken_text(corank: int, many: int, followed: int, sigma: float, digits: int) -> str:
     """Points of the searches that many digits show not to be singular; `sigma` is inf where no minimum was met."""
     if followed == many:
@@ -587,52 +567,6 @@ def mistaken_text(corank: int, many: int, followed: int, sigma: float, digits: i
     return (
         f"corank {corank}: {many:,} points of the searches with σ ≤ {DEFAULT.singular:g} are not singular: followed "
         f"with {digits} digits{which}, σ does not vanish next to them{least}"
-    )
-
-
-def not_singular_text(mark: str, number: int, wrong: int, tested: int, digits: int) -> str:
-    """A family with real points at which the singular value that it loses does not vanish."""
-    return (
-        f"{mark}: σ{number} does not vanish at {wrong} of {tested} real configurations that satisfy its conditions, "
-        f"with {digits} digits"
-    )
-
-
-def assumption_text(assumed: str) -> str:
-    """An assumption on the lengths that the arm does not satisfy: "a2 ≠ d4"."""
-    return f"{assumed} is assumed, which is not true of this arm"
-
-
-def equal_lengths_text(equal: Iterable[tuple[str, bool, str]]) -> str:
-    """Lengths that share a letter, as (name, whether equal and not opposite, the name that is kept)."""
-    pairs = ", ".join(f"{name} = {'' if same else '−'}{other}" for name, same, other in equal)
-    return f"{pairs} for this arm: derived with one letter for both"
-
-
-def following_texts(robot: Robot) -> tuple[str, ...]:
-    """A sentence for each joint that follows another one, and which methods of exact conditions are left out."""
-    told = []
-    for joint, place in zip(robot.joints, robot.drivers, strict=True):
-        if joint.mimic is not None:
-            multiplier = f"{joint.multiplier:.6g}".replace("-", "−")
-            told.append(
-                f"joint {joint.name} follows joint {joint.mimic.leader}: column {place + 1} of the Jacobian contains "
-                f"{multiplier} times the screw of {joint.name}"
-            )
-    if told:
-        told.append(
-            "joint numbers count the variables; decoupling and suppression, which need one screw for each column, are "
-            "left out"
-        )
-    return tuple(told)
-
-
-def on_no_family_text(corank: int, many: int, tested: int, q: Iterable[float]) -> str:
-    """Singular configurations that no family explains, one of them `q`."""
-    values = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in q)
-    return (
-        f"corank {corank}: {many:,} of {tested:,} configurations found numerically lie on no family, q = ({values}) is "
-        "one"
     )
 
 

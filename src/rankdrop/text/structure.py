@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from math import degrees
 
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.geometry import Deviation
 from rankdrop.exact.arm.structure import BlockForm, listed, structure_of
 from rankdrop.exact.determinants import Loss, LostLine
 from rankdrop.exact.method_reason import MethodReason, Parting, PartingKind
+from rankdrop.exact.remark import chain_remarks, near_structure
 from rankdrop.lists import flat_map
-from rankdrop.robot.model import Robot
 from rankdrop.tolerances import ALIGNED
 
 _DOES_NOT_PART = {
@@ -50,52 +48,12 @@ def structure_sentences(chain: Chain) -> tuple[str, ...]:
     within = set(flat_map(pairwise, structure.points))
     found += [f"axes {i} and {j} meet" for i, j in structure.meeting if (i, j) not in within]
     found += [f"the axes of joints {listed(group)} are parallel" for group in structure.parallel]
-    found += [f"near-structural: {near}" for near in near_structure_texts(chain)]
+    found += [f"near-structural: {near}" for near in near_structure(chain)]
     remarks = chain_remarks(chain)
     if remarks:
         found.append(f"twists are multiples of 15° and 18° where they are that within {ALIGNED:g} rad")
-        found += remarks
+        found += map(str, remarks)
     return tuple(found)
-
-
-def near_structure_texts(chain: Chain) -> tuple[str, ...]:
-    """Special structures that the arm is near to, with what is missing."""
-    return tuple(deviation_text(chain.robot, near) for near in structure_of(chain).near)
-
-
-def chain_remarks(chain: Chain) -> tuple[str, ...]:
-    """What was rounded to make the arm exact, and letters of the robot that stand for no length."""
-    rounded = (deviation_text(chain.robot, one) for one in chain.rounded)
-    unused = (
-        f"the letter {name} of the robot stands for no length that conditions depend on: none is {value:.12g} m"
-        for name, value in chain.unused
-    )
-    return (*rounded, *unused)
-
-
-def deviation_text(robot: Robot, deviation: Deviation) -> str:
-    """A number of the arm that is not quite another one: which, what it is, and by how much."""
-    joints, miss = deviation.joints, abs(deviation.miss)
-    if deviation.kind == "point":
-        return f"the axes of joints {listed(joints)} miss a common point by {_length(miss, deviation.counted)}"
-    if deviation.kind == "parallel":
-        return f"axes {joints[0]} and {joints[1]} are {degrees(miss):.2g}° from parallel"
-    if joints[0] > len(robot.joints):
-        name = "the tip"
-    else:
-        name = robot.joints[joints[0] - 1].name
-    if deviation.kind == "twist":
-        return f"twist after {name}: {degrees(deviation.given):.12g}° is rounded by {miss:.1e} rad"
-    if deviation.kind == "angle":
-        return f"angle of {name}: {degrees(deviation.given):.12g}° is rounded by {miss:.1e} rad"
-    return f"length {deviation.kind} of {name}: {deviation.given:.12g} m is rounded by {miss:.1e} m"
-
-
-def _length(length: float, counted: float) -> str:
-    """In thousandths of the unit that was given; of an arm given in metres, in mm."""
-    if counted == 1.0:
-        return f"{length * 1000:.4g} mm"
-    return f"{length:.4g} m"
 
 
 def form_sentence(form: BlockForm) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rankdrop.families.record import Family
 from rankdrop.robot.quantities import count
 from rankdrop.task import Task
 
@@ -12,34 +11,6 @@ from rankdrop.task import Task
 def too_long(seconds: float) -> str:
     """Why nothing was derived: the limit on work."""
     return f"the derivation takes more than {seconds:g} s"
-
-
-def rank_differs(exact: int, numeric: int) -> str:
-    """Two generic ranks."""
-    return f"the rank is {exact} almost everywhere exactly, {numeric} numerically"
-
-
-def not_listed(family: Family, rank: int) -> str:
-    """A derived family of a corank that the search did not come to."""
-    return f"{_derived(family)} is not listed: its corank is {family.corank}, and the rank found is {rank}"
-
-
-def contradiction(family: Family, dimension: int | None) -> str:
-    """A derived family that points solved on it contradict.
-
-    Args:
-        family: as it was derived.
-        dimension: the largest that the points allow; None where no point has the corank.
-    """
-    if dimension is None:
-        found = "no configuration that satisfies its conditions has its corank, its witness included"
-    else:
-        found = f"its dimension is at most {dimension} at configurations that satisfy its conditions"
-    return f"{_derived(family)}: {found}"
-
-
-def _derived(family: Family) -> str:
-    return f"derived {family.id} ({family.name})"
 
 
 def rank_note(task: Task, joints: int, rank: int, served: Sequence[str]) -> str:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import starmap
 from typing import TYPE_CHECKING, Any
 
 from rankdrop.distance.share import Near, SlowShare, check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import derived_in_units
+from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.inspection import DIGITS, FOLLOWED
 from rankdrop.families.pictured import posed
 from rankdrop.families.record import (
@@ -39,7 +41,7 @@ from rankdrop.robot.model import Robot
 from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
 from rankdrop.text.conditions import undivided_sentence
 from rankdrop.text.families import SPEEDS_INTERRUPTED, mistaken_text
-from rankdrop.text.tested import contradiction, not_listed, rank_differs, rank_note, too_long
+from rankdrop.text.tested import rank_note, too_long
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, task_in_units
 from rankdrop.version import VERSION
@@ -109,7 +111,7 @@ def _why_incomplete(derived: Conditions, seconds: float) -> str:
         return undivided_sentence(derived)
     if derived.limited:
         return too_long(seconds)
-    return "; ".join(derived.left)
+    return "; ".join(map(str, derived.left))
 
 
 def _shipped_or_made(
@@ -140,14 +142,32 @@ def _compared(
 def _tested(
     derivation: Derivation, derived: Conditions, rank: int, tables: Sequence[CorankFamilies], *, limits: bool
 ) -> Derivation:
-    said = list(derived.disagreements)
+    found = list(derived.disagreements)
     if derived.generic_rank != rank:
-        said.append(rank_differs(derived.generic_rank, rank))
-    said += [contradiction(*one) for one in flat_map(lambda table: table.contradictions, tables)]
+        found.append(Contradiction(ContradictionKind.GENERIC_RANK, full_rank=derived.generic_rank, rank=rank))
+    found += starmap(_by_points, flat_map(lambda table: table.contradictions, tables))
     listed = {family.id for family in flat_map(lambda table: table.families, tables)}
     if not limits:  # within them a family without a point is no family
-        said += (not_listed(family, rank) for family in derived.families if family.id not in listed)
-    return replace(derivation, status=DIFFERS if said else AGREES, disagreements=tuple(said))
+        found += (_not_listed(family, rank) for family in derived.families if family.id not in listed)
+    if found:
+        return replace(derivation, status=DIFFERS, disagreements=tuple(found))
+    return replace(derivation, status=AGREES, disagreements=())
+
+
+def _by_points(family: Family, dimension: int | None) -> Contradiction:
+    """A derived family that points solved on it contradict; `dimension` is None where no point has its corank."""
+    if dimension is None:
+        return Contradiction(ContradictionKind.NO_POINT, family=family.id, called=family.called)
+    return Contradiction(
+        ContradictionKind.DIMENSION, family=family.id, called=family.called, dimension=dimension
+    )  # fmt: skip
+
+
+def _not_listed(family: Family, rank: int) -> Contradiction:
+    """A derived family of a corank that the search does not reach; `rank` is the generic rank that it found."""
+    return Contradiction(
+        ContradictionKind.NOT_LISTED, family=family.id, called=family.called, corank=family.corank, rank=rank
+    )  # fmt: skip
 
 
 Progress = Callable[[str, int, int], None]

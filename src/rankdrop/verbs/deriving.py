@@ -9,14 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from math import isfinite
 from time import monotonic
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.algebra.halt import Halt, HaltKind
 from rankdrop.algebra.polynomial import PRIMES
-from rankdrop.algebra.work import GRACE, SLOWER, OutOfTime, Work, failure
+from rankdrop.algebra.work import GRACE, SLOWER, OutOfTime, Work, halt_of
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.parts import whole_angles
@@ -25,6 +27,7 @@ from rankdrop.exact.determinants import Determinants, determinants_of
 from rankdrop.exact.families import Reality, families, real_sets
 from rankdrop.exact.family import (
     Assumption,
+    EqualLengths,
     Unreal,
     UnrealSet,
     alone,
@@ -32,6 +35,7 @@ from rankdrop.exact.family import (
     families_in_whole_angles,
     merge,
 )
+from rankdrop.exact.higher_coranks import unfinished_coranks, wrong_coranks
 from rankdrop.exact.letters import (
     assumptions,
     decided_by_numbers,
@@ -42,9 +46,12 @@ from rankdrop.exact.letters import (
 )
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.method_reason import MethodReason
+from rankdrop.exact.remark import DerivationRemark, RemarkOn, chain_remarks, followers, near_structure
 from rankdrop.exact.tree import Drop, OpenCase, Tree, rank_tree
 from rankdrop.exact.undivided import UndividedSet, cases_in_whole_angles, undivided_sets
-from rankdrop.families.inspection import DIGITS, FOLLOWED, descents, near_misses
+from rankdrop.exact.unfinished import Phase, Unfinished, UnfinishedKind
+from rankdrop.families.contradiction import Contradiction, ContradictionKind
+from rankdrop.families.inspection import FOLLOWED, descents, near_misses
 from rankdrop.families.pictured import posed
 from rankdrop.families.points import Cloud, cloud, explained
 from rankdrop.families.record import Check, Family, exact_of
@@ -55,31 +62,21 @@ from rankdrop.problem import Problem
 from rankdrop.questions import ConditionsOptions
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.quantities import count, read_joints
+from rankdrop.robot.quantities import read_joints
 from rankdrop.task import Task
-from rankdrop.text.by_hand import every_step, higher_differences_texts, higher_left_texts
-from rankdrop.text.families import (
-    MISSED_BY_LETTERS,
-    assumption_text,
-    equal_lengths_text,
-    following_texts,
-    near_misses_text,
-    not_singular_text,
-    on_no_family_text,
-)
-from rankdrop.text.structure import chain_remarks, near_structure_texts
+from rankdrop.text.by_hand import every_step
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units
 from rankdrop.verbs.found_coranks import tried_numerically
 
 Made = TypeVar("Made")
-_Derived = tuple[Chain, Tree, Work, tuple[str, ...]]
+_Derived = tuple[Chain, Tree, Work, tuple[DerivationRemark, ...]]
+_Left = list[Unfinished | Contradiction]
 """The chain that was derived, its rank tree, the work that is left, and remarks."""
 _TREE = 0.85  # of the work left that the tree may take
 _SHARE = 0.7  # of the work left that another phase may take: real sets, a method, special lengths
 _LEAST = 0.15  # of all work that the real sets have in any case: without them there is no family
 _LETTERS = 0.25  # of the work left that the tree may take with letters that nobody asked for
-_SYSTEM = ("system of conditions", "systems of conditions")
 _OWN, _OWN_ALL = 2, 8  # real points of each set, and of each family, at which σ is taken with `DIGITS` digits
 _ROUNDED = 1e-13  # σ that the rounding of an arm's own axes leaves, a hundred times over [1]
 _NEXT = 1e-5  # from a point with rounded coordinates to the singular configuration it stands for, of a square [rad]
@@ -99,55 +96,55 @@ def derived(
     basic = None if asked.basic is None else read_joints(asked.basic)
     check_method(given, asked.method, basic=basic, frame=asked.frame)
     lowest = _lowest_rank(given, asked.coranks)
-    left: list[str] = []
+    left: _Left = []
     nothing = Tree(generic_rank(given.own, given.own_task), complete=False)
     underived: _Derived = given, nothing, work, ()
     chain, tree, work, remarks = _guarded(
-        "the rank tree", lambda: _tree(given, lowest, optional=asked.lengths == "auto", work=work), underived, left
+        Phase.TREE, lambda: _tree(given, lowest, optional=asked.lengths == "auto", work=work), underived, left
     )
     left += _unstated(tree)
     found: list[Family] = []
     not_real: list[UnrealSet] = []
-    wrong: list[str] = []
+    wrong: list[Contradiction] = []
     unsettled: list[OpenCase] = []
     with work.share(_SHARE, _LEAST * asked.seconds):
         found, not_real, wrong = _guarded(
-            "the families", lambda: _families(chain, tree, work, left, unsettled), (found, not_real, wrong), left
+            Phase.FAMILIES, lambda: _families(chain, tree, work, left, unsettled), (found, not_real, wrong), left
         )
     first = _unless_interrupted(
-        work, left, "the method for corank 1",
+        work, left, Phase.METHOD,
         lambda own: corank_one(
             chain, asked.method, tree, found, own, chosen=(basic, asked.frame), highest=asked.coranks
         ),
-        CorankOne("tree", MethodReason(interrupted=True), None, ("the method for corank 1",)),
+        CorankOne("tree", MethodReason(interrupted=True), None, (_not_run(Phase.METHOD),)),
     )  # fmt: skip
     higher = _unless_interrupted(
-        work, left, "coranks above 1", lambda _: tried_numerically(first.higher, asked.seed), first.higher
+        work, left, Phase.HIGHER, lambda _: tried_numerically(first.higher, asked.seed), first.higher
     )
     steps: tuple[Step, ...] = ()
     if asked.steps or isinstance(first.derived, Tree):
-        steps = _unless_interrupted(work, left, "the steps", lambda _: every_step(chain, first), ())
+        steps = _unless_interrupted(work, left, Phase.STEPS, lambda _: every_step(chain, first), ())
     determinants: Determinants | None = None
     if asked.steps:
-        determinants = _unless_interrupted(work, left, "the determinant", lambda own: determinants_of(chain, own), None)
+        determinants = _unless_interrupted(work, left, Phase.DETERMINANT, lambda own: determinants_of(chain, own), None)
     unmet: list[UnrealSet] = []
     unmet = _guarded(
-        "sets without points",
+        Phase.POINTS,
         lambda: _sets_without_points(chain, tree, found, asked.seed, left, unsettled), unmet, left,
     )  # fmt: skip
-    left += [*first.left, *higher_left_texts(higher)]
+    left += [*first.left, *unfinished_coranks(higher)]
     lowest = _stated_rank(tree, lowest)
     stated = replace(tree, cases=[*tree.cases, *unsettled])
     undivided: Sequence[UndividedSet] = ()
-    undivided = _guarded("the undivided cases", lambda: _undivided(chain, stated, found, work, left), undivided, left)
+    undivided = _guarded(Phase.UNDIVIDED, lambda: _undivided(chain, stated, found, work, left), undivided, left)
     not_real += unmet
     assumed: Sequence[Assumption] = ()
     assumed = _guarded(
-        "the assumptions", lambda: _assumptions(chain, tree, lowest, work, left, derive=asked.special), assumed, left
+        Phase.ASSUMPTIONS, lambda: _assumptions(chain, tree, lowest, work, left, derive=asked.special), assumed, left
     )
     left += _not_holding(assumed)
     check, over, misses = _cloud(chain, tree.generic_rank, lowest, (*found, *undivided), asked.points, work, left)
-    differing = [*first.disagreements, *higher_differences_texts(higher)]
+    differing = [*first.disagreements, *wrong_coranks(higher)]
     if not tree.divided:  # another method may have what the tree has not come to
         left += differing
         differing = []
@@ -160,9 +157,7 @@ def derived(
         generic_rank=tree.generic_rank,
         letters={name: float(value) for name, value in chain.letters.items()},
         shifts=tuple(float(x) for x in chain.whole_shifts),
-        remarks=(
-            *chain_remarks(chain), *following_texts(robot), *remarks, *misses, *near_structure_texts(chain)
-        ),
+        remarks=(*chain_remarks(chain), *followers(robot), *remarks, *misses, *near_structure(chain)),
         method=first.method,
         reason=first.reason,
         steps=steps,
@@ -185,7 +180,7 @@ def derived(
 
 
 def _with_numbers_where_missed(
-    result: Conditions, over: Sequence[str], work: Work, progress: Callable[[str, int, int], None] | None
+    result: Conditions, over: Sequence[Contradiction], work: Work, progress: Callable[[str, int, int], None] | None
 ) -> Conditions:
     """A result; derived with numbers, in the time that is left, where its letters, that nobody asked for, miss singular
     configurations: a rank is lost for these lengths only.
@@ -196,7 +191,8 @@ def _with_numbers_where_missed(
         return result
     seconds = SLOWER * work.left
     found = derived(result.robot, result.task, replace(asked, lengths="numbers", seconds=seconds), progress)
-    return replace(found, remarks=(*found.remarks, MISSED_BY_LETTERS), settings=asked)
+    missed = DerivationRemark(RemarkOn.MISSED_BY_LETTERS)
+    return replace(found, remarks=(*found.remarks, missed), settings=asked)
 
 
 def _lowest_rank(chain: Chain, coranks: int | None) -> int:
@@ -206,9 +202,14 @@ def _lowest_rank(chain: Chain, coranks: int | None) -> int:
     return max(min(chain.task.m, chain.n) - coranks, 0)
 
 
-def _not_holding(assumptions: Sequence[Assumption]) -> list[str]:
-    """Sentences on assumptions that the arm does not satisfy."""
-    return [assumption_text(one.text) for one in assumptions if not one.holds]
+def _not_run(phase: Phase) -> Unfinished:
+    return Unfinished(UnfinishedKind.NOT_RUN, phase=phase)
+
+
+def _not_holding(assumptions: Sequence[Assumption]) -> list[Unfinished]:
+    """Assumptions that the arm does not satisfy."""
+    kind = UnfinishedKind.ASSUMPTION
+    return [Unfinished(kind, conditions=assumption.text) for assumption in assumptions if not assumption.holds]
 
 
 def posed_exactly(robot: Robot, task: Task, families: Sequence[Family]) -> tuple[Family, ...]:
@@ -216,14 +217,13 @@ def posed_exactly(robot: Robot, task: Task, families: Sequence[Family]) -> tuple
     return tuple(posed(robot, task, one, families) for one in families)
 
 
-def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
-    """Why what holds for general lengths need not hold for this arm."""
-    told = ("conditions that are independent for general lengths are not for these",)
-    return (told if work.special else ()) + tuple(
-        f"{sum_text(chain.ring, f)} = 0 for these lengths, which letters rule out"
-        for f in work.assumed.values()
-        if sign_of(chain, f) == 0
-    )
+def _broken(chain: Chain, work: Work) -> tuple[DerivationRemark, ...]:
+    """Why conditions that hold for general lengths need not hold for this arm."""
+    zero = [f for f in work.assumed.values() if sign_of(chain, f) == 0]
+    ruled_out = [DerivationRemark(RemarkOn.RULED_OUT, polynomial=sum_text(chain.ring, f)) for f in zero]
+    if work.special:
+        return (DerivationRemark(RemarkOn.DEPENDENT), *ruled_out)
+    return tuple(ruled_out)
 
 
 def _turns_out_broken(chain: Chain, work: Work) -> Callable[[], bool]:
@@ -250,19 +250,20 @@ def _with_equal_lengths(chain: Chain, lowest: int, work: Work) -> _Derived | Non
         tree = rank_tree(special, again, lowest=lowest, unwanted=_turns_out_broken(special, again))
     if not tree.finished or _broken(special, again) or splits(special, tree):
         return None
-    return special, tree, again, (equal_lengths_text(_equal_lengths(chain, special)),)
+    return special, tree, again, (DerivationRemark(RemarkOn.ONE_LETTER, equal=_equal_lengths(chain, special)),)
 
 
-def _equal_lengths(chain: Chain, special: Chain) -> list[tuple[str, bool, str]]:
-    """(letter that was replaced, whether its length has the same sign, letter that stands for it now)."""
+def _equal_lengths(chain: Chain, special: Chain) -> tuple[EqualLengths, ...]:
+    """Letters that were replaced, and the letter that stands for each."""
     equal = []
     for name, length in chain.letters.items():
         if name in special.letters:
             continue
         for other in special.letters:
             if abs(chain.letters[other]) == abs(length):
-                equal.append((name, length == chain.letters[other], other))
-    return equal
+                sign = 1 if length == chain.letters[other] else -1
+                equal.append(EqualLengths(name, sign, other))
+    return tuple(equal)
 
 
 def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> _Derived:
@@ -274,7 +275,7 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> _Derived:
         tree = rank_tree(chain, work, lowest=lowest, unwanted=_turns_out_broken(chain, work))
     broken = _broken(chain, work)
     if splits(chain, tree):
-        broken += ("a condition has several factors for these lengths",)
+        broken += (DerivationRemark(RemarkOn.SEVERAL_FACTORS),)
     if work.interrupted or not chain.letters:
         return chain, tree, work, ()
     if broken:
@@ -284,10 +285,10 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> _Derived:
     return chain, tree, work, ()
 
 
-def _without_letters(chain: Chain, lowest: int, broken: Sequence[str], work: Work) -> _Derived:
+def _without_letters(chain: Chain, lowest: int, broken: Sequence[DerivationRemark], work: Work) -> _Derived:
     """The rank tree with numbers, since conditions with letters do not hold for these lengths."""
     plain, other, again = _with_numbers(chain, lowest, work)
-    return plain, other, again, tuple(f"{text}: derived with numbers" for text in broken)
+    return plain, other, again, tuple(broken)
 
 
 def _with_numbers(chain: Chain, lowest: int, work: Work) -> tuple[Chain, Tree, Work]:
@@ -315,29 +316,31 @@ def _leaves_over(tree: Tree, *, optional: bool) -> bool:
     return optional
 
 
-def _why_numbers(tree: Tree, other: Tree, again: Work, *, optional: bool) -> str | None:
+def _why_numbers(tree: Tree, other: Tree, again: Work, *, optional: bool) -> DerivationRemark | None:
     """Why the tree with numbers, `other`, replaces the one with letters; None where it does not."""
     if not tree.complete and optional:
         if not other.complete and not again.interrupted:
             return None
-        return "lengths are numbers: with letters the derivation takes longer than it may"
+        return DerivationRemark(RemarkOn.LONGER_WITH_LETTERS)
     if not optional or not other.finished:
         return None
-    return f"lengths are numbers: with letters {count(len(tree.unresolved), *_SYSTEM)} could not be taken apart"
+    return DerivationRemark(RemarkOn.UNDIVIDED_WITH_LETTERS, number=len(tree.unresolved))
 
 
 def _families(
-    chain: Chain, tree: Tree, work: Work, left: list[str], unsettled: list[OpenCase]
-) -> tuple[list[Family], list[UnrealSet], list[str]]:
+    chain: Chain, tree: Tree, work: Work, left: _Left, unsettled: list[OpenCase]
+) -> tuple[list[Family], list[UnrealSet], list[Contradiction]]:
     """(families, sets without real points, disagreements).
 
-    Sets that are not finished become cases, which go to `unsettled`; in sentences they go to `left` where the tree does
-    not state all cases.
+    Sets that are not finished become cases, which go to `unsettled`; they go to `left` where the tree does not state
+    all cases.
     """
     cases: list[Drop] | None = None
     if tree.stated:
         cases = []
-    sets, not_real = real_sets(chain, tree.drops, work, left, work.seed, cases)
+    open_sets: list[Unfinished] = []
+    sets, not_real = real_sets(chain, tree.drops, work, open_sets, work.seed, cases)
+    left += open_sets
     unsettled += [OpenCase(drop.piece, drop.rank + 1) for drop in cases or ()]
     found = families(chain, sets, tree.generic_rank, work)
     left += _not_singular(chain, sets, found, tree.generic_rank)
@@ -345,29 +348,36 @@ def _families(
     for family in found:
         check = exact_of(family).rank_check
         if not check.holds:
+            rank, failed = tree.generic_rank - family.corank, check.tested - check.agree
             wrong.append(
-                f"{family.id}: the rank modulo a prime is not {tree.generic_rank - family.corank} at "
-                f"{check.tested - check.agree} of {check.tested} random points"
-            )
+                Contradiction(
+                    ContradictionKind.RANK, family=family.id, rank=rank, wrong=failed, tested=check.tested
+                )
+            )  # fmt: skip
     return found, not_real, wrong
 
 
 def _not_singular(
     chain: Chain, sets: Sequence[tuple[Drop, Reality]], families: Sequence[Family], generic_rank: int
-) -> list[str]:
-    """Sentences on the families that have random real points at which σ does not vanish with `DIGITS` digits.
+) -> list[Contradiction]:
+    """The families that have random real points at which σ does not vanish with `DIGITS` digits.
 
     The rank modulo a prime is taken at random lengths where lengths are letters: this is the arm with its own lengths.
     """
     met = {id(drop.piece): reality.points for drop, reality in sets}
-    told = []
+    found = []
     for family in families:
         problem = Problem(chain.own, chain.own_task, family.corank)
         points = np.concatenate([met[id(piece)][:_OWN] for piece in exact_of(family).pieces])[:_OWN_ALL]
         wrong = sum(not _vanishes(problem, q) for q in points)
         if wrong:
-            told.append(not_singular_text(family.id, generic_rank - family.corank + 1, wrong, len(points), DIGITS))
-    return told
+            number = generic_rank - family.corank + 1
+            found.append(
+                Contradiction(
+                    ContradictionKind.NOT_SINGULAR, family=family.id, number=number, wrong=wrong, tested=len(points)
+                )
+            )  # fmt: skip
+    return found
 
 
 def _vanishes(problem: Problem, q: Array) -> bool:
@@ -383,24 +393,24 @@ def _vanishes(problem: Problem, q: Array) -> bool:
     )
 
 
-def _guarded(label: str, make: Callable[[], Made], otherwise: Made, left: list[str]) -> Made:
+def _guarded(phase: Phase, make: Callable[[], Made], otherwise: Made, left: _Left) -> Made:
     """What is made; `otherwise`, and the reason in `left`, where it fails: no failure ends what else was found."""
     try:
         return make()
     except Exception as error:
-        left.append(f"{label}: {failure(error)}")
+        left.append(Unfinished(UnfinishedKind.PHASE, phase=phase, halt=halt_of(error)))
         return otherwise
 
 
 def _unless_interrupted(
-    work: Work, left: list[str], label: str, make: Callable[[Work], Made], otherwise: Made
+    work: Work, left: _Left, phase: Phase, make: Callable[[Work], Made], otherwise: Made
 ) -> Made:
     """What is made with a share of the work that is left; `otherwise` where it fails or the user has asked to stop."""
     if not work.interrupted:
-        work.show(label, 0, 1)
+        work.show(phase.value, 0, 1)
         own = Work(max(_SHARE * work.left, 0.1), work.seed)
         try:
-            return _guarded(label, lambda: make(own), otherwise, left)
+            return _guarded(phase, lambda: make(own), otherwise, left)
         except KeyboardInterrupt:
             work.interrupt()
     return otherwise
@@ -414,16 +424,16 @@ def _stated_rank(tree: Tree, lowest: int) -> int:
 
 
 def _undivided(
-    chain: Chain, tree: Tree, families: Sequence[Family], work: Work, left: list[str]
+    chain: Chain, tree: Tree, families: Sequence[Family], work: Work, left: _Left
 ) -> tuple[UndividedSet, ...]:
-    """The cases that were not taken apart; where the configuration on one is not singular with `DIGITS` digits a
-    sentence goes to `left`.
+    """The cases that were not taken apart; one goes to `left` where its configuration is not singular with `DIGITS`
+    digits.
     """
     if not tree.stated:
         return ()
     if work.interrupted:
         if tree.cases:
-            left.append("the cases that were not taken apart")
+            left.append(_not_run(Phase.CASES))
         return ()
 
     def off_families(q: Array, corank: int) -> NDArray[np.int64]:
@@ -431,35 +441,35 @@ def _undivided(
         return explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)[1]
 
     cases = undivided_sets(chain, tree, off_families, work.seed)
-    for number, one in enumerate(cases, 1):
-        if one.witness is None:
+    for place, case in enumerate(cases, 1):
+        if case.witness is None:
             continue
-        q = into_units(chain.robot, one.witness)
-        if not _vanishes(Problem(chain.own, chain.own_task, one.corank), q):
-            left.append(not_singular_text(f"case {number}", tree.generic_rank - one.corank + 1, 1, 1, DIGITS))
+        q = into_units(chain.robot, case.witness)
+        if not _vanishes(Problem(chain.own, chain.own_task, case.corank), q):
+            number = tree.generic_rank - case.corank + 1
+            left.append(
+                Contradiction(
+                    ContradictionKind.CASE_NOT_SINGULAR, family=str(place), number=number, wrong=1, tested=1
+                )
+            )  # fmt: skip
     return cases
 
 
-def _unstated(tree: Tree) -> list[str]:
-    """What a tree leaves open, in sentences: nothing where its cases hold the rest."""
+def _unstated(tree: Tree) -> list[Unfinished]:
+    """What a tree leaves open: nothing where its cases hold the rest."""
     if tree.stated:
         return []
     if not tree.unresolved:
         return tree.left
-    return [
-        *tree.left,
-        f"{count(len(tree.unresolved), *_SYSTEM)} could not be taken apart, three or more of them on the same joints: "
-        "where they hold together the rank may drop, and no family says so; numerically found configurations "
-        "(rankdrop analyze) do not depend on this"
-    ]
+    return [*tree.left, Unfinished(UnfinishedKind.SYSTEMS, number=len(tree.unresolved))]
 
 
 def _assumptions(
-    chain: Chain, tree: Tree, lowest: int, work: Work, left: list[str], *, derive: bool
+    chain: Chain, tree: Tree, lowest: int, work: Work, left: _Left, *, derive: bool
 ) -> Sequence[Assumption]:
     """What is assumed of the lengths; arms of special lengths are derived where that is wanted and work is left."""
     if derive and not work.interrupted:
-        work.show("arms of special lengths", 0, 1)
+        work.show(Phase.SPECIAL.value, 0, 1)
         try:
             with work.share(_SHARE):
                 return assumptions(chain, tree.drops, lowest, work, derive=True)
@@ -468,7 +478,7 @@ def _assumptions(
         except KeyboardInterrupt:
             work.interrupt()
     if derive:
-        left.append("arms of special lengths")
+        left.append(_not_run(Phase.SPECIAL))
     return assumptions(chain, tree.drops, lowest, work, derive=False)
 
 
@@ -479,21 +489,21 @@ def _cloud(
     families: Sequence[Family | UndividedSet],
     points: int,
     work: Work,
-    left: list[str],
-) -> tuple[Check, list[str], list[str]]:
-    """Singular configurations found numerically, tried on the families, and sentences on those left over and on those
-    that 50 digits show not to be singular.
+    left: _Left,
+) -> tuple[Check, list[Contradiction], list[DerivationRemark]]:
+    """Singular configurations found numerically, tried on the families; those on no family; those that 50 digits show
+    not to be singular.
 
     What was not looked for goes to `left`.
     """
     tested = agree = 0
-    over: list[str] = []
-    misses: list[str] = []
+    over: list[Contradiction] = []
+    misses: list[DerivationRemark] = []
     for corank in range(1, generic_rank - lowest + 1):
         if not points or work.interrupted:
             break
         if corank > 1 and work.time_left < -GRACE:  # a tenth of the points takes little time
-            left.append(f"numeric configurations of corank {corank} and above: the processor's time ran out")
+            left.append(Unfinished(UnfinishedKind.NUMERIC, halt=Halt(HaltKind.PROCESSOR), corank=corank))
             break
         work.show("checks", corank - 1, generic_rank - lowest)
         try:
@@ -506,9 +516,14 @@ def _cloud(
             break
         tested, agree = tested + found.check.tested, agree + found.check.agree
         if found.wrong:
-            misses.append(near_misses_text(corank, found.wrong, min(found.wrong, FOLLOWED), found.sigma, DIGITS))
+            misses.append(_near_misses(corank, found))
         if len(found.off):
-            over.append(on_no_family_text(corank, len(found.off), found.check.tested, found.off[0]))
+            q = tuple(found.off[0].tolist())
+            over.append(
+                Contradiction(
+                    ContradictionKind.OFF_FAMILIES, corank=corank, wrong=len(found.off), tested=found.check.tested, q=q
+                )
+            )  # fmt: skip
     return Check(tested, agree), over, misses
 
 
@@ -526,6 +541,17 @@ class _OnFamilies(NamedTuple):
     off: Array
     wrong: int
     sigma: float
+
+
+def _near_misses(corank: int, found: _OnFamilies) -> DerivationRemark:
+    """A remark on the configurations that many digits show not to be singular."""
+    followed = min(found.wrong, FOLLOWED)
+    sigma = None
+    if isfinite(found.sigma):
+        sigma = float(found.sigma)
+    return DerivationRemark(
+        RemarkOn.NEAR_MISSES, corank=corank, number=found.wrong, followed=followed, sigma=sigma
+    )  # fmt: skip
 
 
 def _on_families(
@@ -560,11 +586,11 @@ def _sets_without_points(
     tree: Tree,
     families: Sequence[Family],
     seed: int,
-    left: list[str],
+    left: _Left,
     unsettled: list[OpenCase],
 ) -> list[UnrealSet]:
     """The sets on which no real point was found. What the tree leaves open for want of points goes to `unsettled` as
-    cases; in a sentence it goes to `left` where the tree does not state all cases.
+    cases; it goes to `left` where the tree does not state all cases.
 
     A set is no loss where all real points found lie on the families of a rank as low, or where the rank is not lower
     there and no smaller set inside it is looked for. That none was found is no proof that there is none.
@@ -584,19 +610,13 @@ def _sets_without_points(
     if tree.stated:
         unsettled += lost.values()
     elif lost:
-        left.append(_sentence([one.piece for one in lost.values()], letters=bool(chain.letters)))
+        shortest = min((alone(case.piece) for case in lost.values()), key=lambda row: row.terms)
+        left.append(
+            Unfinished(
+                UnfinishedKind.NO_POINTS, number=len(lost), conditions=shortest.text, letters=bool(chain.letters)
+            )
+        )  # fmt: skip
     return unreal
-
-
-def _sentence(lost: Sequence[ZeroSet], *, letters: bool) -> str:
-    sets = count(len(lost), "set of real configurations", "sets of real configurations")
-    shortest = min(map(alone, lost), key=lambda row: row.terms)
-    where = f" ({'' if len(lost) == 1 else 'one is '}{shortest.text})"
-    return (
-        f"{sets}{where} could not be derived: roots of numbers that stand in the conditions exist modulo none of "
-        f"the {len(PRIMES)} primes by which ranks are taken. Whether the rank drops inside is not "
-        f"known{'' if letters else '; --lengths letters may avoid this'}"
-    )
 
 
 def _settled(

@@ -1,0 +1,46 @@
+"""What contradicts a derivation in files: facts in the entry `contradictions`, sentences in `disagreements`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, get_type_hints
+
+from rankdrop.codec import Record, restored
+from rankdrop.families.contradiction import Contradiction
+from rankdrop.families.record import Derivation
+from rankdrop.results.names import name_from_dict
+from rankdrop.results.old_sentences import contradictions_of_sentences
+
+_KINDS: dict[str, Any] = {name: kind for name, kind in get_type_hints(Contradiction).items() if name != "called"}
+"""Entry that is a field of a contradiction as it stands -> its type."""
+_ENTRIES: dict[str, Any] = {name: kind for name, kind in get_type_hints(Derivation).items() if name != "disagreements"}
+"""Entry that is a field of a derivation as it stands -> its type."""
+
+
+def derivation_from_dict(record: Record) -> Derivation:
+    """The derivation of an analysis of a file.
+
+    Raises:
+        ValueError: an entry is missing, or is something else.
+    """
+    return Derivation(**_fields(_ENTRIES, record), disagreements=_contradictions(record))
+
+
+def _fields(kinds: Mapping[str, Any], record: Record) -> dict[str, Any]:
+    return {name: restored(kind, record[name]) for name, kind in kinds.items() if name in record}
+
+
+def _contradictions(record: Record) -> tuple[Contradiction, ...]:
+    """What contradicts a derivation; in files up to version 0.2, of its sentences."""
+    facts = record.get("contradictions")
+    if facts is not None:
+        return tuple(map(_contradiction, facts))
+    return contradictions_of_sentences(record.get("disagreements", ()))
+
+
+def _contradiction(record: Record) -> Contradiction:
+    fields = _fields(_KINDS, record)
+    called = record.get("called")
+    if called is not None:
+        fields["called"] = name_from_dict(called)
+    return Contradiction(**fields)

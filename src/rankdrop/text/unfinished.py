@@ -1,0 +1,113 @@
+"""What a derivation did not finish, and what ended it, in words."""
+
+from __future__ import annotations
+
+from rankdrop.algebra.halt import Halt, HaltKind
+from rankdrop.algebra.polynomial import PRIMES
+from rankdrop.exact.unfinished import Unfinished, UnfinishedKind
+from rankdrop.options import advised
+from rankdrop.robot.quantities import count
+
+_HALTS = {
+    HaltKind.WORK: "the limit on work was reached",
+    HaltKind.PROCESSOR: "the processor's time ran out",
+    HaltKind.INTERRUPTED: "interrupted",
+    HaltKind.ERROR: "{error}: {message}",
+    HaltKind.COEFFICIENTS: "a condition with roots of numbers has too long coefficients",
+    HaltKind.NORM: "no shift makes the norm of a polynomial squarefree",
+    HaltKind.SUBSTITUTION: "a condition of {terms:,} terms would grow too long with a solution of {others:,} put in",
+    HaltKind.SINES: "a condition of {terms:,} terms is too long to be written in sines and cosines",
+    HaltKind.PRODUCT: "a product of polynomials of {terms:,} and {others:,} terms would grow too long",
+    HaltKind.FACTORING: "a condition of {terms:,} terms is too long to be factored",
+    HaltKind.MINORS: "minors",
+    HaltKind.FACTORS: "factors of a polynomial of {terms} terms",
+    HaltKind.ELIMINATION: "elimination",
+    HaltKind.CASES: "{number} cases",
+    HaltKind.EXCEPTIONAL_CASES: "{number} exceptional cases",
+}
+"""What ended a derivation: a limit, or the step for which no time was left."""
+_UNFINISHED = {
+    UnfinishedKind.PHASE: "{phase}: {halt}",
+    UnfinishedKind.NOT_RUN: "{phase}",
+    UnfinishedKind.SCREWS: "{halt}: the arm's screws were not written down",
+    UnfinishedKind.RANK: "{halt} while looking for drops below rank {rank}: {number} sets were not derived to the end",
+    UnfinishedKind.SYSTEMS: "{systems} could not be taken apart, three or more of them on the same joints: where they "
+    "hold together the rank may drop, and no family says so; numerically found configurations (rankdrop analyze) do "
+    "not depend on this",
+    UnfinishedKind.UNSEARCHED: "{halt}: {number} of {total} sets were not searched for real points",
+    UnfinishedKind.STRAYS: "the conditions of a set of rank {rank} hold at configurations of higher rank, too, and no "
+    "further condition was found that separates them: {conditions}",
+    UnfinishedKind.DEPENDENT: "a set has real points, but its conditions are dependent at all that were found: "
+    "{conditions}",
+    UnfinishedKind.REAL_POINTS: "the real points of a set were not all taken apart: {conditions}",
+    UnfinishedKind.METHOD: "{method}{halt}",
+    UnfinishedKind.ZERO_LENGTHS: "{method}the arm with {conditions} = 0, which this arm has: its conditions are not "
+    "these",
+    UnfinishedKind.FACTORS: "{method}factors of {polynomials}",
+    UnfinishedKind.SUPPRESSION: "suppression did not finish {number} of its cases",
+    UnfinishedKind.NUMERIC: "numeric configurations of corank {corank} and above: {halt}",
+    UnfinishedKind.ASSUMPTION: "{conditions} is assumed, which is not true of this arm",
+}
+"""What was not finished; sets without points have more to say."""
+
+
+def halt_words(halt: Halt) -> str:
+    """What ended a derivation: "minors; 3 exceptional cases".
+
+    Example:
+        >>> halt_words(Halt(HaltKind.PRODUCT, terms=12000, others=7))
+        'a product of polynomials of 12,000 and 7 terms would grow too long'
+    """
+    words = _HALTS[halt.kind].format(
+        terms=halt.terms, others=halt.others, number=halt.number, error=halt.error, message=halt.message
+    )
+    if halt.waiting is None:
+        return words
+    return f"{words}; {halt_words(halt.waiting)}"
+
+
+def unfinished_words(unfinished: Unfinished) -> str:
+    """One thing that a derivation did not finish.
+
+    Example:
+        >>> unfinished_words(Unfinished(UnfinishedKind.SUPPRESSION, number=3))
+        'suppression did not finish 3 of its cases'
+    """
+    if unfinished.kind is UnfinishedKind.NO_POINTS:
+        return _without_points(unfinished)
+    halt = ""
+    if unfinished.halt is not None:
+        halt = halt_words(unfinished.halt)
+    phase = ""
+    if unfinished.phase is not None:
+        phase = unfinished.phase.value
+    number = unfinished.number
+    return _UNFINISHED[unfinished.kind].format(
+        halt=halt, phase=phase, method=_method(unfinished), corank=unfinished.corank, rank=unfinished.rank,
+        number=number, total=unfinished.total, conditions=unfinished.conditions,
+        systems=count(number, "system of conditions", "systems of conditions"), polynomials=count(number, "polynomial"),
+    )  # fmt: skip
+
+
+def _method(unfinished: Unfinished) -> str:
+    """The method that did not finish: "reciprocity, corank 2: "; "" where it is not named."""
+    if not unfinished.method:
+        return ""
+    if unfinished.corank > 1:
+        return f"{unfinished.method}, corank {unfinished.corank}: "
+    return f"{unfinished.method}: "
+
+
+def _without_points(unfinished: Unfinished) -> str:
+    """Sets of real configurations that have no point modulo the primes that are tried."""
+    sets = count(unfinished.number, "set of real configurations", "sets of real configurations")
+    shortest = unfinished.conditions
+    if unfinished.number > 1:
+        shortest = f"one is {shortest}"
+    advice = f"; {advised('lengths', 'letters')} may avoid this"
+    if unfinished.letters:
+        advice = ""
+    return (
+        f"{sets} ({shortest}) could not be derived: roots of numbers that stand in the conditions exist modulo none of "
+        f"the {len(PRIMES)} primes by which ranks are taken. Whether the rank drops inside is not known{advice}"
+    )

@@ -16,6 +16,7 @@ from rankdrop.exact import families as real_families
 from rankdrop.exact import tree as rank_trees
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.tree import Tree, rank_tree
+from rankdrop.exact.unfinished import UnfinishedKind
 from rankdrop.formula.equation import System
 from rankdrop.local.block import singular_values
 from rankdrop.results.conditions import Conditions
@@ -157,7 +158,7 @@ def one_set_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def nothing_separates(monkeypatch: pytest.MonkeyPatch) -> None:
     """The conditions of every set hold at regular configurations, too."""
-    monkeypatch.setattr(real_families, "_verdict", lambda *_: ("they hold at configurations of higher rank", None))
+    monkeypatch.setattr(real_families, "_verdict", lambda *_: (UnfinishedKind.STRAYS, None))
 
 
 def a_set_has_no_points(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -197,7 +198,8 @@ def test_a_set_is_not_finished_where_the_tree_states_no_cases(monkeypatch: pytes
     found = derived("anthropomorphic", points=0)
     assert not found.complete
     assert not found.undivided
-    assert str(found.left[0]).startswith("they hold at configurations of higher rank: ")
+    assert str(found.left[0]).startswith("the conditions of a set of rank 5 hold at configurations of higher rank, too")
+    assert {one.kind for one in found.left} == {UnfinishedKind.STRAYS}
 
 
 def test_a_tree_that_takes_more_than_its_share_leaves_work_for_its_sets(monkeypatch: pytest.MonkeyPatch) -> None:

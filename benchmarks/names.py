@@ -24,7 +24,7 @@ from rankdrop.families.points import members
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import known_names, shipped
 from rankdrop.robot.model import Array
-from rankdrop.text.explanation import summary_lines
+from rankdrop.text.verdict import summary_lines
 from rankdrop.verbs.explain import explain
 
 PARTS = re.compile(r"\b(shoulder|elbow|wrist|rail|tip)\b")

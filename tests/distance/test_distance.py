@@ -22,7 +22,7 @@ from rankdrop.results.explanation import Difference, DifferenceKind, differences
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
-from rankdrop.text.explanation import difference_sentence
+from rankdrop.text.verdict import difference_sentence
 from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain

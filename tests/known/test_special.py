@@ -12,7 +12,7 @@ from rankdrop.families.points import members
 from rankdrop.local.special import Part, Shape, specials_at
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
-from rankdrop.text.explanation import summary_lines
+from rankdrop.text.verdict import summary_lines
 from rankdrop.verbs.explain import explain
 
 SOME = ("ur5e", "crx10ia", "gen3", "panda", "sawyer", "j2n6s300", "scara", "pa10")

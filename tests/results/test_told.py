@@ -14,8 +14,8 @@ from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import resolve_task
-from rankdrop.text.explanation import LONGEST, condition_sentences
 from rankdrop.text.families import conditions_of
+from rankdrop.text.family_conditions import LONGEST, condition_sentences
 
 pytestmark = pytest.mark.shipped
 

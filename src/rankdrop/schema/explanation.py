@@ -23,8 +23,9 @@ from rankdrop.local.special import Special
 from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion
 from rankdrop.results.explanation import Summary
 from rankdrop.schema.arm import ARM_OF, FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
-from rankdrop.text.explanation import lost_text, sentence_of, summary_lines
+from rankdrop.text.lost_directions import lost_text
 from rankdrop.text.procedure import hunt_words
+from rankdrop.text.verdict import sentence_of, summary_lines
 from rankdrop.text.words import avoidable_words, boundary_words, lost_type
 from rankdrop.version import VERSION
 

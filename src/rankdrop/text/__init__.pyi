@@ -26,8 +26,6 @@ from .conditions import steps_text as steps_text
 from .conditions import summary_of_analysis as summary_of_analysis
 from .conditions import summary_of_conditions as summary_of_conditions
 from .conditions import unseen as unseen
-from .explanation import condition_sentences as condition_sentences
-from .explanation import lost_text as lost_text
 from .families import COUPLED as COUPLED
 from .families import FREE as FREE
 from .families import JOINT as JOINT
@@ -64,12 +62,14 @@ from .families import slow_line as slow_line
 from .families import starts as starts
 from .families import title as title
 from .families import within as within
+from .family_conditions import condition_sentences as condition_sentences
 from .ideal import here_section as here_section
 from .ideal import moved_section as moved_section
 from .ideal import there_section as there_section
 from .lost import lost_note as lost_note
 from .lost import lost_sentence as lost_sentence
 from .lost import lost_sentences as lost_sentences
+from .lost_directions import lost_text as lost_text
 from .paths import free_words as free_words
 from .paths import many_section as many_section
 from .procedure import hunt_words as hunt_words

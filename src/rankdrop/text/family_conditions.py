@@ -1,0 +1,115 @@
+"""What has to hold on a family, one sentence for each condition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from rankdrop.codec import Record
+from rankdrop.families.record import Family
+from rankdrop.results.known import shipped_conditions_record
+from rankdrop.robot.model import Robot
+from rankdrop.task import Task
+from rankdrop.text.conditions import values_in_degrees
+from rankdrop.text.families import symbols as joint_symbols
+from rankdrop.text.words import numbers
+
+LONGEST = 120
+"""Characters of a condition that is printed; of a longer one the joints are named."""
+_SHIFTED = 1e-12  # an angle that conditions count from elsewhere than the joint does [rad]
+
+
+class _Condition(NamedTuple):
+    """A condition for people, the joints it is about, and the lengths that stand in it as letters."""
+
+    text: str
+    joints: frozenset[int]
+    letters: frozenset[str] = frozenset()
+
+
+def _written(robot: Robot, task: Task, family: Family) -> tuple[list[_Condition], Record] | None:
+    """Conditions, beyond pinned joints, and lengths shipped for this family; None for another arm or another family.
+
+    Conditions that count an angle from elsewhere than the joint does are left out: they read as if they were of q.
+    """
+    record = shipped_conditions_record(robot, task)
+    if record is None:
+        return None
+    for one in record["families"]:
+        if (one["id"], one["name"], one["corank"]) == (family.id, family.name, family.corank):
+            bound = {*one["coupled"], *(pin["number"] for pin in one["pinned"])}
+            if any(abs(shift) > _SHIFTED for number, shift in enumerate(record["shifts"], 1) if number in bound):
+                return None
+            beyond, letters = len(one["pinned"]), record["letters"]
+            each = zip(one["conditions"][beyond:], one["terms"][beyond:], one["polynomials"], strict=True)
+            return [_Condition(text, _joints(terms), _letters(f, letters)) for text, terms, f in each], letters
+    return None
+
+
+def _joints(terms: list[Record]) -> frozenset[int]:
+    """Numbers of the joints of an equation, from its terms: harmonics of angles, powers of slides."""
+    found: set[int] = set()
+    for one in terms:
+        exponents = zip(one["harmonics"], one["powers"], strict=True)
+        found |= {number for number, exponent in enumerate(exponents, start=1) if any(exponent)}
+    return frozenset(found)
+
+
+def _letters(polynomial: list[Any], letters: Record) -> frozenset[str]:
+    """Lengths that stand in a polynomial as letters, from its terms [[variable, power, …], coefficient]."""
+    names: set[str] = set()
+    for variables, _ in polynomial:
+        names.update(variables[::2])
+    return frozenset(names & letters.keys())
+
+
+def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, ...]:
+    """What has to hold on a family, one sentence each.
+
+    Joints at fixed values first: "θ4 = −26.76° or 153.24°". Then the exact conditions where they are shipped, with the
+    lengths that stand in them; else the fitted ones. Long ones are not printed: they name their joints.
+
+    Args:
+        robot: the arm.
+        task: its rows.
+        family: of the catalogue, of an analysis, or found on the spot.
+    """
+    written = _written(robot, task, family)
+    if written is None and not family.equations:
+        return family.words or ("no condition found",)
+    conditions, letters = _unpinned(family, written)
+    short = [one for one in conditions if len(one.text) <= LONGEST]
+    long = [one for one in conditions if len(one.text) > LONGEST]
+    pins = ((one.number, values_in_degrees(robot, one.number, one.values)) for one in family.pinned)
+    told = [f"{joint_symbols(robot)[number - 1]} = {values}" for number, values in pins]
+    told += (one.text for one in short)
+    named = frozenset[str]().union(*(one.letters for one in short))
+    lengths = [f"{name} = {value:.6g} m".replace("-", "−") for name, value in letters.items() if name in named]
+    if lengths:
+        told[-1] += f", {', '.join(lengths)}"
+    if long:
+        told.append(_long_words(long, exact=written is not None))
+    return tuple(told)
+
+
+def _long_words(long: Sequence[_Condition], *, exact: bool) -> str:
+    """How many conditions are too long to print, on which joints, and where they stand."""
+    if exact:
+        where = "`rankdrop conditions` prints it"
+    else:
+        where = "in the JSON"
+    if len(long) == 1:
+        count = "a long condition"
+    else:
+        count = f"{len(long)} long conditions"
+    joints = frozenset[int]().union(*(one.joints for one in long))
+    return f"{count} on joints {numbers(sorted(joints))} ({where})"
+
+
+def _unpinned(family: Family, written: tuple[list[_Condition], Record] | None) -> tuple[list[_Condition], Record]:
+    """The conditions beyond those that only pin joints, exact where they are shipped, and their lengths."""
+    fixed = {one.number for one in family.pinned}
+    if written is None:
+        fitted = [_Condition(f"{one} = 0", frozenset(one.joints)) for one in family.equations]
+        return [one for one in fitted if not one.joints <= fixed], {}
+    return [one for one in written[0] if not one.joints <= fixed], written[1]

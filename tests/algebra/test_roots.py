@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from fractions import Fraction
 from itertools import combinations
 from math import cos, pi, prod, radians, sin
 from typing import Any
@@ -19,6 +20,7 @@ from rankdrop.algebra.polynomial import (
     ROOTS,
     Equality,
     factor,
+    flint,
     gcd,
     is_number,
     norm,
@@ -30,15 +32,17 @@ from rankdrop.algebra.polynomial import (
     residues_of_roots,
     root_values,
     roots_of,
+    sums_over_roots,
     surd,
 )
-from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.ring import Ring, numeric_terms
 from rankdrop.algebra.solving import Solved
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.geometry import exact_cosine, turn
 from rankdrop.exact.stratum import atoms_on
 from rankdrop.families.record import exact_of
+from rankdrop.formula.writing import Condition
 from rankdrop.kinematics import jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.verbs.conditions import conditions
@@ -159,6 +163,22 @@ def test_multiplicities_are_those_of_the_product() -> None:
     x, y, h = RING.t[1], RING.t[2], RING.letter_half
     f = (x * y + h["sqrt2"]) ** 3 * (x - h["sqrt3"] * y) ** 2 * (x + y + 1)
     assert sorted(power for _, power in factor(reduced_roots(f))) == [1, 2, 3]
+
+
+@pytest.mark.parametrize("power", [8, 30, 120])
+def test_coefficients_over_roots_keep_their_digits(power: int) -> None:
+    """(2 − √3)^k = a − b √3 is 0.268^k with a and b some 3.7^k; in floats nothing is left of it at k = 30."""
+    x, h = RING.t[1], RING.letter_half
+    f = reduced_roots((2 - h["sqrt3"]) ** power * x - 3)
+    numbers = {"a": 1.0, **root_values(ROOTS)}
+    found = {powers[0]: number for number, powers in numeric_terms(f, numbers, unit=flint().fmpq(1))}
+    assert found[0] == -3.0
+    assert found[1] == pytest.approx((2 + np.sqrt(3)) ** -power, rel=1e-13)
+    terms = [("none", Fraction(3), (("sqrt3", 0),)), ("none", Fraction(-1), (("sqrt3", 2),))]
+    assert sums_over_roots(terms) == {"none": 0}
+    equation = Condition(RING, f).equation({}, 2)
+    angle = 2 * np.arctan(3 * (2 + np.sqrt(3)) ** power)
+    assert abs(equation(np.array([[angle, 0.3]]))[0]) < 1e-12
 
 
 def test_zero_in_the_disguise_of_a_root_is_not_factored_for_ever() -> None:

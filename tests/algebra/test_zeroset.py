@@ -16,7 +16,7 @@ from rankdrop.algebra.field import PRIMES, Point, half_angle_value, value_at
 from rankdrop.algebra.polynomial import used
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.solving import Solved, plainly_positive, put, without_real_root, without_real_zero
-from rankdrop.algebra.work import GRACE, SLOWER, OutOfTime, Work, spent, tick
+from rankdrop.algebra.work import GRACE, SAFETY, OutOfTime, Work, spent, tick
 from rankdrop.algebra.zeroset import ZeroSet, independent
 
 
@@ -163,10 +163,10 @@ def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> No
     now = 1000.0
     monkeypatch.setattr("rankdrop.algebra.work.process_time", lambda: now)
     work = Work(100.0)
-    now += 0.9 * SLOWER * 100.0
+    now += 0.9 * SAFETY * 100.0
     work.check()
     assert work.left == pytest.approx(100.0), "time passes, no work is done"
-    now += 0.2 * SLOWER * 100.0
+    now += 0.2 * SAFETY * 100.0
     for one in (work, work.again()):
         with pytest.raises(OutOfTime, match="processor's time"):
             one.check()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 from dataclasses import replace
+from math import pi
 
 import pytest
 
@@ -14,6 +15,7 @@ from rankdrop.exact.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.families.record import AGREES, DIFFERS, INTERRUPTED, NOT_DERIVED, Check
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.old_sentences import contradictions_of_sentences
+from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.verbs.analyze import analyze, derive
@@ -146,6 +148,14 @@ def test_what_was_tried_on_no_configuration_does_not_claim_it(run) -> None:
     bare = replace(none, families=())
     assert bare.verdict.word == "unchecked"
     assert "erified" not in bare.verdict.sentence
+
+
+def test_an_arm_without_singularities_is_verified_by_a_search_that_finds_none() -> None:
+    """Two slides at right angles: the Jacobian is constant."""
+    arm = from_dh([[0.0, pi / 2, 0.3, 0.0], [0.0, 0.0, 0.2, 0.0]], convention="standard", kinds="PP", name="gantry")
+    found = conditions(arm, "vy,vz")
+    assert (found.families, found.verdict.word) == ((), "verified")
+    assert "a search from random starts found no singular configuration either" in found.verdict.sentence
 
 
 @pytest.mark.parametrize(("q", "code"), [("0,0,0,0", 4), ("0,0.01,0.1,0", 3), ("0,1.5,0.1,0", 0)])

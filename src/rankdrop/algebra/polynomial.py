@@ -12,7 +12,7 @@ coefficients (Trager). Polynomials without roots take the plain way.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
@@ -21,7 +21,7 @@ from itertools import islice, product
 from math import gcd as whole_gcd
 from math import isqrt, lcm, prod
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from rankdrop.algebra.halt import Halt, HaltKind, TooLong
 from rankdrop.algebra.matrix import entries
@@ -202,6 +202,7 @@ ROOTS = tuple(_SQUARES)
 """Names of the roots, in the order of their variables: a root comes before those in its square."""
 WRITTEN = {"cos18": "cos 18°", "sqrt2": "√2", "sqrt3": "√3", "sqrt5": "√5"}
 """The roots as people write them."""
+_ROOTS_BITS = 16  # of powers of roots, and of the whole numbers that they are divided by
 _DIGITS = 10**60  # of the rational that stands for a root where a sign is asked for
 
 
@@ -249,6 +250,47 @@ def approximation(name: str) -> Fraction:
     """The positive value of a root, to sixty digits."""
     square = sum(value * prod(map(approximation, names)) for names, value in _SQUARES[name].items())
     return Fraction(isqrt(int(square * _DIGITS**2)), _DIGITS)
+
+
+@lru_cache(maxsize=64)
+def _in_bits(name: str, bits: int) -> int:
+    """The positive value of a root times 2^bits, rounded down."""
+    square = Fraction(0)
+    for names, value in _SQUARES[name].items():
+        square += value * prod(Fraction(_in_bits(inner, bits), 1 << bits) for inner in names)
+    return isqrt(int(square * (1 << 2 * bits)))
+
+
+def _times_roots(value: int, powers: Sequence[tuple[str, int]], bits: int) -> int:
+    """value · Π w^e, in units of 2^−bits."""
+    for name, power in powers:
+        for _ in range(power):
+            value = value * _in_bits(name, bits) >> bits
+    return value
+
+
+Key = TypeVar("Key", bound=Hashable)
+
+
+def sums_over_roots(terms: Iterable[tuple[Key, Fraction, Sequence[tuple[str, int]]]]) -> dict[Key, Fraction]:
+    """Σ c · Π w^e of all terms (key, c, powers e of roots w) with the same key, each to 64 bits of itself.
+
+    In floats a − b √3 with a² ≈ 3 b² ≈ 10^80 keeps no digit. A sum of D conjugates below 2^size, its coefficients
+    whole, is 0 or above 2^(−(D−1)·size): so many bits are taken.
+    """
+    gathered = list(terms)
+    bottom = lcm(*(number.denominator for _, number, _ in gathered))
+    whole = [number.numerator * (bottom // number.denominator) for _, number, _ in gathered]
+    names = set().union(*(dict(powers) for _, _, powers in gathered))
+    size = max(map(abs, whole), default=0).bit_length() + len(gathered).bit_length() + _ROOTS_BITS
+    bits = 64 + 2 ** len(with_inner(names)) * size
+    totals: dict[Key, int] = {}
+    for (key, _, powers), number in zip(gathered, whole, strict=True):
+        totals[key] = totals.get(key, 0) + _times_roots(number << bits, powers, bits)
+    for key, value in totals.items():
+        if abs(value) >> size == 0:  # what rounding leaves
+            totals[key] = 0
+    return {key: Fraction(value, bottom << bits) for key, value in totals.items()}
 
 
 def root_values(names: Iterable[str]) -> dict[str, float]:

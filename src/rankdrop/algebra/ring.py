@@ -40,6 +40,7 @@ from rankdrop.algebra.polynomial import (
     primitive,
     reduced_roots,
     roots_in,
+    sums_over_roots,
     used,
     with_inner,
 )
@@ -503,17 +504,38 @@ def numeric_terms(
         power: slides are in units of 10 to this power.
         unit: what coefficients are divided by; None for the largest: those of calibrated arms have a hundred digits.
     """
-    lengths = {name for name in f.context().names() if name[0] not in "tscq" or not name[1:].isdecimal()}
-    unit = unit or max(abs(value) for value in f.coeffs())
-    for powers, value in f.terms():
+    names = f.context().names()
+    lengths = {name for name in names if name[0] not in "tscq" or not name[1:].isdecimal()}
+    terms = _with_numbers_for_roots(f)
+    unit = unit or max(abs(value) for _, value in terms)
+    for powers, value in terms:
         share = value / unit
         number = int(share.p) / int(share.q)
-        for name, e in zip(f.context().names(), map(int, powers), strict=True):
+        for name, e in zip(names, powers, strict=True):
             if name in lengths:
                 number *= numbers[name] ** e
             else:
                 number *= 10.0 ** (power * e * (name[0] == "q"))
-        yield number, tuple(map(int, powers))
+        yield number, powers
+
+
+def _with_numbers_for_roots(f: Polynomial) -> list[tuple[tuple[int, ...], Any]]:
+    """(powers, coefficient) of each term, the values of roots in the coefficients and their powers 0."""
+    whole = [(tuple(map(int, powers)), value) for powers, value in f.terms()]
+    names = list(map(str, f.context().names()))
+    places = [names.index(root) for root in roots_in(f)]
+    if not places:
+        return whole
+    terms = []
+    for powers, value in whole:
+        rest = list(powers)
+        found: list[tuple[str, int]] = []
+        for place in places:
+            rest[place] = 0
+            found.append((names[place], powers[place]))
+        terms.append((tuple(rest), Fraction(int(value.p), int(value.q)), found))
+    sums = sums_over_roots(terms)
+    return [(powers, flint().fmpq(x.numerator, x.denominator)) for powers, x in sums.items() if x]
 
 
 def add_terms(terms: Iterable[tuple[float, tuple[int, ...]]], powers: Sequence[Sequence[Array]]) -> Array:

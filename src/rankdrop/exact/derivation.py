@@ -240,13 +240,19 @@ def _suppressed(
     return CorankOne("suppression", reason, found, (), different)
 
 
+def _sets_of(tree: Tree) -> list[ZeroSet]:
+    """What the rank tree found, and what it left open."""
+    found = [drop.piece for drop in tree.drops]
+    found += [case.piece for case in tree.cases]
+    found += [piece for piece, _, _ in tree.without_points]
+    return found
+
+
 def _suppression_differences(
     chain: Chain, suppression: Suppression, tree: Tree, work: Work
 ) -> tuple[Contradiction, ...]:
     """Random points of each method's sets, tried on those of the other; what the tree left open counts as its own."""
-    held = [drop.piece for drop in tree.drops]
-    held += [case.piece for case in tree.cases]
-    held += [piece for piece, _, _ in tree.without_points]
+    held = _sets_of(tree)
     pieces = flat_map(lambda family: family.stratum.pieces, suppression.families)
     drawn = [(piece, piece.point(work.rng)) for piece in pieces]
     missing = [

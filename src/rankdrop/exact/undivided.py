@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import comb
 
 import numpy as np
@@ -29,6 +29,7 @@ from rankdrop.solve import newton
 from rankdrop.tolerances import REAL_STARTS
 from rankdrop.units import out_of_units
 
+_WITNESSES = 8  # configurations of a case that are tried with many digits
 _ITERATIONS = 60
 _READABLE = 40  # terms of a condition that is written out
 
@@ -99,19 +100,29 @@ OffFamilies = Callable[[Array, int], NDArray[np.int64]]
 """(N, n) configurations, corank -> which of them lie on no family of that corank or a larger one."""
 
 
-def undivided_sets(chain: Chain, tree: Tree, off_families: OffFamilies, seed: int) -> tuple[UndividedSet, ...]:
+Followed = Callable[[int, Array], Array]
+"""Corank, (n,) configuration of the arm in its own unit -> (k, n) those next to it, itself included, that are singular
+with many digits."""
+
+
+def undivided_sets(
+    chain: Chain, tree: Tree, off_families: OffFamilies, followed: Followed, seed: int
+) -> tuple[UndividedSet, ...]:
     """The open cases of a tree, each with real configurations on it.
 
     Args:
         chain: the arm.
         tree: of the arm.
         off_families: tries configurations on the families made from it.
+        followed: from one that may become the witness: next to a multiple zero Newton's method ends too early.
         seed: of the random starts.
     """
-    return tuple(_undivided(chain, tree, case, off_families, seed) for case in tree.cases)
+    return tuple(_undivided(chain, tree, case, off_families, followed, seed) for case in tree.cases)
 
 
-def _undivided(chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamilies, seed: int) -> UndividedSet:
+def _undivided(
+    chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamilies, followed: Followed, seed: int
+) -> UndividedSet:
     piece, order = case.piece, case.order - tree.cleared
     corank = tree.generic_rank - case.order + 1
     pins = tuple(pin_of(chain.ring, joint, (value,)) for joint, value in sorted(piece.pins.items()))
@@ -130,7 +141,7 @@ def _undivided(chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamili
         starts=REAL_STARTS,
         found=len(q),
         off=len(off),
-        witness=_witness(chain, q, off),
+        witness=_witness(chain, q[off] if len(off) else q, System(equations), partial(followed, corank)),
         equations=equations,
         stated=(*pins, *(Condition(chain.ring, f) for f in polynomials)),
     )
@@ -197,11 +208,18 @@ def _points(chain: Chain, corank: int, equations: Sequence[Equation], seed: int)
     return q[system.zero(q) & problem.singular(q)]
 
 
-def _witness(chain: Chain, q: Array, off: NDArray[np.int64]) -> tuple[float, ...] | None:
-    """One of some configurations, on no family where there is one."""
+def _witness(
+    chain: Chain, q: Array, system: System, followed: Callable[[Array], Array]
+) -> tuple[float, ...] | None:
+    """The first of a few configurations that is singular with many digits, or leads to one on the set; else the first.
+    """
     if not len(q):
         return None
-    first = 0
-    if len(off):
-        first = off[0]
-    return tuple(float(x) for x in out_of_units(chain.robot, q[first]))
+    chosen = q[0]
+    for place in q[:_WITNESSES]:
+        ends = followed(place)
+        on = ends[system.zero(ends)]
+        if len(on):
+            chosen = on[0]
+            break
+    return tuple(float(x) for x in out_of_units(chain.robot, chosen))

@@ -396,7 +396,7 @@ class Text:
 
     Args:
         most: sums of more characters are told by what they hold; None for none.
-        divisors: of joints whose angle in a form is a part of the joint's own, how many make the whole (`Ring.parts`).
+        divisors: of joints that a form has a part of the angle of, how many make the whole (`Ring.parts`).
     """
 
     times = " "

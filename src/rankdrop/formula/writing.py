@@ -28,6 +28,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from rankdrop.algebra.polynomial import (
+    ROOTS,
     SIMPLE,
     Atom,
     Factors,
@@ -37,6 +38,7 @@ from rankdrop.algebra.polynomial import (
     primitive,
     reciprocal,
     reduced_roots,
+    sums_over_roots,
     used,
 )
 from rankdrop.algebra.ring import Form, Ring, polynomial_of
@@ -609,6 +611,7 @@ def _equation(
 ) -> Equation:
     """The numeric equation of terms of a Fourier form; arguments as in `Condition.equation`."""
     found: dict[tuple[str, tuple[int, ...], tuple[int, ...]], float] = {}
+    waves = _with_numbers_for_roots(waves)
     largest = _largest(waves)
     for part in waves:
         value, kind = float(part.number / largest), "cos"
@@ -633,6 +636,24 @@ def _equation(
         phase = float(sum(m * x for m, x in zip(multiples, half, strict=True)))
         terms.append(Term(value, kind, multiples, exponents, 0.0 - phase))
     return normalised(terms)
+
+
+def _with_numbers_for_roots(waves: Sequence[Product]) -> Sequence[Product]:
+    """The terms with the values of √2 and its like in their numbers, those with the same factors added up."""
+    terms, met = [], False
+    for part in waves:
+        roots: list[tuple[str, int]] = []
+        others: list[tuple[Factor, int]] = []
+        for factor, power in part.factors:
+            if isinstance(factor, Symbol) and factor.name in ROOTS:
+                roots.append((factor.name, power))
+                met = True
+            else:
+                others.append((factor, power))
+        terms.append((tuple(others), part.number, tuple(roots)))
+    if not met:
+        return waves
+    return [Product(number, factors) for factors, number in sums_over_roots(terms).items() if number]
 
 
 def _largest(waves: Sequence[Product]) -> Fraction:

@@ -357,7 +357,7 @@ class _Ends:
         return _Ends(best, distances, self.lost + other.lost, self.begun + other.begun)
 
     def agreeing(self, nearest: float) -> int:
-        """How many ends are at this distance, those included whose σ is not quite zero and which are too near."""
+        """How many ends are at this distance, those included that are too near, where σ is not quite zero."""
         return int((self.distances <= nearest + SAME).sum())
 
     def settles(self, nearest: float) -> bool:

@@ -753,6 +753,14 @@ def _derived(derived: Any, claims: tuple[str, ...]) -> Verdict:
         end = f"; {undivided_sentence(derived)}{end}"
     if points:
         return Verdict(VERIFIED, claims, f"Verified by {how} and {count(points, 'random test')}{end}")
+    return _untested(derived, claims, how, exactly, end)
+
+
+def _untested(derived: Any, claims: tuple[str, ...], how: str, exactly: str, end: str) -> Verdict:
+    """The verdict where no singular configuration was found numerically, or none was looked for."""
+    if derived.settings.points and not (derived.families or derived.undivided):
+        searched = "a search from random starts found no singular configuration either"
+        return Verdict(VERIFIED, claims, f"Verified by {how}; {searched}{end}")
     untested = f"not tested on singular configurations found numerically{end}"
     ranks = sum(exact_of(family).rank_check.tested for family in derived.families)
     if ranks:

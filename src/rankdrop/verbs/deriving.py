@@ -440,7 +440,14 @@ def _undivided(
         known = [_own_equations(chain, one) for one in families if one.corank >= corank]
         return explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)[1]
 
-    cases = undivided_sets(chain, tree, off_families, work.seed)
+    def followed(corank: int, q: Array) -> Array:
+        problem = Problem(chain.own, chain.own_task, corank)
+        if problem.sigma(q)[problem.rank] <= _ROUNDED:
+            return q[None]
+        ends = [end for end, sigma in descents(problem, q) if sigma <= _ROUNDED]
+        return np.array(ends).reshape(-1, chain.n)
+
+    cases = undivided_sets(chain, tree, off_families, followed, work.seed)
     for place, case in enumerate(cases, 1):
         if case.witness is None:
             continue

@@ -170,7 +170,7 @@ def test_a_disagreement_is_a_line_with_one_configuration() -> None:
 def test_what_time_left_out_of_the_numeric_check_is_told() -> None:
     found = conditions(open_robot("pa10"), points=0, special=False, coranks=2)
     late: list[Unfinished | Contradiction] = []
-    check, over, _ = _cloud(found.chain, 6, 4, found.families, 20, Work(-1.0, 0), late)
+    check, over, _ = _cloud(found.chain, 6, 4, found.families, 20, Work(-0.1, 0), late)
     assert not late
     all_tested = check.tested
     check, over, _ = _cloud(found.chain, 6, 4, found.families, 20, Work(-10.0, 0), late)

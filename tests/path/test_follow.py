@@ -198,6 +198,21 @@ def test_a_branch_that_creeps_along_a_singularity_ends_there_soon(monkeypatch: p
     assert len(solved) < 400  # 1,446 without an end
 
 
+def test_a_line_of_many_short_steps_through_a_singularity_does_not_creep() -> None:
+    """80 mm through an elbow of a KR 6, without a share along the lost direction: 75 tries lead over a third of it."""
+    robot = open_robot("kr6r900")
+    singular = [-0.8333070332006834, 1.2620280124025074, 0.7897086567443616, -1.1976367206352627, 0.482796989290571,
+                0.4315384941497946]  # fmt: skip
+    start = [-0.833307033197975, 1.1414609450206588, 0.9855420681611434, -1.3387184037818958, 0.460300441614862,
+             0.5898250252154271]  # fmt: skip
+    way = np.array([-0.37620500271221624, -0.41409644662696127, -0.8288509690078342])
+    ends = np.stack([pose(robot, singular)] * 2)
+    ends[:, :3, 3] += np.outer([-0.04, 0.04], way)
+    found = follow(robot, ends, start, tolerance=(1e-4, 1e-4), limits=False, through=True)
+    assert (found.complete, found.reason) == (True, "")
+    assert found.passed[0].place == pytest.approx(1.5, abs=1e-3)
+
+
 @pytest.mark.parametrize("q5", [50.0, 0.001])
 def test_where_the_tool_stands_still_so_do_the_joints(q5: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """1,000 equal poses, a motion, 1,000 equal poses: steps that shrink with the joint motion would end there."""

@@ -50,6 +50,7 @@ _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; 
 _STRAIGHT = 0.97  # cosine of the turn of the joint motion at a singularity below which it is a corner
 _CREEPS, _CREPT = 3, 1e-3  # so many departures from rest within that share of a move lead nowhere
 _STALLED, _STAYED = 75, 0.5  # so many tries within one move and so much joint motion: the branch may creep [rad]
+_ADVANCED = 0.1  # of the way between two poses: who gets so far within `_STALLED` tries does not creep
 _NO_NEARER = 3.0  # … and does where σ_r changed by no more than this factor: on the way to a near miss it falls more
 _CREPT_TO = 1e-4  # σ_r at which a branch that creeps ends at the singularity
 _SAME = 1e-11  # error of poses that a configuration has; translations divided by the length scale
@@ -322,7 +323,7 @@ class _Walk:
         """
         place, q = made.seen
         moved = float(np.linalg.norm((made.now - q) / self.aim.joints))
-        if made.place - place >= 1.0 or moved >= _STAYED:
+        if made.place - place >= _ADVANCED or moved >= _STAYED:
             return False
         sigma = singular_values(self.aim.robot, np.stack([q, made.now]), self.aim.task)[:, self.aim.rank - 1]
         return bool(sigma.max() <= _NO_NEARER * sigma.min())

@@ -126,6 +126,11 @@ def test_errata_of_am():
     assert row("AM", "section 2.3", "the same, PA-10 stretched").verdict == "agrees"
     tables = [item for item in found("AM").items if re.fullmatch(r"Table [34], row \d", item.item)]
     assert [item.verdict for item in tables] == ["agrees"] * 8
+    assert row("AM", "section 1", "rank-2 singularities").verdict == "agrees"
+
+
+def test_the_methods_are_those_that_kg_list():
+    assert kg.listed_methods() == kg.LISTED
 
 
 @pytest.mark.by_hand

@@ -388,5 +388,6 @@ def figures_7_8_9(sheet: Sheet) -> None:
 
 SECTIONS = (
     ("4-DoF robot", regional_robot), ("fault tolerance", fault_tolerance), ("Figure 6", figure_6),
-    ("Tables 2 to 5", pa10_tables), ("reciprocal screws", reciprocal_screws), ("PA-10", pa10_words), ("Figures 7 to 9", figures_7_8_9),
+    ("Tables 2 to 5", pa10_tables), ("reciprocal screws", reciprocal_screws), ("PA-10", pa10_words),
+    ("Figures 7 to 9", figures_7_8_9),
 )  # fmt: skip

@@ -86,6 +86,6 @@ def test_a_redundant_arm_on_a_gantry_is_derived_to_the_end() -> None:
     assert found.chain.n > WIDE
     assert not found.letters
     assert found.complete
-    assert found.method == "tree"
+    assert found.method == "reciprocity"
     assert found.families
     assert found.explained.holds

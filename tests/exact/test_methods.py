@@ -557,6 +557,28 @@ def test_a_link_frame_that_is_none_or_of_some_rows_is_refused(task: str, frame: 
         derive(exact_chain(open_robot("puma560"), task), "reciprocity", frame=frame)
 
 
+@pytest.mark.parametrize(
+    ("name", "task", "method"),
+    [
+        ("puma560", "position", "reciprocity"),
+        ("px150", None, "determinant"),
+        ("planar3r", "position", "tree"),  # the rank is full nowhere: no other method
+    ],
+)
+def test_auto_derives_corank_1_twice_where_another_method_can(name: str, task: str | None, method: str) -> None:
+    found = conditions(open_robot(name), task, points=0, coranks=1, special=False, fresh=True)
+    assert (found.method, found.verified) == (method, True)
+    assert ("corank 1 derived twice" in str(found)) == (method != "tree")
+
+
+def test_coranks_that_no_configuration_has_are_derived_too() -> None:
+    """Rows that numbers clear never lose rank: nothing is left below it."""
+    chain = exact_chain(open_robot("px150"))
+    assert chain.cleared[1] > 0
+    assert rank_tree(chain, Work(20.0)).lowest == 0
+    assert rank_tree(chain, Work(20.0), lowest=4).lowest == 4
+
+
 @pytest.mark.slow
 def test_auto_names_the_methods_that_it_does_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where conditions are long it compares the minors, which end, and claims nothing of the methods by cases."""

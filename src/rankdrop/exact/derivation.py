@@ -104,16 +104,17 @@ def corank_one(
 
     Args:
         chain: the arm.
-        method: one of `METHODS`; "auto" takes decoupling where blocks are square, suppression for redundant arms with
-            all six rows and at most `WIDE` joints, the determinant for other square Jacobians and where the tree's
-            conditions are long, else the tree. Where joints follow others neither of the first two, which need one
-            screw for each column.
+        method: one of `METHODS`; "auto" takes decoupling where blocks are square, the determinant for other arms
+            without joints to spare and where the tree's conditions are long, suppression for redundant arms with all
+            six rows and at most `WIDE` joints, reciprocity for other redundant arms; the tree where the rank is not
+            full anywhere. Where joints follow others neither decoupling nor suppression, which need one screw for each
+            column.
         tree: of the arm.
         families: made from it.
         work: deadline and random points.
         chosen: for suppression and reciprocity: numbers of the six basic screws, None for the method's own rules; link
             in whose frame the screws are, None for the one where they are shortest.
-        highest: corank up to which reciprocity derives; None for 1.
+        highest: corank up to which reciprocity derives where it was asked for; None for 1.
 
     Raises:
         OptionError: a method that is not for this arm; says why.
@@ -137,7 +138,7 @@ def corank_one(
         derived = _suppressed(chain, reason, tree, work, chosen)
     else:
         derived = _compared(chain, name, reason, families, work, chosen)
-    if name == "reciprocity" and highest is not None:
+    if method == "reciprocity" and highest is not None:
         basic, frame = chosen
         higher = higher_coranks(chain, highest, tree, work, basic=basic, frame=frame)
         derived = replace(derived, higher=higher)
@@ -169,11 +170,11 @@ def _chosen(chain: Chain, tree: Tree, reason: MethodReason) -> str:
     """The method that "auto" takes for an arm that does not decouple."""
     if not _has_full_rank(chain, tree):
         return "tree"
-    if chain.n == chain.task.m or reason.terms:
+    if chain.n <= chain.task.m or reason.terms:
         return "determinant"
     if _is_for_suppression(chain):
         return "suppression"
-    return "tree"
+    return "reciprocity"
 
 
 def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne:

@@ -338,8 +338,8 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
         return Tree(rank, complete=False, left=left, unstated=left)
     generic = rank_on(columns, whole)
     found: list[Drop] = []
+    tree = Tree(generic + never, never, lowest=lowest)  # the rank is `never` or more at every configuration
     lowest = max(lowest - never, 0)
-    tree = Tree(generic + never, never, lowest=lowest + never)
     for order in range(generic, lowest, -1):
         waiting = [whole]
         systems = len(work.unresolved)

@@ -26,7 +26,7 @@ from rankdrop.cover.certificates import (
     write_certificate,
 )
 from rankdrop.cover.covering import Covering, write_covering
-from rankdrop.cover.setting import viewed
+from rankdrop.cover.setting import settings_for, settings_for_near_arms, viewed
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.searching import search
 from rankdrop.path.check.certificate import path_certificate
@@ -485,3 +485,25 @@ def test_the_checker_imports_nothing_of_the_package():
     foreign = {name for name in outside if name.split(".")[0] not in sys.stdlib_module_names}
     assert {name.split(".")[0] for name in foreign} == {"numpy", "flint", "rankdrop"}
     assert all(name.startswith("rankdrop.proof.") for name in foreign if name.startswith("rankdrop"))
+
+
+def test_joints_about_axes_through_the_point_of_a_translation_are_free(tmp_path):
+    """Only joints 2 and 3 matter to PUMA's wrist centre, and a link that does not carry the point is refused."""
+    robot = open_robot("puma560")
+    task = resolve_task("position", robot)
+    (setting,) = settings_for(robot, task)
+    (near,) = settings_for_near_arms(robot, task)
+    assert (setting.link, near.link) == (3, 6)
+    assert np.flatnonzero(setting.matters).tolist() == [1, 2]
+    record = ball_certificate(robot, [0.1, 0.9, 0.4, -1.2, 0.7, 1.1], task)
+    assert verify(write_certificate(record, tmp_path / "ball.json")).holds
+    record["view"]["link"] = 2
+    refused = verify(write_certificate(sealed(record), tmp_path / "forged.json"))
+    assert (refused.holds, refused.reason) == (False, "the point of the translation does not stand still in link 2")
+
+
+def test_an_axis_beside_the_point_of_a_translation_moves_it():
+    robot = from_dh([(0.4, 0.9, 0.1, 0), (0.3, -0.7, 0.2, 0), (0.2, 0.5, 0.1, 0), (1e-9, 0, 0.1, 0)],
+                    convention="standard")  # fmt: skip
+    (setting,) = settings_for(robot, resolve_task("position", robot))
+    assert setting.link == 4

@@ -12,7 +12,7 @@ from reference.displaced import displaced_arm
 
 from rankdrop.cover.ball import ModelTolerance, certified_radius, displaced_columns, displaced_jacobian, points_of
 from rankdrop.cover.certificates import asked_about, ball_certificate, verify, write_certificate
-from rankdrop.cover.setting import settings_for
+from rankdrop.cover.setting import settings_for, settings_for_near_arms
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.local.block import singular_values
@@ -53,7 +53,7 @@ def test_no_displaced_arm_goes_beyond_the_bound(name):
     robot = ARMS[name]()
     rng = np.random.default_rng(1)
     task = resolve_task("pose", robot)
-    for setting in settings_for(robot, task)[::4]:
+    for setting in settings_for_near_arms(robot, task)[::4]:
         for _ in range(40):
             count = len(robot.joints)
             other = displaced_arm(robot, directions(rng, count, NEAR.angle), directions(rng, count, NEAR.length))
@@ -70,7 +70,7 @@ def test_no_displaced_arm_goes_beyond_the_bound(name):
 def test_a_tool_point_is_moved_with_the_joints(name):
     robot = open_robot(name)
     rng = np.random.default_rng(2)
-    setting = settings_for(robot, resolve_task("position", robot))[0]
+    setting = settings_for_near_arms(robot, resolve_task("position", robot))[0]
     count, best = len(robot.joints), 0.0
     for _ in range(300):
         tool = directions(rng, 1, NEAR.length)[0]
@@ -166,7 +166,7 @@ def test_columns_of_joints_that_follow_one_another_change_together():
     """What one variable drives: D_i of its joints, each times the size of its multiplier."""
     robot = ARMS["mimics"]()
     task = resolve_task("pose", robot)
-    setting = settings_for(robot, task)[0]
+    setting = settings_for_near_arms(robot, task)[0]
     each = displaced_columns(robot, setting, NEAR, task.rows)
     place = {joint.name: k for k, joint in enumerate(robot.variables)}
     expected = np.zeros(robot.n)
@@ -210,7 +210,7 @@ def test_where_nothing_slides_the_polygon_of_the_points_is_all_there_is():
     """D_i by hand, seen from a point of the last link: how far turning joints stand from zero plays no part."""
     robot = open_robot("ur5")
     task = resolve_task("position", robot)
-    (setting,) = settings_for(robot, task)
+    (setting,) = settings_for_near_arms(robot, task)
     points, tip = points_of(robot), robot.home[:3, 3]
     corners = [tip, *points[::-1]]
     reach = np.cumsum([np.linalg.norm(b - a) for a, b in pairwise(corners)])[::-1]

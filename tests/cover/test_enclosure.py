@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reference import arms, region
 
-from rankdrop.cover.setting import enclose, settings_for
+from rankdrop.cover.setting import enclose, settings_for, settings_for_near_arms
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -195,7 +195,7 @@ def test_the_remainder_of_two_turns_and_a_slide_is_nearly_reached():
         Joint("last", JointKind.REVOLUTE, z),
     ]
     robot = Robot("turn slide turn", tuple(joints), task="position")
-    (setting,) = settings_for(robot, resolve_task("position", robot))
+    (setting,) = settings_for_near_arms(robot, resolve_task("position", robot))
     q, t, s = np.array([0.0, 0.02, 0.3]), 0.02, 0.02
     half = np.array([0.0, s, t])
     free = enclose(robot, setting, q[None], half[None])

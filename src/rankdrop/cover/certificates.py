@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.codec import Result
 from rankdrop.cover.ball import LARGEST, ModelTolerance, certified_radius, displaced_jacobian, points_of
-from rankdrop.cover.setting import Setting, enclose, regular, settings_for, viewed
+from rankdrop.cover.setting import Setting, enclose, regular, settings_for_near_arms, viewed
 from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
 from rankdrop.kinematics import one_configuration, task_jacobian
@@ -319,7 +319,7 @@ def _with_tolerance(
     robot: Robot, task: Task, q: Array, tolerance: ModelTolerance, at_most: float, evaluations: int
 ) -> tuple[Setting, float]:
     """The setting and the radius: every setting is tried with a fortieth of the budget, the best with all."""
-    settings = settings_for(robot, task)
+    settings = settings_for_near_arms(robot, task)
     tried = [free_radius(_Test(robot, one, task.rows, q, tolerance), at_most, evaluations // 40) for one in settings]
     best = settings[int(np.argmax(tried))]
     return best, free_radius(_Test(robot, best, task.rows, q, tolerance), at_most, evaluations)

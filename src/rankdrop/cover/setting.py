@@ -5,6 +5,9 @@ And the test that ends every proof made from there: is a matrix regular, however
 The rank of the full twist does not depend on axes or reference point. Seen from link c, column i depends only on the
 joints between axis i and that link, so the derivative bounds are short, and the first and the last joint drop out.
 
+The translation of a point depends on the point, not on axes: it is seen from the first link that carries the point.
+Where the last axis goes through it, as through the flange of most arms, the last joint drops out as well.
+
 The rank of some rows in tool axes (a tool that may turn about its own axis) depends on them: these rows are seen from
 the last link, in the axes of the tip, at the task's own point. Only the first joint drops out.
 """
@@ -28,6 +31,7 @@ from rankdrop.task import TIP, Task
 
 _ABSENT = 1e-12  # rows of the Jacobian below this share of its size at random configurations are zero for this arm
 _LENGTHS = (0.1, 0.2, 0.4)  # lengths tried for the translation rows, in lengths of the arm
+_ON_AXIS = 1e-13  # share of the size of the arm: a point so near to an axis is on it
 _TRIED = 200  # random configurations at which settings are compared
 _MOST_JOINTS = 32  # what the core keeps room for
 
@@ -95,11 +99,27 @@ class Setting:
 def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
     """Every setting worth trying for an arm and a task.
 
+    The point of a translation is seen from the first link in which it stands still.
+
     Raises:
         OptionError: the task takes only some rows of translation or rotation, in other axes than those of the tool, and
             the others do not vanish for this arm: then its rank depends on the axes, and nothing is certified. Or the
             arm does not move for this task at all, has too many joints, or a link frame that is no rigid transform.
     """
+    return _settings(robot, task, near=False)
+
+
+@once
+def settings_for_near_arms(robot: Robot, task: Task) -> tuple[Setting, ...]:
+    """`settings_for` arms near this one, of which no axis goes through the point: the last link carries it.
+
+    Raises:
+        OptionError: as `settings_for`.
+    """
+    return _settings(robot, task, near=True)
+
+
+def _settings(robot: Robot, task: Task, *, near: bool) -> tuple[Setting, ...]:
     rows = _whole_rows(robot, task)
     rank = generic_rank(robot, task)
     _check(robot, task, rank)
@@ -107,11 +127,14 @@ def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
         return _of_tool_rows(robot, task, rank)
     found = []
     size = _size(robot)
-    for link, home in _viewpoints(robot, task, rows):
+    for link, home in _viewpoints(robot, task, rows, near=near):
         frame = frames_of(robot)[link]
         point = frame[:3, :3].T @ (home - frame[:3, 3])
         arm = _arms(robot, link, home)
-        moved, repeats = _moved(robot, link)
+        if rows == (0, 1, 2):  # joints behind the link have no columns
+            moved, repeats = _moved(robot, link, link)
+        else:
+            moved, repeats = _moved(robot, link, len(robot.joints))
         for share in _LENGTHS if len(rows) == 6 else (1.0,):
             found.append(
                 Setting(
@@ -135,7 +158,7 @@ def setting_at_tip(robot: Robot, task: Task) -> Setting:
     if task.frame.origin not in (TIP, link + 1):
         raise OptionError("the reference point of the task is not carried by the tip", got=task.frame,
                           allowed="a point of the tip")  # fmt: skip
-    matters, repeats = _moved(robot, link)
+    matters, repeats = _moved(robot, link, link)
     tip = robot.home[:3, 3] + robot.home[:3, :3] @ np.array(task.frame.point)
     return Setting(
         link, task.frame.point, task.scale(robot), task.rows if rows is None else rows, rank, _arms(robot, link, tip),
@@ -160,7 +183,7 @@ def _check(robot: Robot, task: Task, rank: int) -> None:
 def _of_tool_rows(robot: Robot, task: Task, rank: int) -> tuple[Setting, ...]:
     """Settings of rows in tool axes: at the task's point, lengths differ."""
     link = len(robot.joints)
-    matters, repeats = _moved(robot, link)
+    matters, repeats = _moved(robot, link, link)
     scale, point = joint_scale(robot, task), task.frame.point
     tip = robot.home[:3, 3] + robot.home[:3, :3] @ np.array(point)
     mixed = min(task.rows) < 3 <= max(task.rows)
@@ -215,7 +238,9 @@ def frames_of(robot: Robot) -> list[Array]:
     return [np.eye(4), *(joint.frame for joint in robot.joints), robot.home]
 
 
-def _viewpoints(robot: Robot, task: Task, rows: tuple[int, ...]) -> Iterator[tuple[int, Array]]:
+def _viewpoints(
+    robot: Robot, task: Task, rows: tuple[int, ...], *, near: bool
+) -> Iterator[tuple[int, Array]]:
     """(link, point at q = 0 in base coordinates). Without rotation rows the point is that of the task."""
     joints = len(robot.joints)
     if rows == (0, 1, 2):
@@ -223,7 +248,11 @@ def _viewpoints(robot: Robot, task: Task, rows: tuple[int, ...]) -> Iterator[tup
             carrier = robot.home
         else:
             carrier = robot.joints[-1].frame
-        yield joints, carrier[:3, :3] @ np.array(task.frame.point) + carrier[:3, 3]
+        point = carrier[:3, :3] @ np.array(task.frame.point) + carrier[:3, 3]
+        if near:
+            yield joints, point
+        else:
+            yield _carrying_link(robot, point), point
         return
     if joints == 1:
         yield 1, robot.home[:3, 3]
@@ -231,6 +260,28 @@ def _viewpoints(robot: Robot, task: Task, rows: tuple[int, ...]) -> Iterator[tup
     middle = middle_of(robot)
     for link in range(1, joints):
         yield from ((link, point) for point in _points_between(robot.joints[link - 1 : link + 1], middle))
+
+
+def _carrying_link(robot: Robot, point: Array) -> int:
+    """The first link in which a point of the last one stands still: the joints behind it turn about axes through it.
+
+    Their columns are zero, and they move no other column. A point that is off by rounding moves less than the allowance
+    for rounding covers.
+
+    Args:
+        robot: the arm.
+        point: (3,) at q = 0 in base coordinates [m].
+    """
+    drivers = robot.drivers
+    size = reach(robot)
+    link = len(robot.joints)
+    while link > 1:
+        joint = robot.joints[link - 1]
+        turns = not joint.slides and joint.pitch == 0.0 and drivers.count(drivers[link - 1]) == 1
+        if not turns or norm(nearest((joint.axis, joint.foot), point) - point) > _ON_AXIS * size:
+            break
+        link -= 1
+    return link
 
 
 def middle_of(robot: Robot) -> Array:
@@ -290,11 +341,14 @@ def _arms(robot: Robot, link: int, home: Array) -> Array:
     return arm
 
 
-def _moved(robot: Robot, link: int) -> tuple[NDArray[np.bool_], float]:
-    """(n,) whether any column depends on a variable; and √ of the largest number of joints driven by one."""
+def _moved(robot: Robot, link: int, count: int) -> tuple[NDArray[np.bool_], float]:
+    """(n,) whether any column depends on a variable; and √ of the largest number of joints driven by one.
+
+    Columns are those of the first `count` joints.
+    """
     drivers = robot.drivers
     matters = np.zeros(robot.n, dtype=np.bool_)
-    matters[[*drivers[1:link], *drivers[link:-1]]] = True
+    matters[[*drivers[1:link], *drivers[link : count - 1]]] = True
     return matters, float(np.sqrt(max(map(drivers.count, drivers))))
 
 

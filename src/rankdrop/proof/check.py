@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rankdrop.proof.arm import BITS, Arm, Interval, Region, flint
+from rankdrop.proof.arm import BITS, Arm, Interval, Region, cross, dot, flint
 from rankdrop.proof.covers import corank_of, verify_covering
 from rankdrop.proof.curves import AskedPath, ToolPath, compare_rows
 from rankdrop.proof.existence import verify_existence
@@ -27,8 +27,10 @@ from rankdrop.proof.record import (
     SCREW,
     SIGNS,
     SLIDE,
+    TURN,
     Array,
     Claim,
+    Link,
     Record,
     Refused,
     Unproven,
@@ -41,6 +43,7 @@ from rankdrop.proof.signs import verify_signs
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 _TRIED = 3  # configurations at which a higher rank is looked for
+_ON_AXIS = 1e-9  # lengths by which the axis of a joint that moves nothing may miss the point of a translation
 _VANISHES = 1e-11  # share of the Jacobian's size below which rows that the task leaves out count as zero
 _SAME = 1e-9  # joint values that differ by less are the same [rad, m]
 
@@ -446,15 +449,18 @@ def arm_of(claim: Claim) -> Arm:
         Unproven: the point is another.
     """
     f = flint()
+    links = claim.links
     point: list[Interval] = [f.arb(x) for x in claim.point]
     if claim.whole_rows == [0, 1, 2] or claim.in_tool_axes:
         _, origin, local = claim.frame
         pose = claim.poses.get(origin)
-        if pose is None or origin == 0 or claim.link != len(claim.links):
-            raise Unproven("a translation is that of a point of the last link, seen from that link")
+        if pose is None or origin == 0:
+            raise Unproven("a translation is that of a point of the last link")
         point = []
         for *turn, shift in pose[:3].tolist():
             point.append(sum((f.arb(x) * y for x, y in zip(turn, local, strict=True)), f.arb(shift)))
+        links = links[: claim.link]
+        point = _standing_still(claim, point)
     if claim.tolerance is not None:
         if claim.in_tool_axes:
             raise Unproven("rows in tool axes depend on how the tool is mounted: nothing is proven for near arms")
@@ -465,7 +471,39 @@ def arm_of(claim: Claim) -> Arm:
         axes = claim.home[:3, :3]
     else:
         axes = None
-    return Arm(claim.links, claim.variables, claim.link, point, f.arb(claim.length), axes)
+    return Arm(links, claim.variables, claim.link, point, f.arb(claim.length), axes)
+
+
+def _standing_still(claim: Claim, point: list[Interval]) -> list[Interval]:
+    """A point of the last link as the link of the certificate carries it: the joints behind turn about axes through it.
+
+    Where an axis misses the point by some rounding, the point moves on a circle as small; all of it is enclosed. The
+    columns of these joints are left out: without them the rank is no higher.
+
+    Raises:
+        Unproven: the point does not stand still in that link.
+    """
+    f = flint()
+    drivers = [one.driver for one in claim.links]
+    near = claim.tolerance is not None or claim.in_tool_axes
+    for place in range(len(claim.links) - 1, claim.link - 1, -1):
+        one = claim.links[place]
+        off = _distance_from_axis(one, point)
+        if near or one.kind != TURN or drivers.count(one.driver) > 1 or not off < _ON_AXIS * claim.length:
+            raise Unproven(f"the point of the translation does not stand still in link {claim.link}")
+        point = [x + f.arb(0, (2 * off).upper()) for x in point]
+    return point
+
+
+def _distance_from_axis(one: Link, point: list[Interval]) -> Interval:
+    """Of a point from the axis of a joint that turns [m], at most."""
+    f = flint()
+    v = [f.arb(float(x)) for x in one.screw[:3]]
+    w = [f.arb(float(x)) for x in one.screw[3:]]
+    square = dot(w, w)
+    foot = [x / square for x in cross(w, v)]
+    moment = cross([x - y for x, y in zip(foot, point, strict=True)], w)
+    return (dot(moment, moment).nonnegative_part() / square).sqrt().abs_upper()
 
 
 def _check_points_on_axes(claim: Claim) -> None:

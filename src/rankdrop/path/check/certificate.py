@@ -13,7 +13,7 @@ import numpy as np
 
 from rankdrop.cover.ball import LARGEST, ModelTolerance, certified_radius, displaced_jacobian
 from rankdrop.cover.certificates import file_hash, record_of
-from rankdrop.cover.setting import Setting, enclose, regular, settings_for
+from rankdrop.cover.setting import Setting, enclose, regular, settings_for, settings_for_near_arms
 from rankdrop.path.check.prove import centred, chosen, first_open
 from rankdrop.path.check.record import CROSSING as CROSSES
 from rankdrop.path.check.record import FREE
@@ -59,7 +59,11 @@ def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None, 
     Raises:
         OptionError: the task cannot be certified, or the tolerance is not for this arm or task.
     """
-    setting = chosen(check.robot, settings_for(check.robot, check.task), check.curve)
+    if tolerance is None:
+        settings = settings_for(check.robot, check.task)
+    else:
+        settings = settings_for_near_arms(check.robot, check.task)
+    setting = chosen(check.robot, settings, check.curve)
     if tolerance is not None:
         displaced_jacobian(check.robot, setting, tolerance, check.task.rows)  # refuses what it is not for
     control = check.curve.control
@@ -152,7 +156,7 @@ def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluat
         OptionError: the task cannot be certified, or the tolerance is not for this arm or task.
     """
     robot, rows = check.robot, check.task.rows
-    setting = chosen(robot, settings_for(robot, check.task), check.curve)
+    setting = chosen(robot, settings_for_near_arms(robot, check.task), check.curve)
     displaced_jacobian(robot, setting, tolerance, rows)  # refuses what it is not for
     spent = 0
 

@@ -367,51 +367,76 @@ class SetDistance:
             q: (N, n).
             within: (N,) how far a singular configuration is that is known already; inf where none is.
         """
-        near = self._near(q)
-        feet = np.full(q.shape, np.nan)
-        for i, centre in enumerate(q):
-            starts = centre[None]
-            known = 0.0 < within[i] < np.inf  # the ball is known at once
-            if known:
-                starts = np.concatenate([starts, centre + within[i] * self._ball])
-            foot, far = self._walked(centre, np.concatenate([near[i], self._onto_set(starts)]))
-            if not known and 0.0 < far < np.inf and len(self._ball):
-                other, nearer = self._walked(centre, self._onto_set(centre + far * self._ball))
-                foot = other if nearer < far else foot
-            feet[i] = foot
+        parts = [self._feet_of_batch(q[i : i + _BATCH], within[i : i + _BATCH]) for i in range(0, len(q), _BATCH)]
+        return np.concatenate([q[:0], *parts])
+
+    def _feet_of_batch(self, q: Array, within: Array) -> Array:
+        """`feet` of a batch: all its starts are driven onto the set in one call."""
+        known = (within > 0.0) & (within < np.inf)  # the ball is known at once
+        near, around = self._near(q), q[:, None] + within[:, None, None] * self._ball
+        starts = [np.concatenate([q[i, None], around[i]]) if known[i] else q[i, None] for i in range(len(q))]
+        onto = self._onto_set(starts)
+        feet, far = self._walked(q, [np.concatenate(pair) for pair in zip(near, onto, strict=True)])
+        rows = np.flatnonzero(~known & (far > 0.0) & (far < np.inf))
+        if len(rows) and len(self._ball):
+            starts = [q[i] + far[i] * self._ball for i in rows]
+            others, nearer = self._walked(q[rows], self._onto_set(starts))
+            better = nearer < far[rows]
+            feet[rows[better]] = others[better]
         return feet
 
     def from_points(self, q: Array, points: Array) -> Array:
         """(N, n) where the walk ends that begins at a singular configuration (N, n) given for each; nan where none is.
         """
         feet = np.full(q.shape, np.nan)
-        for i in np.flatnonzero(np.isfinite(points).all(axis=1)):
-            feet[i] = self._walked(q[i], points[i : i + 1])[0]
+        rows = np.flatnonzero(np.isfinite(points).all(axis=1))
+        feet[rows] = self._walked(q[rows], [points[i, None] for i in rows])[0]
         return feet
 
-    def _onto_set(self, starts: Array) -> Array:
+    def _onto_set(self, starts: Sequence[Array]) -> list[Array]:
+        """For each of some lists of starts (S, n) the points (P, n) of the set that they are driven to."""
+        every, ends = np.concatenate(starts), np.cumsum([len(some) for some in starts])
         if self._limits is not None:
-            starts = np.clip(starts, *self.box)
-        q, _, outcome, *_ = _core.search(self._chain, self._view, np.ascontiguousarray(starts), self._onto, threads=1)
-        return np.asarray(q[outcome == 0])
+            every = np.clip(every, *self.box)
+        q, _, outcome, *_, interrupted = _core.search(self._chain, self._view, every, self._onto, threads=1)
+        if interrupted:
+            raise KeyboardInterrupt
+        there = np.split(outcome == 0, ends[:-1])
+        return [some[good] for some, good in zip(np.split(q, ends[:-1]), there, strict=True)]
 
-    def _walked(self, centre: Array, points: Array) -> tuple[Array, float]:
-        """The nearest end of walks along the set from points of it, and how far it is; nan and inf without one."""
-        nowhere = np.full(len(centre), np.nan), np.inf
-        points = self.brought_near(points, centre)
-        if not len(points):
-            return nowhere
+    def _walked(self, centres: Array, points: Sequence[Array]) -> tuple[Array, Array]:
+        """Nearest ends of walks along the set from its points (P, n) for each centre (N, n): nan where there is none.
+
+        Returns:
+            (N, n) the ends, (N,) how far they are; inf where there is none.
+        """
+        feet, least = np.full(centres.shape, np.nan), np.full(len(centres), np.inf)
+        counts = np.array([len(some) for some in points], dtype=np.int64)
+        if not counts.any():
+            return feet, least
+        near = self.brought_near(np.concatenate(points), np.repeat(centres, counts, axis=0))
+        starts = np.split(near, np.cumsum(counts)[:-1])
+        walks = [self._walks(centre, some) for centre, some in zip(centres, starts, strict=True)]
+        q, reached = np.concatenate([walk[0] for walk in walks]), np.concatenate([walk[1] for walk in walks])
+        there = np.isfinite(reached) & self.problem.singular(q)
+        far = np.where(there, self.problem.length(q - np.repeat(centres, counts, axis=0)), np.inf)
+        first = np.cumsum(counts) - counts
+        for i in np.flatnonzero(counts):
+            best = first[i] + int(far[first[i] : first[i] + counts[i]].argmin())
+            if there[best]:
+                feet[i], least[i] = q[best], far[best]
+        return feet, least
+
+    def _walks(self, centre: Array, starts: Array) -> tuple[Array, Array]:
+        """(P, n) ends of walks from points of the set to local minima of the distance, (P,) finite where they end."""
+        if not len(starts):
+            return starts, np.empty(0)
         along = _core.NearestSettings(
             rank=self.problem.rank, evaluations=_EVALUATIONS, singular=DEFAULT.singular, target=DEFAULT.target,
             centre=centre, scale=self.scale, limits=self._limits,
         )  # fmt: skip
-        q, distance, _, _ = _core.nearest(self._chain, self._view, points, along, threads=1)
-        there = np.isfinite(distance) & self.problem.singular(q)
-        far = np.where(there, self.problem.length(q - centre), np.inf)
-        best = int(far.argmin())
-        if there[best]:
-            return (q[best], float(far[best]))
-        return nowhere
+        q, distance, _, _ = _core.nearest(self._chain, self._view, starts, along, threads=1)
+        return q, distance
 
     def brought_near(self, points: Array, centre: Array) -> Array:
         """Points (M, n) with whole turns taken off the way from `centre` (n,) or (M, n), as far as limits let them."""

@@ -373,7 +373,8 @@ class SetDistance:
     def _feet_of_batch(self, q: Array, within: Array) -> Array:
         """`feet` of a batch: all its starts are driven onto the set in one call."""
         known = (within > 0.0) & (within < np.inf)  # the ball is known at once
-        near, around = self._near(q), q[:, None] + within[:, None, None] * self._ball
+        near = self._near(q)
+        around = q[:, None] + np.where(known, within, 0.0)[:, None, None] * self._ball
         starts = [np.concatenate([q[i, None], around[i]]) if known[i] else q[i, None] for i in range(len(q))]
         onto = self._onto_set(starts)
         feet, far = self._walked(q, [np.concatenate(pair) for pair in zip(near, onto, strict=True)])

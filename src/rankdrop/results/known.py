@@ -37,6 +37,7 @@ from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import EVIDENCE, Assumption, UnrealSet, pins_in_q, slides_at_zero
 from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.remark import DerivationRemark
+from rankdrop.families.contradiction import Contradiction
 from rankdrop.families.lost import LostFreedom, freedoms_at_witness
 from rankdrop.families.record import Check, ExactConditions, Family, WrittenCondition, exact_of, family_from_metres
 from rankdrop.formula.equation import Equation
@@ -445,7 +446,7 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         assumptions=restored(tuple[Assumption, ...], record["assumptions"]),
         not_real=restored(tuple[UnrealSet, ...], record["unreal"]),
         explained=Check(record["explained"]["tested"], record["explained"]["explained"]),
-        disagreements=contradictions_of_sentences(record.get("disagreements", ())),
+        disagreements=_contradictions(record),
         complete=record["complete"],
         interrupted=record["interrupted"],
         left=(),  # of a complete derivation
@@ -461,6 +462,13 @@ def _facts(remark: DerivationRemark) -> Record:
     record: Record = plain(remark)
     given = [name for name in record if getattr(remark, name) != getattr(defaults, name)]
     return {name: record[name] for name in ("kind", *given)}
+
+
+def _contradictions(record: Record) -> tuple[Contradiction, ...]:
+    """What contradicts a stored derivation: nothing, but in files up to version 0.2, which have sentences."""
+    if not record.get("disagreements"):
+        return ()
+    return contradictions_of_sentences(record["disagreements"])
 
 
 def _remarks(record: Record) -> tuple[DerivationRemark, ...]:

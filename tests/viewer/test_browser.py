@@ -188,8 +188,8 @@ def test_nearest_never_lags_behind_the_verdict(
     regular = np.array([0.3, 0.5, 0.4, 0.2, 0.9, 0.6])
     viewer.session.set(regular)
     told = "Next:"
-    tab.until(lambda: told in tab.page.evaluate(LIT) and "● regular" in tab.page.evaluate(LIT))
-    assert "Verified:" in tab.page.evaluate(LIT)
+    wanted = ("● regular", told, "Verified:")  # sections of the page arrive one by one
+    tab.until(lambda: all(words in tab.page.evaluate(LIT) for words in wanted))
     held, explain = Event(), session.explain
 
     def waiting(*args: Any, **named: Any) -> Any:

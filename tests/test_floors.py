@@ -107,7 +107,8 @@ PUBLIC = frozenset(f"rankdrop.{name}" for name in rankdrop.__all__)
 
 
 RECORD = frozenset(
-    f"families.{name}" for name in ("contradiction", "facts", "lost", "name", "naming", "record", "summary")
+    f"families.{name}"
+    for name in ("contradiction", "facts", "lost", "name", "naming", "not_derived", "record", "summary", "unfinished")
 )
 """What a family is, however it was found."""
 

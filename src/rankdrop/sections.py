@@ -62,7 +62,9 @@ _WORDED = {
     "LostDirection": "rankdrop.text.directions", "FramedDirections": "rankdrop.text.directions",
     "Idealised": "rankdrop.text.ideal", "Nearest": "rankdrop.text.nearest",
     "ScrewSystem": "rankdrop.text.screw_systems", "AlwaysSingular": "rankdrop.text.screw_systems",
-    "Unfinished": "rankdrop.text.unfinished", "Contradiction": "rankdrop.text.contradictions",
+    "Unfinished": "rankdrop.text.unfinished", "NotDerived": "rankdrop.text.unfinished",
+    "Determinants": "rankdrop.text.determinants", "MinorsLeft": "rankdrop.text.determinants",
+    "Contradiction": "rankdrop.text.contradictions",
     "DerivationRemark": "rankdrop.text.remarks",
     "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",
 }  # fmt: skip

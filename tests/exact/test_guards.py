@@ -17,9 +17,9 @@ from rankdrop.exact.families import Reality
 from rankdrop.exact.family import merge
 from rankdrop.exact.letters import covered_by_numeric_tree, decided_by_numbers, splits
 from rankdrop.exact.tree import Drop, rank_tree
-from rankdrop.exact.unfinished import Unfinished
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.record import DIFFERS, exact_of
+from rankdrop.families.unfinished import Unfinished
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze

@@ -21,8 +21,8 @@ from rankdrop.exact.families import full_rank, real_points, real_sets, reality
 from rankdrop.exact.family import Unreal, alone, merge
 from rankdrop.exact.letters import sign_of
 from rankdrop.exact.tree import Drop
-from rankdrop.exact.unfinished import Unfinished
 from rankdrop.families.record import exact_of
+from rankdrop.families.unfinished import Unfinished
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -21,9 +21,9 @@ from rankdrop.codec import json_text
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.family import equations_of
-from rankdrop.exact.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.record import exact_of
+from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.results import known as shelf
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import candidates, from_stored, to_stored

@@ -27,7 +27,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.letters import sign_of
 from rankdrop.exact.stratum import atoms_on, meet
-from rankdrop.exact.unfinished import Unfinished, UnfinishedKind
+from rankdrop.families.unfinished import Unfinished, UnfinishedKind
 from rankdrop.formula.writing import RADIANS
 from rankdrop.lists import smallest_sets
 from rankdrop.robot.model import Array

@@ -21,9 +21,9 @@ from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import derive
 from rankdrop.exact.suppression import Suppression, suppress
 from rankdrop.exact.tree import Tree
-from rankdrop.exact.unfinished import Unfinished, UnfinishedKind
 from rankdrop.families.contradiction import TREE, Contradiction, ContradictionKind
 from rankdrop.families.record import Family
+from rankdrop.families.unfinished import Unfinished, UnfinishedKind
 from rankdrop.lists import flat_map
 from rankdrop.local.block import sample, singular_values
 from rankdrop.sections import words_of

@@ -39,11 +39,11 @@ from rankdrop.exact.family import (
 )
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
-from rankdrop.exact.unfinished import Unfinished, UnfinishedKind
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import distinct_names, lost_motions, name_family
 from rankdrop.families.record import Check, ExactConditions, Family, Order, exact_of, place_of
+from rankdrop.families.unfinished import Unfinished, UnfinishedKind
 from rankdrop.formula.equation import Equation, System
 from rankdrop.formula.writing import RADIANS, Condition, pin_of
 from rankdrop.lists import flat_map

@@ -10,9 +10,9 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.conjunctions import Derivation
 from rankdrop.exact.methods import derive
 from rankdrop.exact.tree import Tree
-from rankdrop.exact.unfinished import Unfinished
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.record import Check
+from rankdrop.families.unfinished import Unfinished
 from rankdrop.lists import flat_map
 
 UNTRIED = Check(0, 0)

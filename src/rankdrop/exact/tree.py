@@ -42,7 +42,7 @@ from rankdrop.algebra.ring import Form, Ring, Terms, replace_angles
 from rankdrop.algebra.work import OutOfTime, TooLong, Work, halt_of, spent, tick, watched
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.unfinished import Unfinished, UnfinishedKind
+from rankdrop.families.unfinished import Unfinished, UnfinishedKind
 from rankdrop.lists import flat_map
 from rankdrop.local.block import generic_rank
 

@@ -26,6 +26,7 @@ from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.contradiction import Contradiction
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
+from rankdrop.families.not_derived import NotDerived, NotDerivedKind
 from rankdrop.formula.equation import Equation, System
 from rankdrop.kinematics import one_configuration
 from rankdrop.problem import Problem
@@ -501,7 +502,6 @@ def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
 
 
 AGREES, DIFFERS, NOT_DERIVED = "agrees", "differs", "not derived"
-INTERRUPTED = "interrupted"
 ASKED = ("auto", "on", "off")
 
 
@@ -514,7 +514,7 @@ class Derivation:
             of the analysis are fitted to points.
         asked: "auto" or "on".
         seconds: the time limit; not what was spent, which no file holds.
-        reason: why nothing was derived; else "".
+        reason: why nothing was derived, `str` gives the words; None where the families were derived.
         letters: lengths that are symbols, and their values [m].
         shifts: θ = q + shift, per joint: exact conditions speak of θ [rad, m].
         disagreements: none where derivation and numerical tests agree; `str` gives a sentence.
@@ -523,7 +523,7 @@ class Derivation:
     status: str
     asked: str
     seconds: float
-    reason: str = ""
+    reason: NotDerived | None = None
     letters: Mapping[str, float] | None = None
     shifts: tuple[float, ...] = ()
     disagreements: tuple[Contradiction, ...] = ()
@@ -546,7 +546,7 @@ class Derivation:
     @property
     def interrupted(self) -> bool:
         """Whether the user asked to stop (Ctrl-C) before the conditions were derived."""
-        return self.reason == INTERRUPTED
+        return self.reason is not None and self.reason.kind is NotDerivedKind.INTERRUPTED
 
 
 _ON = 1e-9  # |f|/|∇f| and √|f| of every equation below this: on the family, no way to walk [rad]

@@ -20,10 +20,10 @@ from rankdrop.exact.family import Assumption, UnrealSet
 from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.remark import DerivationRemark
 from rankdrop.exact.undivided import UndividedSet
-from rankdrop.exact.unfinished import Unfinished
 from rankdrop.families.contradiction import Contradiction
 from rankdrop.families.record import Check, Family, exact_of
 from rankdrop.families.summary import FamilySummary, Verdict
+from rankdrop.families.unfinished import Unfinished
 from rankdrop.formula.notation import Step
 from rankdrop.lists import flat_map
 from rankdrop.questions import ConditionsOptions

@@ -1,4 +1,4 @@
-"""What contradicts a derivation in files: facts in the entry `contradictions`, sentences in `disagreements`."""
+"""A derivation in files: why it is none, in words; what contradicts it, as facts and in sentences."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from rankdrop.codec import Record, restored
 from rankdrop.families.contradiction import Contradiction
 from rankdrop.families.record import Derivation
 from rankdrop.results.names import name_from_dict
-from rankdrop.results.old_sentences import contradictions_of_sentences
+from rankdrop.results.old_sentences import contradictions_of_sentences, reason_of_sentence
 
 _KINDS: dict[str, Any] = {name: kind for name, kind in get_type_hints(Contradiction).items() if name != "called"}
 """Entry that is a field of a contradiction as it stands -> its type."""
-_ENTRIES: dict[str, Any] = {name: kind for name, kind in get_type_hints(Derivation).items() if name != "disagreements"}
+_WORDED = ("reason", "disagreements")
+"""Entries of a derivation that are words."""
+_ENTRIES: dict[str, Any] = {name: kind for name, kind in get_type_hints(Derivation).items() if name not in _WORDED}
 """Entry that is a field of a derivation as it stands -> its type."""
 
 
@@ -23,7 +25,12 @@ def derivation_from_dict(record: Record) -> Derivation:
     Raises:
         ValueError: an entry is missing, or is something else.
     """
-    return Derivation(**_fields(_ENTRIES, record), disagreements=_contradictions(record))
+    reason = restored(str, record.get("reason", ""))
+    return Derivation(
+        **_fields(_ENTRIES, record),
+        reason=reason_of_sentence(reason),
+        disagreements=_contradictions(record),
+    )
 
 
 def _fields(kinds: Mapping[str, Any], record: Record) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Facts of the sentences on a derivation that files up to version 0.2 hold: remarks, and what contradicts it.
+"""Facts of the sentences on a derivation: why there is none, and up to version 0.2 remarks and what contradicts it.
 
 A sentence that no reader here knows, or that its facts would word in another way, is kept as it is.
 """
@@ -13,6 +13,7 @@ from rankdrop.exact.arm.geometry import Deviation
 from rankdrop.exact.family import EqualLengths
 from rankdrop.exact.remark import DerivationRemark, RemarkOn
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
+from rankdrop.families.not_derived import NotDerived, NotDerivedKind
 from rankdrop.results.old_files import name_of_words
 
 _Groups = tuple[str, ...]
@@ -38,6 +39,24 @@ def contradictions_of_sentences(sentences: Iterable[str]) -> tuple[Contradiction
         ('GENERIC_RANK', 3, 4)
     """
     return tuple(map(_contradiction, sentences))
+
+
+def reason_of_sentence(sentence: str) -> NotDerived | None:
+    """Why nothing was derived, of its sentence; None for "", where the families were derived.
+
+    Example:
+        >>> reason_of_sentence("the derivation takes more than 30 s").seconds
+        30.0
+    """
+    if not sentence:
+        return None
+    for pattern, make in _REASONS:
+        match = re.match(pattern, sentence)
+        if match is not None:
+            reason = make(match.groups())
+            if str(reason) == sentence:
+                return reason
+    return NotDerived(NotDerivedKind.STORED, text=sentence)
 
 
 def _remark(sentence: str) -> DerivationRemark:
@@ -125,6 +144,16 @@ _REMARKS: Sequence[tuple[str, Callable[[_Groups], DerivationRemark]]] = (
      r"with 50 digits, the rank does not drop there(?: \(smallest σ (.+)\))?\Z", _near_misses),
 )  # fmt: skip
 """Sentences of remarks, and what makes the facts of their parts."""
+
+
+_REASONS: Sequence[tuple[str, Callable[[_Groups], NotDerived]]] = (
+    (r"the derivation takes more than (.+) s\Z",
+     lambda groups: NotDerived(NotDerivedKind.TIME, seconds=float(groups[0]))),
+    (r"interrupted\Z", lambda _: NotDerived(NotDerivedKind.INTERRUPTED)),
+    (r"(\d+) cases? (?:was|were) not taken apart\Z",
+     lambda groups: NotDerived(NotDerivedKind.UNDIVIDED, number=int(groups[0]))),
+)  # fmt: skip
+"""Reasons why nothing was derived, and what makes the facts of their parts."""
 
 
 def _off_families(groups: _Groups) -> Contradiction:

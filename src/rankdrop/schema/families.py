@@ -219,12 +219,22 @@ CONTRADICTION = table(
     called=(optional(CALLED), "", lambda one: one.called or UNSET),
     q=many(num("joint")),
 )
+
+
+def _reason(derivation: Derivation) -> str:
+    """Why nothing was derived, in words; "" where the families were derived."""
+    if derivation.reason is None:
+        return ""
+    return str(derivation.reason)
+
+
 EXACT = table(
     "exact",
     of=Derivation,
     status=Literal["agrees", "differs", "not derived"],
     asked=Literal["auto", "on"],
     seconds=num("s", gt=0),
+    reason=(optional(str), 'why nothing was derived; else "".', _reason),
     letters=mapping(num("m")) | None,
     shifts=many(num("joint")),
     disagreements=(optional(many(str)), "sentences; none where derivation and numerical tests agree",
@@ -386,7 +396,12 @@ MINORS = table(
     python=(str, "in q1 …, sin, cos and the lengths", lambda one: one.value.code(Python(shifts=one.shifts))),
     c=(str, "in q[0] … and the lengths", lambda one: one.value.code(C(shifts=one.shifts))),
 )
-DETERMINANTS = table("determinants", of=Determinants, minors=many(MINORS))
+DETERMINANTS = table(
+    "determinants",
+    of=Determinants,
+    minors=many(MINORS),
+    left=(optional(many(str)), "what was not done within the limit on work.", lambda found: list(map(str, found.left))),
+)
 CONDITIONS_FAMILY = table(
     "conditions_family",
     id=text(pattern="^k[1-6]\\.f[1-9][0-9]*$"),

@@ -48,6 +48,7 @@ from rankdrop.text.families import share_text
 from rankdrop.text.lost import lost_line, lost_note, lost_sentences
 from rankdrop.text.special import family_label
 from rankdrop.text.structure import reason_text
+from rankdrop.text.unfinished import cases_words
 from rankdrop.version import VERSION
 
 _TOGETHER = 64  # characters up to which all conditions of a family stand on one line
@@ -274,7 +275,7 @@ def _example(one: Any, robot: Robot) -> str:
 
 def undivided_sentence(conditions: Any) -> str:
     """How many cases were not taken apart: "4 cases were not taken apart"."""
-    return f"{count(len(conditions.undivided), 'case was', 'cases were')} not taken apart"
+    return cases_words(len(conditions.undivided))
 
 
 def unfinished_text(conditions: Any) -> str:
@@ -694,7 +695,7 @@ def _apart(analysis: Any, derived: Any) -> str:
         return "; the exact conditions are not complete"
     if analysis.exact is None:
         return "; exact conditions were not asked for"
-    return f"; exact conditions were not derived, {analysis.exact.reason.rstrip('.')}"
+    return f"; exact conditions were not derived, {str(analysis.exact.reason).rstrip('.')}"
 
 
 def _failures(analysis: Any) -> Iterator[Failure]:

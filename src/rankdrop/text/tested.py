@@ -1,4 +1,4 @@
-"""What the search of an analysis says of its derivation, and of the rank, in words."""
+"""What the search of an analysis says of the rank, in words."""
 
 from __future__ import annotations
 
@@ -6,11 +6,6 @@ from collections.abc import Sequence
 
 from rankdrop.robot.quantities import count
 from rankdrop.task import Task
-
-
-def too_long(seconds: float) -> str:
-    """Why nothing was derived: the limit on work."""
-    return f"the derivation takes more than {seconds:g} s"
 
 
 def rank_note(task: Task, joints: int, rank: int, served: Sequence[str]) -> str:

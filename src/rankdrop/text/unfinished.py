@@ -1,10 +1,11 @@
-"""What a derivation did not finish, and what ended it, in words."""
+"""What a derivation did not finish, what ended it, and why there is none, in words."""
 
 from __future__ import annotations
 
 from rankdrop.algebra.halt import Halt, HaltKind
 from rankdrop.algebra.polynomial import PRIMES
-from rankdrop.exact.unfinished import Unfinished, UnfinishedKind
+from rankdrop.families.not_derived import NotDerived, NotDerivedKind
+from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.options import advised
 from rankdrop.robot.quantities import count
 
@@ -26,6 +27,20 @@ _HALTS = {
     HaltKind.EXCEPTIONAL_CASES: "{number} exceptional cases",
 }
 """What ended a derivation: a limit, or the step for which no time was left."""
+PHASES = {
+    Phase.TREE: "the rank tree",
+    Phase.FAMILIES: "the families",
+    Phase.METHOD: "the method for corank 1",
+    Phase.HIGHER: "coranks above 1",
+    Phase.STEPS: "the steps",
+    Phase.DETERMINANT: "the determinant",
+    Phase.POINTS: "sets without points",
+    Phase.UNDIVIDED: "the undivided cases",
+    Phase.CASES: "the cases that were not taken apart",
+    Phase.ASSUMPTIONS: "the assumptions",
+    Phase.SPECIAL: "arms of special lengths",
+}
+"""Phase of a derivation -> the name that its progress shows."""
 _UNFINISHED = {
     UnfinishedKind.PHASE: "{phase}: {halt}",
     UnfinishedKind.NOT_RUN: "{phase}",
@@ -49,6 +64,16 @@ _UNFINISHED = {
     UnfinishedKind.ASSUMPTION: "{conditions} is assumed, which is not true of this arm",
 }
 """What was not finished; sets without points have more to say."""
+
+_NOT_DERIVED = {
+    NotDerivedKind.ERROR: "{error}: {message}",
+    NotDerivedKind.TIME: "the derivation takes more than {seconds:g} s",
+    NotDerivedKind.INTERRUPTED: "interrupted",
+    NotDerivedKind.UNDIVIDED: "{cases}",
+    NotDerivedKind.UNFINISHED: "{unfinished}",
+    NotDerivedKind.STORED: "{text}",
+}
+"""Why the families were not derived; an error that rankdrop raises on purpose has its own words."""
 
 
 def halt_words(halt: Halt) -> str:
@@ -80,13 +105,38 @@ def unfinished_words(unfinished: Unfinished) -> str:
         halt = halt_words(unfinished.halt)
     phase = ""
     if unfinished.phase is not None:
-        phase = unfinished.phase.value
+        phase = PHASES[unfinished.phase]
     number = unfinished.number
     return _UNFINISHED[unfinished.kind].format(
         halt=halt, phase=phase, method=_method(unfinished), corank=unfinished.corank, rank=unfinished.rank,
         number=number, total=unfinished.total, conditions=unfinished.conditions,
         systems=count(number, "system of conditions", "systems of conditions"), polynomials=count(number, "polynomial"),
     )  # fmt: skip
+
+
+def not_derived_words(reason: NotDerived) -> str:
+    """Why the families of an arm were not derived.
+
+    Example:
+        >>> not_derived_words(NotDerived(NotDerivedKind.TIME, seconds=30.0))
+        'the derivation takes more than 30 s'
+    """
+    if reason.kind is NotDerivedKind.ERROR and not reason.error:
+        return reason.message
+    return _NOT_DERIVED[reason.kind].format(
+        error=reason.error, message=reason.message, seconds=reason.seconds, cases=cases_words(reason.number),
+        unfinished="; ".join(map(str, reason.unfinished)), text=reason.text,
+    )  # fmt: skip
+
+
+def cases_words(number: int) -> str:
+    """How many cases were not taken apart.
+
+    Example:
+        >>> cases_words(4)
+        '4 cases were not taken apart'
+    """
+    return f"{count(number, 'case was', 'cases were')} not taken apart"
 
 
 def _method(unfinished: Unfinished) -> str:

@@ -13,11 +13,11 @@ from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import derived_in_units
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.inspection import DIGITS, FOLLOWED
+from rankdrop.families.not_derived import NotDerived, NotDerivedKind
 from rankdrop.families.pictured import posed
 from rankdrop.families.record import (
     AGREES,
     DIFFERS,
-    INTERRUPTED,
     NOT_DERIVED,
     CorankFamilies,
     Derivation,
@@ -39,9 +39,8 @@ from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_aspects, known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
-from rankdrop.text.conditions import undivided_sentence
 from rankdrop.text.families import SPEEDS_INTERRUPTED, mistaken_text
-from rankdrop.text.tested import rank_note, too_long
+from rankdrop.text.tested import rank_note
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, task_in_units
 from rankdrop.version import VERSION
@@ -86,32 +85,32 @@ def derive(
 
 def _derived(
     robot: Robot, task: Task, exact: str, seconds: float, *, seed: int, fresh: bool, progress: Progress | None
-) -> tuple[Conditions | None, str]:
+) -> tuple[Conditions | None, NotDerived | None]:
     """The complete derivation, shipped or made now; else None and why there is none."""
     try:
         derived = _shipped_or_made(robot, task, seconds, seed=seed, fresh=fresh, progress=progress)
     except RankdropError as error:
         if exact == "on":
             raise
-        return None, str(error)
+        return None, NotDerived(NotDerivedKind.ERROR, message=str(error))
     except KeyboardInterrupt:
-        return None, INTERRUPTED
+        return None, NotDerived(NotDerivedKind.INTERRUPTED)
     except Exception as error:  # the sampled result does not depend on the derivation
-        return None, f"{type(error).__name__}: {error}"
+        return None, NotDerived(NotDerivedKind.ERROR, error=type(error).__name__, message=str(error))
     if derived.interrupted:
-        return None, INTERRUPTED
+        return None, NotDerived(NotDerivedKind.INTERRUPTED)
     if derived.in_families:
-        return derived, ""
+        return derived, None
     return None, _why_incomplete(derived, seconds)
 
 
-def _why_incomplete(derived: Conditions, seconds: float) -> str:
+def _why_incomplete(derived: Conditions, seconds: float) -> NotDerived:
     """Why not all singular configurations are on derived families."""
     if derived.undivided:
-        return undivided_sentence(derived)
+        return NotDerived(NotDerivedKind.UNDIVIDED, number=len(derived.undivided))
     if derived.limited:
-        return too_long(seconds)
-    return "; ".join(map(str, derived.left))
+        return NotDerived(NotDerivedKind.TIME, seconds=seconds)
+    return NotDerived(NotDerivedKind.UNFINISHED, unfinished=derived.left)
 
 
 def _shipped_or_made(

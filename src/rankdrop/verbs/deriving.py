@@ -49,12 +49,12 @@ from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.remark import DerivationRemark, RemarkOn, chain_remarks, followers, near_structure
 from rankdrop.exact.tree import Drop, OpenCase, Tree, rank_tree
 from rankdrop.exact.undivided import UndividedSet, cases_in_whole_angles, undivided_sets
-from rankdrop.exact.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.inspection import FOLLOWED, descents, near_misses
 from rankdrop.families.pictured import posed
 from rankdrop.families.points import Cloud, cloud, explained
 from rankdrop.families.record import Check, Family, exact_of
+from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.formula.equation import Equation
 from rankdrop.formula.notation import Step
 from rankdrop.local.block import generic_rank, singular_values
@@ -65,6 +65,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import read_joints
 from rankdrop.task import Task
 from rankdrop.text.by_hand import every_step
+from rankdrop.text.unfinished import PHASES
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units
 from rankdrop.verbs.found_coranks import tried_numerically
@@ -407,7 +408,7 @@ def _unless_interrupted(
 ) -> Made:
     """What is made with a share of the work that is left; `otherwise` where it fails or the user has asked to stop."""
     if not work.interrupted:
-        work.show(phase.value, 0, 1)
+        work.show(PHASES[phase], 0, 1)
         own = Work(max(_SHARE * work.left, 0.1), work.seed)
         try:
             return _guarded(phase, lambda: make(own), otherwise, left)
@@ -476,7 +477,7 @@ def _assumptions(
 ) -> Sequence[Assumption]:
     """What is assumed of the lengths; arms of special lengths are derived where that is wanted and work is left."""
     if derive and not work.interrupted:
-        work.show(Phase.SPECIAL.value, 0, 1)
+        work.show(PHASES[Phase.SPECIAL], 0, 1)
         try:
             with work.share(_SHARE):
                 return assumptions(chain, tree.drops, lowest, work, derive=True)

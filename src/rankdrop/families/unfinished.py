@@ -10,19 +10,19 @@ from rankdrop.sections import words_of
 
 
 class Phase(StrEnum):
-    """A phase of a derivation, by the name that its progress shows."""
+    """A phase of a derivation."""
 
-    TREE = "the rank tree"
-    FAMILIES = "the families"
-    METHOD = "the method for corank 1"
-    HIGHER = "coranks above 1"
-    STEPS = "the steps"
-    DETERMINANT = "the determinant"
-    POINTS = "sets without points"
-    UNDIVIDED = "the undivided cases"
-    CASES = "the cases that were not taken apart"
-    ASSUMPTIONS = "the assumptions"
-    SPECIAL = "arms of special lengths"
+    TREE = "tree"
+    FAMILIES = "families"
+    METHOD = "method"
+    HIGHER = "higher coranks"
+    STEPS = "steps"
+    DETERMINANT = "determinant"
+    POINTS = "points"
+    UNDIVIDED = "undivided"
+    CASES = "cases"
+    ASSUMPTIONS = "assumptions"
+    SPECIAL = "special"
 
 
 class UnfinishedKind(StrEnum):
@@ -34,7 +34,7 @@ class UnfinishedKind(StrEnum):
     RANK = "sets of a rank"
     SYSTEMS = "systems"
     UNSEARCHED = "sets not searched"
-    STRAYS = "conditions hold at higher rank"
+    STRAYS = "strays"
     DEPENDENT = "dependent conditions"
     REAL_POINTS = "real points"
     NO_POINTS = "sets without points"

@@ -158,3 +158,11 @@ def test_a_minor_is_named_by_what_it_takes(of: MinorOf, name: str, mark: str) ->
     one = Value(ring, ring.trig.constant(1), None)
     minor = Minor(of, (1, 3), ("vx", "wz"), "", one, (0.0, 0.0), "J11")
     assert (minor.name, minor.mark) == (name, mark)
+
+
+def test_minors_that_no_time_is_left_for_are_facts() -> None:
+    """PA-10 has 7 minors of 6 columns: each is named in text and JSON, none of them computed."""
+    found = determinants_of(exact_chain(open_robot("pa10")), Work(-1.0))
+    assert [left.joints for left in found.left] == list(combinations(range(1, 8), 6))
+    assert found.lines()[1] == "not done: |$1 $2 $3 $4 $5 $6|"
+    assert encode(DETERMINANTS, found)["left"] == [str(left) for left in found.left]

@@ -67,7 +67,7 @@ from rankdrop.lists import flat_map
 from rankdrop.local.axes import Scene
 from rankdrop.local.block import sample
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import Formula, words_of
+from rankdrop.sections import words_of
 from rankdrop.task import ROWS
 from rankdrop.tolerances import DEFAULT, ENTRY
 from rankdrop.units import out_of_units
@@ -481,6 +481,28 @@ def _entries(of: MinorOf, joints: Sequence[int], rows: Sequence[str]) -> tuple[t
     return tuple((letter, str(joint)) for joint in joints)
 
 
+@dataclass(frozen=True)
+class MinorsLeft:
+    """Minors that were not computed within the limit on work.
+
+    Attributes:
+        of: the rows and columns of the only one; None where several more were not tried.
+        joints: of its columns, numbered from 1, in order.
+        rows: of the task, out of vx … wz, in order.
+        number: of minors.
+    """
+
+    of: MinorOf | None = None
+    joints: tuple[int, ...] = ()
+    rows: tuple[str, ...] = ()
+    number: int = 1
+
+    def __str__(self) -> str:
+        """In words: "|J1 J3|", or "3 more minors"."""
+        words: str = words_of(self).minors_left_words(self)
+        return words
+
+
 @dataclass(frozen=True, eq=False)
 class Determinants:
     """What there is to say of the determinants of an arm.
@@ -490,13 +512,13 @@ class Determinants:
             none.
         meaning: what the minors are, and where the rank drops, in a sentence.
         minors: the determinant or the minors, those that vanish everywhere too; of blocks first, det J last.
-        left: what was not done within the limit on work.
+        left: minors that were not computed within the limit on work.
     """
 
     product: str
     meaning: str
     minors: tuple[Minor, ...]
-    left: tuple[str, ...] = ()
+    left: tuple[MinorsLeft, ...] = ()
 
     def lines(self, most: int | None = FOLDED) -> tuple[str, ...]:
         """In text.
@@ -504,15 +526,8 @@ class Determinants:
         Args:
             most: factors of more characters are told by their size; None for none.
         """
-        found = [self.meaning]
-        for one in self.minors:
-            found += [one.about] if one.about else []
-            if self.product and one.of is MinorOf.BLOCK and one.matrix == "J":
-                name = self.product
-            else:
-                name = one.name
-            found.append(Formula(f"{name} = {one.value.text(most)}"))
-        return (*found, *(f"not done: {what}" for what in self.left))
+        told: tuple[str, ...] = words_of(self).lines(self, most)
+        return told
 
     def folded(self) -> bool:
         """Whether `lines` tells a factor by its size."""
@@ -539,7 +554,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
     if split is not None:
         return _decoupled(chain, split)
     minors: list[Minor] = []
-    left: list[str] = []
+    left: list[MinorsLeft] = []
     shifts = tuple(map(float, chain.whole_shifts))
     chosen = list(maximal_minors(chain))
     for of, joints, rows in chosen[:MOST]:
@@ -554,11 +569,11 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
                 found = found
             value = _value(chain.ring, found, work)
         except OutOfTime:
-            left.append(minor_name(of, joints, words))
+            left.append(MinorsLeft(of, joints, words))
             continue
         minors.append(Minor(of, joints, words, "", value, shifts))
     if len(chosen) > MOST:
-        left.append(f"{len(chosen) - MOST} more minors")
+        left.append(MinorsLeft(number=len(chosen) - MOST))
     return Determinants("", _meaning(chain), tuple(minors), tuple(left))
 
 

@@ -58,7 +58,7 @@ def analysis_table(analysis: Any) -> Section:
     if near is None:
         shares = {}
     else:
-        shares = {one.id: share_cell(one) for one in near.families}
+        shares = {share.id: share_cell(share) for share in near.families}
     rows, letters = [], False
     for family in analysis.families:
         exact = _short_condition(family)
@@ -132,7 +132,7 @@ def _asked(robot: Robot, family: Family, exact: str) -> str:
     if not family.named:
         return "no condition found"
     names = symbols(robot)
-    parts = [f"{names[one.number - 1]} = {_values(robot, one)}" for one in family.pinned]
+    parts = [f"{names[pin.number - 1]} = {_values(robot, pin)}" for pin in family.pinned]
     if family.coupled:
         parts.append(exact or _function(names[number - 1] for number in family.coupled))
     return "; ".join(parts) or "every configuration"
@@ -164,14 +164,14 @@ def lost_section(
     robot: Robot, task: Task, generic_rank: int, families: Sequence[Family]
 ) -> Section | None:
     """What is lost on the families of the highest rank; None where there is none."""
-    first = min((one.corank for one in families), default=0)
-    mine = [one for one in families if one.corank == first]
+    first = min((family.corank for family in families), default=0)
+    mine = [family for family in families if family.corank == first]
     if not mine:
         return None
     lines = tuple(
-        f"{family_label(robot, task, one)}: {'; '.join(lost_sentences(one.lost_freedoms))}" for one in mine
+        f"{family_label(robot, task, family)}: {'; '.join(lost_sentences(family.lost_freedoms))}" for family in mine
     )
-    freedoms = chain.from_iterable(one.lost_freedoms for one in mine)
+    freedoms = chain.from_iterable(family.lost_freedoms for family in mine)
     note = lost_note(robot, freedoms)
     return Section(f"Lost at rank {generic_rank - first}", lines=lines, notes=(note,) if note else ())
 
@@ -198,7 +198,7 @@ def compared_sentence(names: Sequence[str], task: str, best: Mapping[str, Sequen
 
 def compared_arms(names: Sequence[str], records: Sequence[Mapping[str, Any]]) -> Section:
     """Each of several arms in a line: its families by corank, or what could not be measured."""
-    lines = tuple(f"{name}: {_measured(one)}" for name, one in zip(names, records, strict=True))
+    lines = tuple(f"{name}: {_measured(record)}" for name, record in zip(names, records, strict=True))
     more = f"every family with its share, and how it was verified: {advised('full')}"
     return Section("Families", lines=lines, notes=(more,))
 
@@ -209,9 +209,9 @@ def _measured(record: Mapping[str, Any]) -> str:
     else:
         parts = []
     families = record.get("families", [])
-    coranks = sorted({one["corank"] for one in families})
+    coranks = sorted({family["corank"] for family in families})
     for corank in coranks:
-        mine = [one for one in families if one["corank"] == corank]
+        mine = [family for family in families if family["corank"] == corank]
         named = ", ".join(dict.fromkeys(map(_label_of, mine)))
         parts.append(f"{named if corank == coranks[0] else len(mine)} (corank {corank})")
     if record.get("verdict", "verified") != "verified":
@@ -231,7 +231,7 @@ def _label_of(family: dict[str, Any]) -> str:
 
 def assumed_line(conditions: Any) -> str:
     """How many assumptions on the lengths were made, and which of them does not hold."""
-    wrong = [one.text for one in conditions.assumptions if not one.holds]
+    wrong = [assumption.text for assumption in conditions.assumptions if not assumption.holds]
     if not conditions.assumptions:
         return ""
     if wrong:
@@ -304,7 +304,8 @@ def speed_section(analysis: Any) -> Section | None:
     else:
         lines = (slow_line(analysis.slow),)
     rows = [
-        (one.family, names.get(one.family, ""), _joints_of(one), _kept(one), _slower(one)) for one in told.distances
+        (distance.family, names.get(distance.family, ""), _joints_of(distance), _kept(distance), _slower(distance))
+        for distance in told.distances
     ]
     return Section(
         f"Speed {pace}", "how far the arm has to stay from each family",
@@ -324,65 +325,65 @@ def _speed_notes(robot: Robot, told: Any, names: Mapping[str, str]) -> Iterator[
     if told.free:
         free = ", ".join(map(str, told.free))
         yield f"joint{'s' if len(told.free) > 1 else ''} {free}: any value, the speed does not depend on it"
-    if any(one.spent for one in told.distances):
+    if any(distance.spent for distance in told.distances):
         yield "≤: the boxes allowed were spent, a smaller distance may hold"
     yield from _measure_notes(told.distances)
     if told.others:
-        others = ", ".join(f"{names.get(one, '')} ({one})" for one in told.others)
+        others = ", ".join(f"{names.get(other, '')} ({other})" for other in told.others)
         yield f"{others}: nothing proven, as no single distance measures several conditions on joints, or slides"
 
 
 def _measure_notes(distances: Sequence[SpeedDistance]) -> Iterator[str]:
     """What distances of several joints count."""
-    if any(one.measure == "joints" for one in distances):
+    if any(distance.measure == "joints" for distance in distances):
         yield "several joints: the largest of their distances counts, one joint that stays away is enough"
-    if any(one.unit == "m" for one in distances):
+    if any(distance.unit == "m" for distance in distances):
         yield (
             "mm: distance of the point in which the last two axes meet from the plane through axis 1 along axis 2; it "
             "is zero on the family"
         )
-    if any(one.unit == "1" for one in distances):
+    if any(distance.unit == "1" for distance in distances):
         yield "|f|: f = 0 is the condition of the family, as listed above"
-    residuals = [one for one in distances if one.measure == "residual"]
+    residuals = [distance for distance in distances if distance.measure == "residual"]
     if residuals:
-        ends = ", ".join(f"{one.joint} to {degrees(one.value):.4g}°" for one in residuals)
+        ends = ", ".join(f"{distance.joint} to {degrees(distance.value):.4g}°" for distance in residuals)
         yield f"the region goes on to the family: {ends}".replace("-", "−")
 
 
-def _joints_of(one: SpeedDistance) -> str:
+def _joints_of(distance: SpeedDistance) -> str:
     """The joints that a distance is of: a name, or numbers."""
-    if one.measure == "joint":
-        return one.joint
-    return ", ".join(map(str, one.numbers))
+    if distance.measure == "joint":
+        return distance.joint
+    return ", ".join(map(str, distance.numbers))
 
 
-def _kept(one: SpeedDistance) -> str:
+def _kept(distance: SpeedDistance) -> str:
     """The proven distance, rounded up: "from 8.7° off 0°"."""
-    if one.kept_from is None:
+    if distance.kept_from is None:
         return "nowhere proven"
-    if one.kept_from == 0.0:
+    if distance.kept_from == 0.0:
         return "everywhere in the region"
-    if one.spent:
+    if distance.spent:
         sign = "≤ "
     else:
         sign = ""
-    if one.unit == "m":
-        return f"{sign}{ceil(round(1e3 * one.kept_from, 6))} mm"
-    if one.unit == "1":
-        return f"{sign}|f| = {ceil(round(1e3 * one.kept_from, 6)) / 1e3:.3f}"
-    off = ceil(round(10 * degrees(one.kept_from), 6)) / 10
-    values = ", ".join(f"{degrees(value):.4g}°" for value in one.values or (one.value,))
+    if distance.unit == "m":
+        return f"{sign}{ceil(round(1e3 * distance.kept_from, 6))} mm"
+    if distance.unit == "1":
+        return f"{sign}|f| = {ceil(round(1e3 * distance.kept_from, 6)) / 1e3:.3f}"
+    off = ceil(round(10 * degrees(distance.kept_from), 6)) / 10
+    values = ", ".join(f"{degrees(value):.4g}°" for value in distance.values or (distance.value,))
     return f"{sign}{off:.1f}° from {values}".replace("-", "−")
 
 
-def _slower(one: SpeedDistance) -> str:
+def _slower(distance: SpeedDistance) -> str:
     """The slower configuration that is farthest: "248 mm/s at 8.5°"."""
-    if one.slower_at is None or one.slower_speed is None:
+    if distance.slower_at is None or distance.slower_speed is None:
         return ""
-    if one.unit == "m":
-        away = f"{floor(1e3 * one.slower_at)} mm"
-    elif one.unit == "1":
-        away = f"|f| = {floor(1e3 * one.slower_at) / 1e3:.3f}"
+    if distance.unit == "m":
+        away = f"{floor(1e3 * distance.slower_at)} mm"
+    elif distance.unit == "1":
+        away = f"|f| = {floor(1e3 * distance.slower_at) / 1e3:.3f}"
     else:
-        away = f"{floor(10 * degrees(one.slower_at)) / 10:.1f}°"
-    return f"{floor(10_000 * one.slower_speed) / 10:.1f} mm/s at {away}"
+        away = f"{floor(10 * degrees(distance.slower_at)) / 10:.1f}°"
+    return f"{floor(10_000 * distance.slower_speed) / 10:.1f} mm/s at {away}"

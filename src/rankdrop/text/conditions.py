@@ -223,8 +223,8 @@ def _why_lowest(conditions: Any) -> str:
 def _undivided(conditions: Any) -> Iterator[Section]:
     """Cases that were not taken apart, with a configuration on each."""
     lines: list[str] = []
-    for number, one in enumerate(conditions.undivided, 1):
-        lines += [f"case {number}: {undivided_words(one)}", f"{_INSET}{_example(one, conditions.robot)}"]
+    for number, case in enumerate(conditions.undivided, 1):
+        lines += [f"case {number}: {undivided_words(case)}", f"{_INSET}{_example(case, conditions.robot)}"]
     if lines:
         cases = "the rank is lower exactly where the conditions of a case hold and its minors vanish"
         yield Section("Not taken apart", cases, tuple(lines), notes=_case_notes(conditions))
@@ -233,23 +233,23 @@ def _undivided(conditions: Any) -> Iterator[Section]:
 def _case_notes(conditions: Any) -> tuple[str, ...]:
     """What sines and cosines in the conditions of cases are called, where no family's conditions say so."""
     of_families = any(len(family.texts) > len(exact_of(family).pins) for family in conditions.families)
-    of_cases = any(len(one.texts) > len(one.pins) for one in conditions.undivided)
+    of_cases = any(len(case.texts) > len(case.pins) for case in conditions.undivided)
     if of_cases and not of_families:
         return (_LEGEND,)
     return ()
 
 
-def undivided_words(one: Any) -> str:
+def undivided_words(case: Any) -> str:
     """A case that was not taken apart, by its conditions and minors: "corank 1 or more where θ5 = 0, and …"."""
-    if one.texts and sum(map(len, one.texts)) <= _CASE:
-        parts = [*one.texts]
+    if case.texts and sum(map(len, case.texts)) <= _CASE:
+        parts = [*case.texts]
     else:
-        parts = [pin.text() for pin in one.pins]
-        if one.polynomials:
-            parts.append(_polynomial_words(one.polynomials))
-    minors = f"{count(one.minors, 'minor vanishes', 'minors vanish')}, of order {one.order}"
-    degree = f"degree at most {one.degree} in sines and cosines"
-    return f"corank {one.corank} or more where {', '.join(parts)}, and {minors} ({degree})"
+        parts = [pin.text() for pin in case.pins]
+        if case.polynomials:
+            parts.append(_polynomial_words(case.polynomials))
+    minors = f"{count(case.minors, 'minor vanishes', 'minors vanish')}, of order {case.order}"
+    degree = f"degree at most {case.degree} in sines and cosines"
+    return f"corank {case.corank} or more where {', '.join(parts)}, and {minors} ({degree})"
 
 
 def _polynomial_words(polynomials: Sequence[Any]) -> str:
@@ -263,14 +263,14 @@ def _polynomial_words(polynomials: Sequence[Any]) -> str:
     return f"{len(polynomials)} polynomials in joints {joints} vanish together (degrees {size})"
 
 
-def _example(one: Any, robot: Robot) -> str:
+def _example(case: Any, robot: Robot) -> str:
     """A configuration of a case, or that none was found."""
-    if one.witness is None:
-        return f"no real configuration was found from {one.starts} starts, which proves nothing"
-    where = witness_text(robot, one.witness)
-    if one.off:
-        return f"for example {where}, on no family; {one.off} of {one.found} found are on none"
-    return f"for example {where}; all {one.found} configurations found are on families too"
+    if case.witness is None:
+        return f"no real configuration was found from {case.starts} starts, which proves nothing"
+    where = witness_text(robot, case.witness)
+    if case.off:
+        return f"for example {where}, on no family; {case.off} of {case.found} found are on none"
+    return f"for example {where}; all {case.found} configurations found are on families too"
 
 
 def undivided_sentence(conditions: Any) -> str:
@@ -287,7 +287,7 @@ def _condition_notes(conditions: Any) -> Iterator[str]:
     """What letters in the conditions and in lost motions mean, and where all digits stand."""
     families = conditions.families
     exact = [*map(exact_of, families)]
-    texts = [*chain.from_iterable(one.conditions[len(one.pins) :] for one in exact)]
+    texts = [*chain.from_iterable(derived.conditions[len(derived.pins) :] for derived in exact)]
     if texts:
         yield _LEGEND
     lost = lost_note(conditions.robot, chain.from_iterable(family.lost_freedoms for family in families))
@@ -311,8 +311,8 @@ def _family(family: Family, robot: Robot) -> Iterator[str]:
     lines, exact = [*condition_lines(family)], exact_of(family)
     shifted = {pin.joint for pin in exact.pins if exact.shifts[pin.joint - 1]}
     if shifted:
-        own = [one for one in family.pinned if one.number in shifted]
-        values = (f"q{one.number} = {values_in_degrees(robot, one.number, one.values)}" for one in own)
+        own = [pin for pin in family.pinned if pin.number in shifted]
+        values = (f"q{pin.number} = {values_in_degrees(robot, pin.number, pin.values)}" for pin in own)
         lines.append(f"the joint's own value: {'; '.join(values)}")
     if exact.reality:
         lines += [f"{exact.reality}; here it is"]
@@ -325,7 +325,7 @@ def _family(family: Family, robot: Robot) -> Iterator[str]:
 
 def _witness(family: Family, robot: Robot) -> list[str]:
     """The witness, where what is lost there is reported."""
-    if all(one.everywhere for one in family.lost_freedoms):
+    if all(freedom.everywhere for freedom in family.lost_freedoms):
         return []
     return [Formula(f"witness: {witness_text(robot, family.witness)}")]
 
@@ -362,13 +362,15 @@ def condition_lines(family: Family) -> list[str]:
 
 def _assumed(conditions: Any) -> Iterator[Section]:
     lines = []
-    for one in conditions.assumptions:
-        if one.equal and one.families:
-            lines += [f"{one.text} ({_holds(one, conditions)}); {_case(one.equal)}:"]
-            lines += [f"    {part}" for part in _special_losses(one)]
-        elif not one.holds:
-            lines.append(f"{one.text} ({_holds(one, conditions)}); what this arm has besides was not derived")
-    others = [one.text for one in conditions.assumptions if one.holds and not one.families]
+    for assumption in conditions.assumptions:
+        if assumption.equal and assumption.families:
+            lines += [f"{assumption.text} ({_holds(assumption, conditions)}); {_case(assumption.equal)}:"]
+            lines += [f"    {part}" for part in _special_losses(assumption)]
+        elif not assumption.holds:
+            lines.append(
+                f"{assumption.text} ({_holds(assumption, conditions)}); what this arm has besides was not derived"
+            )
+    others = [assumption.text for assumption in conditions.assumptions if assumption.holds and not assumption.families]
     if others:
         lines += _underived_lines(others, special=conditions.settings.special)
     if lines:
@@ -420,7 +422,7 @@ def _case(equal: EqualLengths) -> str:
 
 def _special_losses(assumption: Assumption) -> list[str]:
     """What each family of a special arm takes away, a sentence each."""
-    sentences = [_loss(one) for one in assumption.families]
+    sentences = [_loss(family) for family in assumption.families]
     if assumption.more:
         sentences[-1] += f", and {assumption.more} more families"
     return sentences
@@ -454,12 +456,12 @@ _UNREAL = {
 
 def _not_real(conditions: Any) -> Iterator[Section]:
     by_reason: dict[str, list[str]] = defaultdict(list)
-    for one in conditions.not_real:
-        where = one.conditions
-        by_reason[_why_unreal(one)].append(where if len(where) <= _LONGEST else f"{where[:_LONGEST]} …")
+    for unreal in conditions.not_real:
+        where = unreal.conditions
+        by_reason[_why_unreal(unreal)].append(where if len(where) <= _LONGEST else f"{where[:_LONGEST]} …")
     lines: list[str] = []
     for reason, sets in by_reason.items():
-        lines += [reason, *(Formula(f"    {one}") for one in sets[:_ALIKE])]
+        lines += [reason, *(Formula(f"    {where}") for where in sets[:_ALIKE])]
         if len(sets) > _ALIKE:
             lines += [f"    and {len(sets) - _ALIKE} more sets like these"]
     if lines:
@@ -470,7 +472,7 @@ def _checks(conditions: Any) -> Iterator[Section]:
     lines = [*_tested_lines(conditions)]
     if conditions.method != "tree" and not conditions.disagreements and not conditions.left:
         lines.append(f"{_twice(conditions)} derived twice: rank tree and {_method(conditions)} agree")
-    lines += [f"DISAGREEMENT: {one}" for one in conditions.disagreements]
+    lines += [f"DISAGREEMENT: {contradiction}" for contradiction in conditions.disagreements]
     lines.append(shipped_line() if conditions.anew else f"Time taken: {conditions.seconds:.1f} s.")
     yield Section("Checks", "", tuple(lines))
 
@@ -569,12 +571,12 @@ def opening(summary: FamilySummary) -> str:
         return f"{summary.arm}: no family of singularities was found{so_far}."
     first, *others = summary.ranks
     parts = [f"{_names(first)} (rank {first.rank})"]
-    for before, one in zip(summary.ranks, others, strict=False):
-        if _alike(before, one, first):
-            words = str(one.families)
+    for before, other in zip(summary.ranks, others, strict=False):
+        if _alike(before, other, first):
+            words = str(other.families)
         else:
-            words = _counted(one)
-        parts.append(f"{words} (rank {one.rank})")
+            words = _counted(other)
+        parts.append(f"{words} (rank {other.rank})")
     return f"{summary.arm} has {count(summary.families, 'family', 'families')} of singularities: {'; '.join(parts)}."
 
 
@@ -589,10 +591,10 @@ def answer_of(conditions: Any) -> str:
     return f"{opening(summary).rstrip('.')}; and {cases} not taken apart."
 
 
-def _alike(before: RankSummary, one: RankSummary, first: RankSummary) -> bool:
+def _alike(before: RankSummary, other: RankSummary, first: RankSummary) -> bool:
     """Whether the noun of the rank before holds for this rank too: all are combinations, or none is."""
-    alike = all(rank.combinations == rank.families for rank in (before, one))
-    return before is not first and (alike or before.combinations == one.combinations == 0)
+    alike = all(rank.combinations == rank.families for rank in (before, other))
+    return before is not first and (alike or before.combinations == other.combinations == 0)
 
 
 def _names(ranked: RankSummary) -> str:
@@ -621,7 +623,7 @@ def _counted(ranked: RankSummary) -> str:
 
 def summary_of_analysis(analysis: Any) -> FamilySummary:
     """Facts of an analysis: families by rank, and how they were verified."""
-    tests = sum(one.completeness.tested for one in analysis.coranks)
+    tests = sum(summary.completeness.tested for summary in analysis.coranks)
     evidence = _EVIDENCE[of_analysis(analysis).claims]
     label = partial(family_label, analysis.robot, analysis.task)
     return summarised(analysis.robot.name, analysis.generic_rank, analysis.families, evidence, tests, label)
@@ -669,8 +671,8 @@ def _claims(*claims: tuple[bool, str]) -> tuple[str, ...]:
 
 def _verified(analysis: Any, *, derived: bool, exact: bool) -> str:
     """How the families of an analysis were verified, in words without the full stop."""
-    starts = sum(one.starts for one in analysis.coranks)
-    tests = count(sum(one.completeness.tested for one in analysis.coranks), "random test")
+    starts = sum(summary.starts for summary in analysis.coranks)
+    tests = count(sum(summary.completeness.tested for summary in analysis.coranks), "random test")
     if exact:
         how = _EXACTLY
     else:
@@ -713,10 +715,10 @@ def _sampled_failures(analysis: Any) -> Iterator[Failure]:
         singular, solved = row.soundness.agree, row.soundness.tested
         if row.named and singular < solved:
             yield "regular", row.id, solved - singular, solved
-    for one in analysis.coranks:
-        share = one.completeness
+    for summary in analysis.coranks:
+        share = summary.completeness
         if share.agree < share.tested:
-            yield "unexplained", one.corank, share.tested - share.agree, share.tested
+            yield "unexplained", summary.corank, share.tested - share.agree, share.tested
     yield from (("unnamed", row.id) for row in analysis.families if not row.named)
 
 
@@ -729,7 +731,7 @@ def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
     """
     _, rounded = _exactness(derived.chain)
     lie_on, points = derived.explained.agree, derived.explained.tested
-    general = all(one.holds for one in derived.assumptions)
+    general = all(assumption.holds for assumption in derived.assumptions)
     exact = derived.complete and general and not rounded
     claims = _claims((exact, EXACT), (0 < points == lie_on, SAMPLED))
     if derived.interrupted:
@@ -777,10 +779,10 @@ def _contradictions(derived: Any) -> Iterator[Failure]:
         yield "cloud", points - lie_on
     yield from (("no rank", row.id) for row in derived.families if not exact_of(row).rank_check.tested)
     if derived.complete:  # else what is left says so
-        yield from (("assumption", one.text) for one in derived.assumptions if not one.holds)
+        yield from (("assumption", assumption.text) for assumption in derived.assumptions if not assumption.holds)
     else:
-        one = len(derived.left) == 1
-        yield ("unfinished", derived.left[0]) if one else ("several unfinished", len(derived.left))
+        alone = len(derived.left) == 1
+        yield ("unfinished", derived.left[0]) if alone else ("several unfinished", len(derived.left))
 
 
 def _exactness(chain: Chain) -> tuple[str, str]:

@@ -103,7 +103,7 @@ def _best(designs: Any) -> str:
 
 def sweep_summary(designs: Any) -> tuple[str, ...]:
     """The lines printed first: the result, the best variant or one of several, ranges of measures, the next step."""
-    titles = [*(one.name for one in designs.parameters), *designs.measures]
+    titles = [*(parameter.name for parameter in designs.parameters), *designs.measures]
     best = [variant_row(designs, designs.records[number]) for number in _in_order(designs, designs.pareto)[:1]]
     if len(designs.pareto) == 1:
         head = "Best"
@@ -127,8 +127,9 @@ def sweep_sections(designs: Any, *, every: bool = False) -> Iterator[Section]:
     """As sections of text; `every`: all variants, not only the Pareto-optimal ones."""
     yield Section("", lines=sweep_summary(designs))
     ranges = tuple(
-        (one.name, ", ".join(map(str, one.places)), shown(one.lower, one), shown(one.upper, one))
-        for one in designs.parameters
+        (parameter.name, ", ".join(map(str, parameter.places)), shown(parameter.lower, parameter),
+         shown(parameter.upper, parameter))
+        for parameter in designs.parameters
     )
     where = _where(designs.spec.limits)
     spec = designs.spec
@@ -162,7 +163,7 @@ def _ranking(designs: Any, every: bool) -> Iterator[Section]:
         after = (f"and {len(chosen) - most:,} more: {advised('all', python='sections(every=True)')}",)
     notes = tuple(f"{name}: {MEANINGS[name]}{error_text(designs.records, name)}" for name in names)
     yield Section(title, summary,
-                  columns=("variant", *(one.name for one in designs.parameters), *names), rows=rows,
+                  columns=("variant", *(parameter.name for parameter in designs.parameters), *names), rows=rows,
                   texts=(), after=after, notes=notes)  # fmt: skip
 
 
@@ -176,7 +177,7 @@ def _wants(designs: Any) -> str:
 
 def variant_row(designs: Any, record: Mapping[str, Any]) -> tuple[str, ...]:
     """Parameters and measures of a variant, for people."""
-    values = [shown(x, one) for x, one in zip(record["values"], designs.parameters, strict=True)]
+    values = [shown(x, parameter) for x, parameter in zip(record["values"], designs.parameters, strict=True)]
     return (*values, *(measure_cell(name, record) for name in designs.measures))
 
 
@@ -200,13 +201,13 @@ def _families(designs: Any) -> Iterator[Section]:
         return
     common = found[0]
     rows = []
-    for number, one in enumerate(found[:SHOWN], 1):
-        told = "\n".join(one.keys)
+    for number, structure in enumerate(found[:SHOWN], 1):
+        told = "\n".join(structure.keys)
         if number > 1:
-            told = _difference(common, one)
-        ends = zip(designs.parameters, one.ranges, strict=True)
+            told = _difference(common, structure)
+        ends = zip(designs.parameters, structure.ranges, strict=True)
         where = ", ".join(f"{p.name} {shown(low, p)} … {shown(high, p)}" for p, (low, high) in ends)
-        rows.append((str(number), f"{len(one.variants):,}", told, where))
+        rows.append((str(number), f"{len(structure.variants):,}", told, where))
     more = _not_shown(len(found) - SHOWN, "more")
     told = "the commonest first; the others by what they have more (+) and less (−)"
     columns = ("", "variants", "families", "within")
@@ -225,11 +226,11 @@ def _difference(common: Any, other: Any) -> str:
 
 
 def _changed(designs: Any) -> Section:
-    counts = Counter(one.what for one in designs.changes)
+    counts = Counter(change.what for change in designs.changes)
     rows = []
     for what, pairs in counts.most_common(SHOWN):
         kind, before, after = what
-        places = [one for one in designs.changes if one.what == what]
+        places = [change for change in designs.changes if change.what == what]
         first, into = " and ".join(before), " and ".join(after)
         if not before:
             first, into = into, ""
@@ -242,14 +243,14 @@ def _changed(designs: Any) -> Section:
 
 def _between(designs: Any, places: Sequence[Any]) -> str:
     told = []
-    for one in designs.parameters:
-        mine = [place for place in places if place.parameter == one.name]
+    for parameter in designs.parameters:
+        mine = [place for place in places if place.parameter == parameter.name]
         brackets = sorted({(min(p.low, p.high), max(p.low, p.high)) for p in mine})
         if brackets:
-            words = ", ".join(f"{shown(low, one)} and {shown(high, one)}" for low, high in brackets[:3])
+            words = ", ".join(f"{shown(low, parameter)} and {shown(high, parameter)}" for low, high in brackets[:3])
             if len(brackets) > 3:
                 words += " …"
-            told.append(f"{one.name}: {words}")
+            told.append(f"{parameter.name}: {words}")
     if not told and places:
         told = [f"variants {places[0].first + 1} and {places[0].second + 1}"]
     return "; ".join(told)
@@ -257,17 +258,17 @@ def _between(designs: Any, places: Sequence[Any]) -> str:
 
 def _exact(designs: Any) -> Section:
     rows = []
-    for one in designs.exact:
-        letters = ", ".join(f"{name} = {value:.4g}" for name, value in one["letters"].items()).replace("-", "−")
-        told = [("; ".join(family["conditions"]), family["real"]) for family in one["families"] if family["real"]]
-        told += [(text, "no") for text in one["not_real"]]
+    for derived in designs.exact:
+        letters = ", ".join(f"{name} = {value:.4g}" for name, value in derived["letters"].items()).replace("-", "−")
+        told = [("; ".join(family["conditions"]), family["real"]) for family in derived["families"] if family["real"]]
+        told += [(text, "no") for text in derived["not_real"]]
         if not told:
-            families = count(len(one["families"]), "family", "families")
+            families = count(len(derived["families"]), "family", "families")
             told = [(families, "for all lengths of these signs")]
         for k, (what, real) in enumerate(told):
             head = ("", "")
             if k == 0:
-                head = (str(one["variant"]), letters)
+                head = (str(derived["variant"]), letters)
             rows.append((head[0], what, real, head[1]))
     about = "a variant of each of the commonest sets, with letters for the lengths; families not always real"
     columns, texts = ("variant", "conditions", "real", "its lengths [m]"), (0, 1, 2, 3)
@@ -296,42 +297,42 @@ def _doubt(designs: Any) -> Section:
 
 def error_text(records: Sequence[Mapping[str, Any]], measure: str) -> str:
     """How far a share may be off, by its samples; "" for a measure without error."""
-    regions = [one["region"] for one in records if (one.get("region") or {}).get("sigma") is not None]
+    regions = [record["region"] for record in records if (record.get("region") or {}).get("sigma") is not None]
     if measure == "slow_poses":
         return _slow_poses_error(regions)
     if measure == "sigma":
-        wide_bounds = sum(not one.get("narrow") for one in regions)
-        return sigma_note(len(regions), wide_bounds, sum(not one.get("covered") for one in regions))
+        wide_bounds = sum(not region.get("narrow") for region in regions)
+        return sigma_note(len(regions), wide_bounds, sum(not region.get("covered") for region in regions))
     if measure == "slow":
         return _slow_error(records)
     if measure == "near":
-        return _near_error([one["near"]["any"] for one in records if one.get("near")])
+        return _near_error([record["near"]["any"] for record in records if record.get("near")])
     return ""
 
 
 def _near_error(shares: Sequence[Mapping[str, Any]]) -> str:
     """The largest error of shares near families, and that it may be larger; "" where no share has one."""
-    most = max((float(one["error"]) for one in shares), default=0.0)
+    most = max((float(share["error"]) for share in shares), default=0.0)
     if not most:
         return ""
     larger = ""
-    if any(one["bound"] for one in shares):
+    if any(share["bound"] for share in shares):
         larger = " or more"
     return f", by samples: ± {APART * 100 * most:.2g} %{larger}"
 
 
 def _slow_error(records: Sequence[Mapping[str, Any]]) -> str:
     """The speeds below which the tool is slow, the widest interval of the shares, and why some have none."""
-    if any(one.get("slow", True) is None for one in records):
+    if any(record.get("slow", True) is None for record in records):
         missing = NO_RATE_LIMITS
     else:
         missing = ""
-    slow = [one["slow"] for one in records if one.get("slow")]
+    slow = [record["slow"] for record in records if record.get("slow")]
     if not slow:
         return missing
-    ends = [_slow_interval(one) for one in slow]
+    ends = [_slow_interval(share) for share in slow]
     wide = max(high - low for low, high in ends)
-    bound = any(one["bound"] for one in slow)
+    bound = any(share["bound"] for share in slow)
     return slow_note(slow[0].get("tool_speed"), slow[0].get("turn_speed"), wide, bound=bound) + missing
 
 
@@ -342,10 +343,10 @@ def _slow_interval(slow: Mapping[str, Any]) -> tuple[float, float]:
 
 
 def _slow_poses_error(regions: Sequence[Mapping[str, Any]]) -> str:
-    slow = [one["slow"] for one in regions if one.get("slow")]
+    slow = [region["slow"] for region in regions if region.get("slow")]
     if not slow:
         return ""
-    wide = max(one["interval"][1] - one["interval"][0] for one in slow)
+    wide = max(share["interval"][1] - share["interval"][0] for share in slow)
     return slow_poses_note(slow[0]["slower_than"], wide)
 
 
@@ -447,8 +448,8 @@ def compared_arms_sections(found: Any, *, full: bool = True) -> Iterator[Section
     if not full:
         yield compared_arms(found.names, found.records)
         return
-    for name, robot, one in zip(found.names, found.robots, found.records, strict=True):
-        yield _arm(name, robot.about, one)
+    for name, robot, record in zip(found.names, found.robots, found.records, strict=True):
+        yield _arm(name, robot.about, record)
     yield Section("", lines=(found.sentence,))
 
 
@@ -464,11 +465,11 @@ def _arm_cells(found: Any, measure: str) -> list[str]:
     return cells
 
 
-def _families_of_arm(one: Mapping[str, Any]) -> tuple[tuple[str, str, str, str], ...]:
+def _families_of_arm(record: Mapping[str, Any]) -> tuple[tuple[str, str, str, str], ...]:
     """Corank, name, dimension and share of each family of an arm."""
-    shares = {share["id"]: share["share"] for share in one.get("near", {}).get("families", [])}
+    shares = {share["id"]: share["share"] for share in record.get("near", {}).get("families", [])}
     rows = []
-    for family in one.get("families", []):
+    for family in record.get("families", []):
         share = "–"
         if family["id"] in shares:
             share = measure_text("near", shares[family["id"]])
@@ -476,19 +477,19 @@ def _families_of_arm(one: Mapping[str, Any]) -> tuple[tuple[str, str, str, str],
     return tuple(rows)
 
 
-def _arm(name: str, about: str, one: Mapping[str, Any]) -> Section:
-    rows = _families_of_arm(one)
+def _arm(name: str, about: str, record: Mapping[str, Any]) -> Section:
+    rows = _families_of_arm(record)
     lines = []
-    if one["error"]:
-        lines.append(one["error"])
-    if one.get("aspects"):
-        lines.append(aspects_line(AspectSummary(**one["aspects"])))
-    if one.get("sentence"):
-        lines.append(one["sentence"])
-    if one.get("region") and one["region"]["sigma"] is not None:
-        at = ", ".join(f"{x:.3g}" for x in one["region"]["at"])
-        lines.append(f"σ over the region is smallest at ({at}) m: {one['region']['sigma']:.4g}".replace("-", "−"))
-    for path in one.get("paths", []):
+    if record["error"]:
+        lines.append(record["error"])
+    if record.get("aspects"):
+        lines.append(aspects_line(AspectSummary(**record["aspects"])))
+    if record.get("sentence"):
+        lines.append(record["sentence"])
+    if record.get("region") and record["region"]["sigma"] is not None:
+        at = ", ".join(f"{x:.3g}" for x in record["region"]["at"])
+        lines.append(f"σ over the region is smallest at ({at}) m: {record['region']['sigma']:.4g}".replace("-", "−"))
+    for path in record.get("paths", []):
         if path["sigma"] is None:
             told = f": {path['why']}"
         else:

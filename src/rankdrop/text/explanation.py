@@ -197,14 +197,15 @@ def _listed(head: str, items: Iterable[str]) -> tuple[str, ...]:
 
 def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
     met, notes = explanation.met, tuple[str, ...]()
-    own = [one for one in met if one.family.corank == met[0].family.corank]
+    own = [incidence for incidence in met if incidence.family.corank == met[0].family.corank]
     lines: list[str] = []
-    for one in own[: None if full else 2]:
-        lines += _family_lines(explanation, one, full)
+    for incidence in own[: None if full else 2]:
+        lines += _family_lines(explanation, incidence, full)
     if full:
-        lines += _listed("lies on", (one.family.name for one in met if one not in own))
-        lines += _listed("here", (one.words for one in explanation.relations if not one.structural))
-        notes = _listed("at every configuration", (one.words for one in explanation.relations if one.structural))
+        lines += _listed("lies on", (incidence.family.name for incidence in met if incidence not in own))
+        lines += _listed("here", (relation.words for relation in explanation.relations if not relation.structural))
+        structural = (relation.words for relation in explanation.relations if relation.structural)
+        notes = _listed("at every configuration", structural)
     if lines or notes:
         yield Section("Which singularity" if met else "Axes", focus_words(explanation), tuple(lines), notes=notes)
 
@@ -226,7 +227,7 @@ Columns = dict[str, Callable[[Any], str]]
 
 def _table(records: Iterable[Any], columns: Columns) -> dict[str, Any]:
     """Columns and rows of a section."""
-    return {"columns": tuple(columns), "rows": tuple(_row(one, columns) for one in records)}
+    return {"columns": tuple(columns), "rows": tuple(_row(record, columns) for record in records)}
 
 
 def _row(record: Any, columns: Columns) -> tuple[str, ...]:
@@ -239,19 +240,19 @@ def _yes(holds: bool) -> str:
 
 
 _CIRCUITS: Columns = {
-    "joints": lambda one: numbers(one.numbers), "when": lambda one: "always" if one.generic else "here",
-    "joint rates that cancel": lambda one: vector(one.coefficients), "in words": attrgetter("words"),
+    "joints": lambda circuit: numbers(circuit.numbers), "when": lambda circuit: "always" if circuit.generic else "here",
+    "joint rates that cancel": lambda circuit: vector(circuit.coefficients), "in words": attrgetter("words"),
 }  # fmt: skip
 _RUNS: Columns = {
-    "joints": lambda one: f"{one.first}–{one.last}", "dimension": lambda one: str(one.dimension),
-    "loss": lambda one: str(one.loss), "their test": lambda one: _yes(one.msos),
-    "minimal": lambda one: _yes(one.minimal),
+    "joints": lambda run: f"{run.first}–{run.last}", "dimension": lambda run: str(run.dimension),
+    "loss": lambda run: str(run.loss), "their test": lambda run: _yes(run.msos),
+    "minimal": lambda run: _yes(run.minimal),
 }  # fmt: skip
 _HUNT: Columns = {
-    "joint": lambda one: str(one.number), "column": lambda one: short(round(one.share, 4)),
-    "named": lambda one: _yes(one.named), "GR's actuator": lambda one: _yes(one.actuator),
-    "leads out, rate": lambda one: short(round(abs(one.rate), 4)) if one.tells else "no",
-    "by finite motion": lambda one: _yes(one.escapes),
+    "joint": lambda joint: str(joint.number), "column": lambda joint: short(round(joint.share, 4)),
+    "named": lambda joint: _yes(joint.named), "GR's actuator": lambda joint: _yes(joint.actuator),
+    "leads out, rate": lambda joint: short(round(abs(joint.rate), 4)) if joint.tells else "no",
+    "by finite motion": lambda joint: _yes(joint.escapes),
 }  # fmt: skip
 
 
@@ -421,11 +422,11 @@ def _redundancy(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 _COORDINATES: Columns = {
     "name": attrgetter("name"),
-    "value [rad, 1]": lambda one: ", ".join(
-        f"{name} {short(value)}" for name, value in zip(one.names, one.coordinates, strict=True)),
-    "σ_min of E": lambda one: short(round(one.sigma_min, 12)),
-    "nearest singularity": lambda one: "none" if isinf(one.angle) else f"{degrees(one.angle):.3g}°",
-    "verdict": lambda one: "SINGULAR" if one.singular else "near" if one.near else "",
+    "value [rad, 1]": lambda form: ", ".join(
+        f"{name} {short(value)}" for name, value in zip(form.names, form.coordinates, strict=True)),
+    "σ_min of E": lambda form: short(round(form.sigma_min, 12)),
+    "nearest singularity": lambda form: "none" if isinf(form.angle) else f"{degrees(form.angle):.3g}°",
+    "verdict": lambda form: "SINGULAR" if form.singular else "near" if form.near else "",
 }  # fmt: skip
 
 

@@ -50,7 +50,7 @@ _MOST_TERMS = 30  # a longer condition is for programs
 
 def legend(robot: Robot, families: Iterable[Family] = ()) -> str:
     """What the marks and columns of a table of families mean, and letters and links in what is lost on them."""
-    lost = lost_note(robot, chain.from_iterable(one.lost_freedoms for one in families))
+    lost = lost_note(robot, chain.from_iterable(family.lost_freedoms for family in families))
     named = joints_named(robot)
     joints = f"Joints: {named}." if named else ""
     return " ".join(filter(None, (_LEGEND.format(length=f"{counted_length(robot):g}"), joints, lost)))
@@ -172,7 +172,7 @@ def lines_of(column: Column, row: Family) -> tuple[str, ...]:
 def joint_cell(family: Family, number: int, kind: str) -> Cell:
     """What a family asks of one joint: its values, × for free, c for coupled."""
     mark = FREE if number in family.free else COUPLED
-    pinned = any(one.number == number for one in family.pinned)
+    pinned = any(pin.number == number for pin in family.pinned)
     if pinned:
         return tuple(map(_joined, joint_values(family, number, kind)))
     return mark
@@ -205,7 +205,7 @@ def coupled_conditions(family: Family) -> list[str]:
     if not family.named:
         return [f"no condition found; points of a set of dimension {family.dimension} at most, the witness is one"]
     coupled = set(family.coupled)
-    return [condition_text(one) for one in family.equations if coupled & set(one.joints)]
+    return [condition_text(equation) for equation in family.equations if coupled & set(equation.joints)]
 
 
 def condition_text(equation: Equation) -> str:
@@ -232,7 +232,7 @@ class Inside:
     @property
     def holds(self) -> bool:
         """Whether every pinned joint has a value inside its limits."""
-        return all(one.values for one in self.pinned)
+        return all(pin.values for pin in self.pinned)
 
     def shown(self, family: Family) -> Family:
         """The family with the values inside; a joint that has none keeps its values."""
@@ -243,14 +243,14 @@ class Inside:
 def inside_limits(family: Family, robot: Robot) -> Inside:
     """What the limits leave of the values of a family's pinned joints."""
     kept, left = [], []
-    for one in family.pinned:
-        j = one.number - 1
+    for pin in family.pinned:
+        j = pin.number - 1
         bounds = np.array([robot.lower[j], robot.upper[j]])
-        moved = [_moved(value, bool(robot.periodic[j]), bounds) for value in one.values]
-        kept.append(replace(one, values=tuple(value for value in moved if value is not None)))
-        outside = tuple(value for value, there in zip(one.values, moved, strict=True) if there is None)
+        moved = [_moved(value, bool(robot.periodic[j]), bounds) for value in pin.values]
+        kept.append(replace(pin, values=tuple(value for value in moved if value is not None)))
+        outside = tuple(value for value, there in zip(pin.values, moved, strict=True) if there is None)
         if outside:
-            left.append(replace(one, values=outside))
+            left.append(replace(pin, values=outside))
     return Inside(tuple(kept), tuple(left))
 
 
@@ -264,13 +264,13 @@ def _moved(value: float, periodic: bool, bounds: np.ndarray[tuple[int], np.dtype
 def outside_text(inside: Inside, robot: Robot) -> str:
     """What lies outside the limits, with the limits: "θ6 = −2.9218 is outside −0.0175 … 3.7525"."""
     told = []
-    for one in inside.outside:
-        joint = robot.variables[one.number - 1]
+    for pin in inside.outside:
+        joint = robot.variables[pin.number - 1]
         kind = str(joint.kind)
-        values = values_text(one.values, kind)
-        verb = "is" if len(one.values) == 1 else "are"
+        values = values_text(pin.values, kind)
+        verb = "is" if len(pin.values) == 1 else "are"
         limits = f"{joint.lower:.4f} … {joint.upper:.4f} {joint.unit}".replace("-", "−")
-        told.append(f"{joint_symbol(one.number, kind)} = {values} {verb} outside {limits}")
+        told.append(f"{joint_symbol(pin.number, kind)} = {values} {verb} outside {limits}")
     return ("" if inside.holds else "the row lies outside the joint limits: ") + "; ".join(told)
 
 
@@ -351,14 +351,14 @@ def within(row: Family, robot: Robot, *, limits: bool) -> tuple[Family, str]:
 
 def at_witness(row: Family) -> bool:
     """Whether what is lost is told for the witness, which has to be named then."""
-    return not all(one.everywhere for one in row.lost_freedoms)
+    return not all(freedom.everywhere for freedom in row.lost_freedoms)
 
 
 def asked(robot: Robot, row: Family) -> str:
     """What a row asks of the joints, in a line: "θ3 = 0, π; θ5, θ6 coupled; θ1 free"."""
     names = symbols(robot)
     kinds = [str(joint.kind) for joint in robot.variables]
-    parts = [f"{names[one.number - 1]} = {values_text(one.values, kinds[one.number - 1])}" for one in row.pinned]
+    parts = [f"{names[pin.number - 1]} = {values_text(pin.values, kinds[pin.number - 1])}" for pin in row.pinned]
     for numbers, word in ((row.coupled, "coupled"), (row.free, "free")):
         if numbers:
             parts.append(f"{', '.join(names[number - 1] for number in numbers)} {word}")
@@ -370,7 +370,7 @@ def examples(rows: Sequence[Family]) -> dict[int, Family]:
     numbered = enumerate(rows, start=1)
     if len(rows) <= _MANY:
         return dict(numbered)
-    ordered = sorted(numbered, key=lambda one: (not _unsound(one[1]), not one[1].named, -one[1].explained.agree))
+    ordered = sorted(numbered, key=lambda pair: (not _unsound(pair[1]), not pair[1].named, -pair[1].explained.agree))
     return dict(sorted(ordered[:_SHOWN]))
 
 
@@ -398,7 +398,7 @@ def _kind(robot: Robot, row: Family) -> str:
     if not row.named:
         return f"without a condition, of dimension {row.dimension} at most"
     names, parts = symbols(robot), []
-    for numbers, word in (([one.number for one in row.pinned], "fixed"), (row.coupled, "coupled")):
+    for numbers, word in (([pin.number for pin in row.pinned], "fixed"), (row.coupled, "coupled")):
         if numbers:
             parts.append(f"{', '.join(names[number - 1] for number in numbers)} {word}")
     return f"with {' and '.join(parts)}, of dimension {row.dimension}"
@@ -540,7 +540,7 @@ def _corank_section(
     rows, under = [], []
     for family in families:
         row, outside = within(family, robot, limits=limits)
-        rows.append(tuple(one_line(one, row) for one in table))
+        rows.append(tuple(one_line(column, row) for column in table))
         for label, words in footnotes(robot, row, outside, lost=False):
             if label == AT:
                 under.append(f"{row.id} {words}")
@@ -548,8 +548,8 @@ def _corank_section(
                 under.append(f"{row.id} {label}: {words}")
     return Section(
         title(summary, generic_rank), f"{number_of(families)}, {explained(summary.completeness)}",
-        columns=tuple(one.title for one in table), rows=tuple(rows),
-        texts=tuple(i for i, one in enumerate(table) if one.holds == WORDS or one.key == "id"),
+        columns=tuple(column.title for column in table), rows=tuple(rows),
+        texts=tuple(i for i, column in enumerate(table) if column.holds == WORDS or column.key == "id"),
         after=tuple(under), notes=(starts(summary),),
     )  # fmt: skip
 
@@ -577,8 +577,9 @@ def near_overview(near: Near, families: Sequence[Family]) -> Section:
     """Shares of the joint space near the families."""
     names = {family.id: family.name for family in families}
     where = "the joint space inside the limits" if near.limits else "the joint space"
-    shown = sorted(near.families, key=lambda one: -one.near)[:_LARGEST] if len(near.families) > _MANY else near.families
-    rows = [*((one.id, names.get(one.id, ""), one) for one in shown), ("any", "", near.any)]
+    many = len(near.families) > _MANY
+    shown = sorted(near.families, key=lambda share: -share.near)[:_LARGEST] if many else near.families
+    rows = [*((share.id, names.get(share.id, ""), share) for share in shown), ("any", "", near.any)]
     if near.slow is not None:
         rows.append(("slow", "tool slower than 25 mm/s or 5°/s, inside the limits", near.slow))
     notes = [f"{near.samples:,} random configurations, seed {near.seed}; ± standard error; 95 % by Wilson's rule"]
@@ -589,7 +590,9 @@ def near_overview(near: Near, families: Sequence[Family]) -> Section:
     return Section(
         f"Within {degrees(near.within):.4g}° of singularities", f"share of {where}, distance over all joints",
         columns=("", "family", "share", "±", "95 %"),
-        rows=tuple((id, name, _percent(one), f"{100 * one.error:.2g} %", _between(one)) for id, name, one in rows),
+        rows=tuple(
+            (id, name, _percent(share), f"{100 * share.error:.2g} %", _between(share)) for id, name, share in rows
+        ),
         texts=(0, 1), notes=tuple(notes),
     )  # fmt: skip
 

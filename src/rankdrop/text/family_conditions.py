@@ -35,13 +35,13 @@ def _written(robot: Robot, task: Task, family: Family) -> tuple[list[_Condition]
     record = shipped_conditions_record(robot, task)
     if record is None:
         return None
-    for one in record["families"]:
-        if (one["id"], one["name"], one["corank"]) == (family.id, family.name, family.corank):
-            bound = {*one["coupled"], *(pin["number"] for pin in one["pinned"])}
+    for stored in record["families"]:
+        if (stored["id"], stored["name"], stored["corank"]) == (family.id, family.name, family.corank):
+            bound = {*stored["coupled"], *(pin["number"] for pin in stored["pinned"])}
             if any(abs(shift) > _SHIFTED for number, shift in enumerate(record["shifts"], 1) if number in bound):
                 return None
-            beyond, letters = len(one["pinned"]), record["letters"]
-            each = zip(one["conditions"][beyond:], one["terms"][beyond:], one["polynomials"], strict=True)
+            beyond, letters = len(stored["pinned"]), record["letters"]
+            each = zip(stored["conditions"][beyond:], stored["terms"][beyond:], stored["polynomials"], strict=True)
             return [_Condition(text, _joints(terms), _letters(f, letters)) for text, terms, f in each], letters
     return None
 
@@ -49,8 +49,8 @@ def _written(robot: Robot, task: Task, family: Family) -> tuple[list[_Condition]
 def _joints(terms: list[Record]) -> frozenset[int]:
     """Numbers of the joints of an equation, from its terms: harmonics of angles, powers of slides."""
     found: set[int] = set()
-    for one in terms:
-        exponents = zip(one["harmonics"], one["powers"], strict=True)
+    for term in terms:
+        exponents = zip(term["harmonics"], term["powers"], strict=True)
         found |= {number for number, exponent in enumerate(exponents, start=1) if any(exponent)}
     return frozenset(found)
 
@@ -78,12 +78,12 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
     if written is None and not family.equations:
         return family.words or ("no condition found",)
     conditions, letters = _unpinned(family, written)
-    short = [one for one in conditions if len(one.text) <= LONGEST]
-    long = [one for one in conditions if len(one.text) > LONGEST]
-    pins = ((one.number, values_in_degrees(robot, one.number, one.values)) for one in family.pinned)
+    short = [condition for condition in conditions if len(condition.text) <= LONGEST]
+    long = [condition for condition in conditions if len(condition.text) > LONGEST]
+    pins = ((pin.number, values_in_degrees(robot, pin.number, pin.values)) for pin in family.pinned)
     told = [f"{joint_symbols(robot)[number - 1]} = {values}" for number, values in pins]
-    told += (one.text for one in short)
-    named = frozenset[str]().union(*(one.letters for one in short))
+    told += (condition.text for condition in short)
+    named = frozenset[str]().union(*(condition.letters for condition in short))
     lengths = [f"{name} = {value:.6g} m".replace("-", "−") for name, value in letters.items() if name in named]
     if lengths:
         told[-1] += f", {', '.join(lengths)}"
@@ -102,14 +102,14 @@ def _long_words(long: Sequence[_Condition], *, exact: bool) -> str:
         count = "a long condition"
     else:
         count = f"{len(long)} long conditions"
-    joints = frozenset[int]().union(*(one.joints for one in long))
+    joints = frozenset[int]().union(*(condition.joints for condition in long))
     return f"{count} on joints {numbers(sorted(joints))} ({where})"
 
 
 def _unpinned(family: Family, written: tuple[list[_Condition], Record] | None) -> tuple[list[_Condition], Record]:
     """The conditions beyond those that only pin joints, exact where they are shipped, and their lengths."""
-    fixed = {one.number for one in family.pinned}
+    fixed = {pin.number for pin in family.pinned}
     if written is None:
-        fitted = [_Condition(f"{one} = 0", frozenset(one.joints)) for one in family.equations]
-        return [one for one in fitted if not one.joints <= fixed], {}
-    return [one for one in written[0] if not one.joints <= fixed], written[1]
+        fitted = [_Condition(f"{equation} = 0", frozenset(equation.joints)) for equation in family.equations]
+        return [condition for condition in fitted if not condition.joints <= fixed], {}
+    return [condition for condition in written[0] if not condition.joints <= fixed], written[1]

@@ -177,7 +177,7 @@ def sentence(check: Any) -> str:
         else:
             limits = _near_without_times(check)
         return f"Free: proven for every point of the path{kept}{limits}."
-    parts = [*_reached(check), *(_violation(one, check) for one in check.violations), *_open(check)]
+    parts = [*_reached(check), *(_violation(violation, check) for violation in check.violations), *_open(check)]
     if check.clear:
         parts.append("free of singularities (proven)")
     words = "; ".join(parts)
@@ -192,7 +192,7 @@ def sentence(check: Any) -> str:
 
 def _near_without_times(check: Any) -> str:
     """How near a free path comes to a singularity where its joint rates are unknown; empty where it stays away."""
-    least = min((one.closest.distance for one in check.stretches), default=inf)
+    least = min((stretch.closest.distance for stretch in check.stretches), default=inf)
     if check.margin == "kept" or least >= NEAR:
         return ""
     return f", but {angle(least)} from a singularity; without times joint rates are not checked"
@@ -203,7 +203,7 @@ def _reached(check: Any) -> Iterator[str]:
     if check.tool is not None and not check.tool.complete:
         yield "the branch ends"
     for kind, words in (("crossing", "crosses a singularity {} (proven)"), ("touching", "touches a singularity {}")):
-        part = [one for one in check.crossings if one.verdict == kind]
+        part = [crossing for crossing in check.crossings if crossing.verdict == kind]
         if part:
             times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
             yield f"{words.format(times)}, first {stretch_place(check, part[0])}, {when(part[0].closest.place)}"
@@ -215,41 +215,42 @@ def _reached(check: Any) -> Iterator[str]:
 
 def passing_words(passed: Sequence[Any]) -> str:
     """How the branch goes on at the singularities that it passes."""
-    if all(not one.rest for one in passed):
+    if all(not crossing.rest for crossing in passed):
         if len(passed) == 1:
             return "the branch goes on through it, at any speed"
         return "the branch goes on through each, at any speed"
-    rests = [f"{one.place:.5g}" for one in passed if one.rest]
+    rests = [f"{crossing.place:.5g}" for crossing in passed if crossing.rest]
     if rests == ["1"]:
         return "the path leaves the singularity at its start, from rest"
     return f"the branch goes on where the arm rests for an instant, at pose {', '.join(rests[:_NAMED])}"
 
 
-def _violation(one: Any, check: Any) -> str:
-    joint = check.robot.variables[one.joint - 1]
-    if one.what == "rate":
+def _violation(violation: Any, check: Any) -> str:
+    joint = check.robot.variables[violation.joint - 1]
+    if violation.what == "rate":
         near = ""
-        if isfinite(one.distance):
-            name = _place(check, one.foot, one.name)
-            near = f", {short(degrees(one.distance), 2)}° from a singularity ({name})"
-        limit = f"{short(one.amount, 3)} times the limit of joint {one.joint} {when(one.place)}{near}"
-        if one.proven:
+        if isfinite(violation.distance):
+            name = _place(check, violation.foot, violation.name)
+            near = f", {short(degrees(violation.distance), 2)}° from a singularity ({name})"
+        limit = f"{short(violation.amount, 3)} times the limit of joint {violation.joint} {when(violation.place)}{near}"
+        if violation.proven:
             return f"not possible at the programmed speed: {limit}"
-        return f"the rate of joint {one.joint} could not be proven to keep its limit"
-    if not one.proven:
-        return f"{_joint(check.robot, one.joint)} could not be proven to keep its limits"
-    excess = motion(one.amount, joint.unit)
-    if one.rows:
-        rows = f" in {one.rows} row{'s' if one.rows > 1 else ''}, first"
+        return f"the rate of joint {violation.joint} could not be proven to keep its limit"
+    if not violation.proven:
+        return f"{_joint(check.robot, violation.joint)} could not be proven to keep its limits"
+    excess = motion(violation.amount, joint.unit)
+    if violation.rows:
+        rows = f" in {violation.rows} row{'s' if violation.rows > 1 else ''}, first"
     else:
         rows = ""
-    return f"{_joint(check.robot, one.joint)} is outside its limits{rows} {when(one.place)}, by {excess} at most"
+    where = f"{rows} {when(violation.place)}"
+    return f"{_joint(check.robot, violation.joint)} is outside its limits{where}, by {excess} at most"
 
 
 def _open(check: Any) -> Iterator[str]:
     if check.margin == "not proven":
         yield f"a distance of {angle(check.options.min_distance)} could not be proven"
-    if any(one.verdict == "undecided" for one in check.stretches):
+    if any(stretch.verdict == "undecided" for stretch in check.stretches):
         if check.undecided_time is None:
             time = ""
         else:
@@ -268,8 +269,8 @@ def summary(check: Any, mending: Any = None) -> tuple[str, ...]:
         lines.append(f"Next: {_advice(check)}.")
         if mending is not None:
             lines += local_lines(mending)
-    near = min((one for one in check.stretches if isfinite(one.closest.distance)),
-               key=lambda one: one.closest.distance, default=None)  # fmt: skip
+    near = min((stretch for stretch in check.stretches if isfinite(stretch.closest.distance)),
+               key=lambda stretch: stretch.closest.distance, default=None)  # fmt: skip
     if near is not None:
         lines.append(f"Nearest singularity: {stretch_place(check, near)}, {_where(near)}.")
     return (*lines, _verified_line(check))
@@ -282,7 +283,7 @@ def _path_line(check: Any) -> str:
         lasts = ""
     else:
         lasts = f", {times[-1] - times[0]:.6g} s"
-    free = sum(one.verdict == "free" for one in check.stretches)
+    free = sum(stretch.verdict == "free" for stretch in check.stretches)
     return (
         f"Path: {check.rows} rows{lasts}, {check.options.interpolate} between them; {free_words(check)} of its length "
         f"is proven free, {free} stretch{'es' if free != 1 else ''}."
@@ -319,35 +320,35 @@ def _never_lines(check: Any) -> Iterator[str]:
 def _branches_words(check: Any) -> str:
     """Which branch the verdict is about, and how many of the others are free."""
     branches = check.tool.branches
-    number = next(i for i, one in enumerate(branches, start=1) if one.chosen)
+    number = next(i for i, branch in enumerate(branches, start=1) if branch.chosen)
     posture = ", ".join(branches[number - 1].posture)
-    others = [one for one in branches if not one.chosen]
-    free = sum(one.free and one.complete for one in others)
+    others = [branch for branch in branches if not branch.chosen]
+    free = sum(branch.free and branch.complete for branch in others)
     named = f" ({posture})" if posture else ""
     be = "is" if free == 1 else "are"
     this = f"{number} of {len(branches)}{named}; the verdict is about this one"
     return f"{this}. Of the others {free} {be} free to the end"
 
 
-def _branch_verdict(one: Any, robot: Robot) -> str:
+def _branch_verdict(branch: Any, robot: Robot) -> str:
     """A branch: "free", or where it ends and why, or where it is not proven free."""
-    if one.free:
+    if branch.free:
         met = ""
     else:
-        met = f"meets a singularity or is not decided at pose {one.place:.5g}"
-    if one.complete:
+        met = f"meets a singularity or is not decided at pose {branch.place:.5g}"
+    if branch.complete:
         return met or "free"
-    if one.turn is not None:
-        end = f"needs an internal turn at pose {one.reached:.5g}"
-    elif one.reason == "limit":
-        end = f"ends at pose {one.reached:.5g}: limit of {_joint(robot, one.joint)}"
+    if branch.turn is not None:
+        end = f"needs an internal turn at pose {branch.reached:.5g}"
+    elif branch.reason == "limit":
+        end = f"ends at pose {branch.reached:.5g}: limit of {_joint(robot, branch.joint)}"
     else:
-        if one.folds:
+        if branch.folds:
             reason = "folds back"
         else:
-            reason = _ENDS.get(one.reason, one.reason)
-        end = f"ends at pose {one.reached:.5g}: {reason}"
-    if met and one.place < one.reached:
+            reason = _ENDS.get(branch.reason, branch.reason)
+        end = f"ends at pose {branch.reached:.5g}: {reason}"
+    if met and branch.place < branch.reached:
         return f"{end}; {met}"
     return end
 
@@ -358,16 +359,18 @@ _ENDS = {"singular": "singularity", "stuck": "the solver does not converge", "bu
 
 def _branches_section(check: Any, *, deg: bool) -> Section:
     robot = check.robot
-    heads = tuple(f"{i} [{'°' if deg and one.unit == 'rad' else one.unit}]" for i, one in enumerate(robot.variables, 1))
+    heads = tuple(
+        f"{i} [{'°' if deg and joint.unit == 'rad' else joint.unit}]" for i, joint in enumerate(robot.variables, 1)
+    )
     rows = []
-    for number, one in enumerate(check.tool.branches, start=1):
+    for number, branch in enumerate(check.tool.branches, start=1):
         values = (minus(f"{degrees(x):.2f}") if deg and joint.unit == "rad" else minus(f"{x:.4f}")
-                  for x, joint in zip((one.start + 0.0).tolist(), robot.variables, strict=True))  # fmt: skip
-        if one.chosen:
+                  for x, joint in zip((branch.start + 0.0).tolist(), robot.variables, strict=True))  # fmt: skip
+        if branch.chosen:
             taken = f"{number} (taken)"
         else:
             taken = str(number)
-        rows.append((taken, _branch_verdict(one, robot), ", ".join(one.posture) or "–", *values))
+        rows.append((taken, _branch_verdict(branch, robot), ", ".join(branch.posture) or "–", *values))
     other = f"by the configuration at pose 1, those first that people use; {advised('start', '…')} takes another"
     return Section("Branches", other,
                    columns=("", "verdict", "posture", *heads), rows=tuple(rows), texts=(0, 1, 2))  # fmt: skip
@@ -387,7 +390,7 @@ def _advice(check: Any) -> str:
     if not check.complete:
         return "run the same command again"
     if check.verdict == "too fast":
-        worst = max(one.amount for one in check.violations if one.what == "rate")
+        worst = max(violation.amount for violation in check.violations if violation.what == "rate")
         return f"run it at {short(1 / worst, 2)} of the speed, or let {_remedies()} compute a new time law or path"
     if check.tool is not None:
         advice = _tool_advice(check)
@@ -423,8 +426,8 @@ def _tool_advice(check: Any) -> str | None:
 
 def _better_branch(branches: Sequence[Any]) -> int | None:
     """The number of the first branch that is free to the end; None where there is none, or it is the one chosen."""
-    free = [(number, one) for number, one in enumerate(branches, start=1) if one.free and one.complete]
-    if not free or any(one.chosen for _, one in free):
+    free = [(number, branch) for number, branch in enumerate(branches, start=1) if branch.free and branch.complete]
+    if not free or any(branch.chosen for _, branch in free):
         return None
     return free[0][0]
 
@@ -461,7 +464,7 @@ def notes(check: Any) -> tuple[str, ...]:
     """Remarks; of a tool path its branch and the poses of its crossings."""
     lines = [_remark(kind, values) for kind, values in check.remarks]
     if check.tool is not None:
-        places = [one.closest.place for one in check.crossings][:_NAMED]
+        places = [crossing.closest.place for crossing in check.crossings][:_NAMED]
         poses = np.interp([place.position for place in places], np.arange(1, check.rows + 1), check.tool.place)
         if check.tool.moved > _MOVED:
             far = f"; it was moved by {angle(check.tool.moved)} to reach pose 1"
@@ -508,7 +511,7 @@ def path_sections(
         sections.append(Section("Singularities on the path", lines=tuple(met)))
     if check.tool is not None and len(check.tool.branches) > 1:
         sections.append(_branches_section(check, deg=deg))
-    free = [one for one in check.stretches if one.verdict == "free"]
+    free = [stretch for stretch in check.stretches if stretch.verdict == "free"]
     if full and free:
         sections.append(_free_section(free, check, deg=deg))
     told = list(check.notes)
@@ -522,13 +525,13 @@ def path_sections(
 
 def _met_lines(check: Any, *, deg: bool, full: bool) -> list[str]:
     """The stretches that are not free, in their order: each described, or where there are many the first ones named."""
-    met = sorted((one for one in check.stretches if one.verdict != "free"), key=attrgetter("start"))
+    met = sorted((stretch for stretch in check.stretches if stretch.verdict != "free"), key=attrgetter("start"))
     lines: list[str] = []
     if full or len(met) <= DESCRIBED:
-        for one in met:
-            lines += crossing_lines(one, check, deg=deg, full=full)
+        for stretch in met:
+            lines += crossing_lines(stretch, check, deg=deg, full=full)
         return lines
-    lines += (f"{_crossed(one, check)}, {when(one.closest.place)}" for one in met[:LISTED])
+    lines += (f"{_crossed(stretch, check)}, {when(stretch.closest.place)}" for stretch in met[:LISTED])
     if len(met) > LISTED:
         more = f"and {len(met) - LISTED} more; "
     else:
@@ -536,34 +539,34 @@ def _met_lines(check: Any, *, deg: bool, full: bool) -> list[str]:
     return [*lines, f"{more}{advised('full')} describes each of them"]
 
 
-def crossing_lines(one: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
+def crossing_lines(stretch: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
     """A stretch that is not free: what it reaches, where, and what is lost."""
-    yield f"{_crossed(one, check)}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
-    yield f"    at {joints_words(check.robot, one.closest.q, deg=deg)}"
-    yield from (f"    the tool {words}" for words in (one.lost if full else one.lost[:1]))
+    yield f"{_crossed(stretch, check)}, {_span(stretch)}" + (f", corank {stretch.corank}" if stretch.corank > 1 else "")
+    yield f"    at {joints_words(check.robot, stretch.closest.q, deg=deg)}"
+    yield from (f"    the tool {words}" for words in (stretch.lost if full else stretch.lost[:1]))
     if not full:
         return
-    yield f"    how: {evidence_words(one, check)}"
-    if one.verdict == "undecided" and isfinite(one.closest.distance):
-        yield f"    nearest singularity known: {angle(one.closest.distance)}"
-    if not isnan(one.null_share):
-        yield f"    {_percent(one.null_share)} of the joints' motion there does not move the tool"
-    if one.speed_factor < 1.0:
-        joint = check.robot.variables[one.slowest - 1]
-        yield (f"    too fast for {joint.name}: {one.rates[one.slowest - 1]:.4g} {joint.unit}/s, its limit is "
-               f"{joint.velocity:.4g}; {one.speed_factor:.3g} of the speed keeps it")  # fmt: skip
+    yield f"    how: {evidence_words(stretch, check)}"
+    if stretch.verdict == "undecided" and isfinite(stretch.closest.distance):
+        yield f"    nearest singularity known: {angle(stretch.closest.distance)}"
+    if not isnan(stretch.null_share):
+        yield f"    {_percent(stretch.null_share)} of the joints' motion there does not move the tool"
+    if stretch.speed_factor < 1.0:
+        joint = check.robot.variables[stretch.slowest - 1]
+        yield (f"    too fast for {joint.name}: {stretch.rates[stretch.slowest - 1]:.4g} {joint.unit}/s, its limit is "
+               f"{joint.velocity:.4g}; {stretch.speed_factor:.3g} of the speed keeps it")  # fmt: skip
 
 
-def stretch_place(check: Any, one: Any) -> str:
+def stretch_place(check: Any, stretch: Any) -> str:
     """The part of the arm that is special where a stretch reaches a singularity, or comes nearest to one.
 
     The name of the family where no part is special there, or no singular configuration is known.
     """
-    if one.corank:
-        q = one.closest.q
+    if stretch.corank:
+        q = stretch.closest.q
     else:
-        q = one.closest.foot
-    return _place(check, q, one.name, one.corank)
+        q = stretch.closest.foot
+    return _place(check, q, stretch.name, stretch.corank)
 
 
 def _place(check: Any, q: Array, name: str, corank: int = 0) -> str:
@@ -575,14 +578,15 @@ def _place(check: Any, q: Array, name: str, corank: int = 0) -> str:
     return place or name or "an unnamed family"
 
 
-def _crossed(one: Any, check: Any) -> str:
-    verb = {"crossing": "crosses", "touching": "lies in" if one.lies else "touches"}.get(one.verdict, "undecided:")
-    return f"{verb} {stretch_place(check, one)}{_id(one)}"
+def _crossed(stretch: Any, check: Any) -> str:
+    verbs = {"crossing": "crosses", "touching": "lies in" if stretch.lies else "touches"}
+    verb = verbs.get(stretch.verdict, "undecided:")
+    return f"{verb} {stretch_place(check, stretch)}{_id(stretch)}"
 
 
 def _free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
     timed = check.curve.times is not None
-    limited = any(not isnan(one.speed_factor) for one in free)
+    limited = any(not isnan(stretch.speed_factor) for stretch in free)
     columns = ["nearest family", "rows", "closest", "σ", "weak"]
     notes = ["closest: joint-space distance to the nearest singular configuration known [rad]; weak: share of the "
              "tool's travel there along the direction that would be lost"]  # fmt: skip
@@ -592,18 +596,19 @@ def _free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
         columns.append("speed")
         notes.append("speed: factor that keeps the velocity limits")
     rows = []
-    for one in sorted(free, key=attrgetter("start")):
-        row = [f"{stretch_place(check, one)}{_id(one)}", f"{row_words(one.start)} – {row_words(one.end)}"]
+    for stretch in sorted(free, key=attrgetter("start")):
+        rows_of = f"{row_words(stretch.start)} – {row_words(stretch.end)}"
+        row = [f"{stretch_place(check, stretch)}{_id(stretch)}", rows_of]
         if timed:
-            row.append(f"{one.start.time:.4g} – {one.end.time:.4g}")
-        row += _closest_cells(one.closest)
+            row.append(f"{stretch.start.time:.4g} – {stretch.end.time:.4g}")
+        row += _closest_cells(stretch.closest)
         if limited:
-            row.append(_speed_cell(one))
+            row.append(_speed_cell(stretch))
         rows.append(tuple(row))
     where = tuple(
-        f"{_far(one.closest.distance)} at row {row_words(one.closest.place)}{_way(one, check.robot)}: "
-        f"{joints_words(check.robot, one.closest.q, deg=deg)}"
-        for one in free[:_CLOSEST] if one.closest.distance >= _LEADS
+        f"{_far(stretch.closest.distance)} at row {row_words(stretch.closest.place)}{_way(stretch, check.robot)}: "
+        f"{joints_words(check.robot, stretch.closest.q, deg=deg)}"
+        for stretch in free[:_CLOSEST] if stretch.closest.distance >= _LEADS
     )
     return Section("Proven free", columns=tuple(columns), rows=tuple(rows), after=where, notes=tuple(notes))
 
@@ -626,9 +631,9 @@ def _speed_cell(stretch: Any) -> str:
     return f"× {stretch.speed_factor:.3g}"
 
 
-def _id(one: Any) -> str:
-    if one.family:
-        return f" [{one.family}]"
+def _id(stretch: Any) -> str:
+    if stretch.family:
+        return f" [{stretch.family}]"
     return ""
 
 
@@ -702,16 +707,16 @@ def many_section(many: Sequence[dict[str, Any]]) -> Section:
         many: from `check_files`.
     """
     rows = []
-    for one in many:
-        if one["met"] or one["nearest_rad"] is None:
+    for record in many:
+        if record["met"] or record["nearest_rad"] is None:
             near = ""
         else:
-            near = short(one["nearest_rad"], 3)
-        cells = ("" if x is None else str(x) for x in (one["rows"], one["met"]))
-        rows.append((one["file"], one["verdict"], *cells, near, one["name"]))
-    holds = sum(one["verdict"] == "free" for one in many)
+            near = short(record["nearest_rad"], 3)
+        cells = ("" if x is None else str(x) for x in (record["rows"], record["met"]))
+        rows.append((record["file"], record["verdict"], *cells, near, record["name"]))
+    holds = sum(record["verdict"] == "free" for record in many)
     return Section(
         f"{holds} of {len(many)} paths proven free",
         columns=("file", "verdict", "rows", "reached", "nearest [rad]", "family"), rows=tuple(rows), texts=(0, 1, 5),
-        after=tuple(one["sentence"] for one in many if one["verdict"] == "bad input"),
+        after=tuple(record["sentence"] for record in many if record["verdict"] == "bad input"),
     )  # fmt: skip

@@ -56,7 +56,7 @@ def sentence(check: Any) -> str:
     parts = [*_reached(check), *_ended(check), *_broken(check), *_open(check)]
     unread = len(check.unread)
     if not parts:
-        timed = all(one.untimed is None for one in check.parts)
+        timed = all(part.untimed is None for part in check.parts)
         if timed:
             limits = "; joint limits and rates kept"
         else:
@@ -81,7 +81,7 @@ def _in_line(line: int, text: str) -> str:
 
 def _reached(check: Any) -> Iterator[str]:
     for kind, words in (("crossing", "crosses a singularity {} (proven)"), ("touching", "touches a singularity {}")):
-        part = [one for one in check.met if one.stretch.verdict == kind]
+        part = [crossing for crossing in check.met if crossing.stretch.verdict == kind]
         if part:
             times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
             first = part[0]
@@ -121,17 +121,17 @@ def _why(ended: Any, robot: Robot) -> str:
 
 def _broken(check: Any) -> Iterator[str]:
     for part in check.parts:
-        for one in () if part.check is None else part.check.violations:
-            move = part.moves[part.move_at(one.place)]
-            joint = f"joint {one.joint} ({check.robot.variables[one.joint - 1].name})"
+        for violation in () if part.check is None else part.check.violations:
+            move = part.moves[part.move_at(violation.place)]
+            joint = f"joint {violation.joint} ({check.robot.variables[violation.joint - 1].name})"
             where = _in_line(move.line, move.text)
-            if one.what == "rate" and one.proven:
-                times = f"{short(one.amount, 3)} times the limit of {joint}"
+            if violation.what == "rate" and violation.proven:
+                times = f"{short(violation.amount, 3)} times the limit of {joint}"
                 yield f"not possible at the programmed speed: {times} {where}"
-            elif one.what == "rate":
+            elif violation.what == "rate":
                 yield f"the rate of {joint} could not be proven to keep its limit {where}"
-            elif one.proven:
-                excess = motion(one.amount, check.robot.variables[one.joint - 1].unit)
+            elif violation.proven:
+                excess = motion(violation.amount, check.robot.variables[violation.joint - 1].unit)
                 yield f"{joint} is outside its limits by {excess} {where}"
             else:
                 yield f"{joint} could not be proven to keep its limits {where}"
@@ -139,7 +139,7 @@ def _broken(check: Any) -> Iterator[str]:
 
 def _open(check: Any) -> Iterator[str]:
     """The open points of a program: undecided stretches, a distance that is not kept, an interrupted check."""
-    undecided = sum(one.undecided_length for one in check.checks)
+    undecided = sum(checked.undecided_length for checked in check.checks)
     if any(stretch.verdict == "undecided" for stretch in check.stretches):
         yield f"{undecided:.3g} rad of it undecided"
     if check.checks:
@@ -163,8 +163,8 @@ def summary(check: Any) -> tuple[str, ...]:
 
 def _next_lines(check: Any) -> Iterator[str]:
     """Of a program that crosses in joint moves alone: nothing needs to be done."""
-    if check.verdict == "crossing" and all(one.kind == "joint" for one in check.met):
-        lines = _lines_words([one.line for one in check.met])
+    if check.verdict == "crossing" and all(crossing.kind == "joint" for crossing in check.met):
+        lines = _lines_words([crossing.line for crossing in check.met])
         yield f"Next: the joint moves of {lines} cross, and a joint move may: nothing needs to be done there."
 
 
@@ -172,15 +172,15 @@ def _read_lines(check: Any) -> Iterator[str]:
     """What was read of a program, and what of it is not checked: corners, tool frames, the base, rates."""
     program, moves = check.program, check.program.moves
     yield _read_line(check)
-    blends = [one.line for one in moves if one.blend]
+    blends = [move.line for move in moves if move.blend]
     if blends:
         yield (f"Corners: checked as exact stops. The controller rounds those of {_lines_words(blends)}: it leaves the "
                "checked path there, and what it does instead is not checked.")  # fmt: skip
-    tools = [one.line for one in program.skipped if one.reason == "tool frame"]
+    tools = [skipped.line for skipped in program.skipped if skipped.reason == "tool frame"]
     if tools:
         yield (f"Tool: the tool frames of {_lines_words(tools)} are not evaluated. Poses are read as those of the "
                f"arm's tip; {advised('tcp', '…', python='the tip of the robot')} sets the tool point.")  # fmt: skip
-    if check.raised and any(one.target.pose is not None for one in moves):
+    if check.raised and any(move.target.pose is not None for move in moves):
         size = 1e3 / counted_length(check.robot)
         yield f"Base frame: at the height of axis 2, {short(size * check.raised, 4)} mm above the base of the arm."
     untimed = [part.untimed.line for part in check.parts if part.untimed is not None]
@@ -191,7 +191,7 @@ def _read_lines(check: Any) -> Iterator[str]:
 def _read_line(check: Any) -> str:
     """The language of a program and how many moves of each kind were read."""
     moves = check.program.moves
-    joint = sum(one.kind == "joint" for one in moves)
+    joint = sum(move.kind == "joint" for move in moves)
     unread = parts = ""
     if check.unread:
         unread = f"; {len(check.unread)} not read"
@@ -214,9 +214,9 @@ def _begin_lines(check: Any) -> Iterator[str]:
 
 def _turn_lines(check: Any) -> Iterator[str]:
     """The linear move in which a joint turns far, and by how much."""
-    lines = [one for one in check.moves if one.kind == "line" and degrees(one.turn) >= _FAR_TURN]
+    lines = [move for move in check.moves if move.kind == "line" and degrees(move.turn) >= _FAR_TURN]
     if lines:
-        most = max(lines, key=lambda one: one.turn)
+        most = max(lines, key=lambda move: move.turn)
         if most.seconds is None:
             lasts = ""
         else:
@@ -225,7 +225,7 @@ def _turn_lines(check: Any) -> Iterator[str]:
 
 
 def _near_lines(check: Any) -> Iterator[str]:
-    near = min((one for one in check.moves if isfinite(one.distance)), key=lambda one: one.distance, default=None)
+    near = min((move for move in check.moves if isfinite(move.distance)), key=lambda move: move.distance, default=None)
     if near is not None:
         if near.distance < 1e-6:
             far = "on it"
@@ -235,7 +235,7 @@ def _near_lines(check: Any) -> Iterator[str]:
 
 
 def _verified_lines(check: Any) -> Iterator[str]:
-    spent = sum(one.evaluations for one in check.checks)
+    spent = sum(checked.evaluations for checked in check.checks)
     size = 1e3 / counted_length(check.robot)
     off = max((part.off for part in check.parts), default=0.0)
     turned = max((part.turned for part in check.parts), default=0.0)
@@ -243,7 +243,7 @@ def _verified_lines(check: Any) -> Iterator[str]:
         tip = f"; the tip stays within {_up(size * off)} mm and {_up(1e3 * turned)} mrad of its lines"
     else:
         tip = ""
-    shares = ", ".join(dict.fromkeys(free_words(one) for one in check.checks))
+    shares = ", ".join(dict.fromkeys(free_words(checked) for checked in check.checks))
     if len(check.checks) == 1:
         free = f"; {shares} of the joint path is proven free"
     else:
@@ -282,15 +282,15 @@ def sections(check: Any, *, full: bool, remedies: Sequence[Any] = ()) -> tuple[S
     first, *others = summary(check)
     found = [Section(first, lines=tuple(others), tone=tone)]
     if remedies:
-        words = [f"line {one.move.line}: {remedy_words(one, check.robot)}" for one in remedies]
+        words = [f"line {remedy.move.line}: {remedy_words(remedy, check.robot)}" for remedy in remedies]
         more = [] if full or len(words) <= _LISTED else [f"{advised('full')} prints all {len(words)}"]
         found.append(Section("Remedies, computed on the literal targets; programs are not written",
                              lines=tuple(words if full else words[:_LISTED]), notes=tuple(more)))  # fmt: skip
     lines = []
-    for one in check.met if full else check.met[:_NAMED]:
-        path = _path_of(one.stretch, check)
-        head, *rest = crossing_lines(one.stretch, path, deg=True, full=full)
-        lines += [f"line {one.line}: {head}", *rest]
+    for crossing in check.met if full else check.met[:_NAMED]:
+        path = _path_of(crossing.stretch, check)
+        head, *rest = crossing_lines(crossing.stretch, path, deg=True, full=full)
+        lines += [f"line {crossing.line}: {head}", *rest]
     if lines:
         found.append(Section("Singularities on the way", lines=tuple(lines)))
     found.append(_moves_section(check, full=full))
@@ -304,79 +304,79 @@ def _moves_section(check: Any, *, full: bool) -> Section:
     if full or len(moves) <= _LISTED:
         shown = moves
     else:
-        shown = [one for one in moves if one.verdict not in (None, "free")][:_LISTED]
+        shown = [move for move in moves if move.verdict not in (None, "free")][:_LISTED]
     notes = []
     if len(shown) < len(moves):
         notes = [f"{len(moves) - len(shown)} more moves; {advised('full')} prints all"]
     return Section(
         "Moves", columns=("line", "kind", "verdict", "nearest singularity", "largest turn", "time [s]", "text"),
-        rows=tuple(_move_row(one) for one in shown), texts=(1, 2, 6), notes=tuple(notes),
+        rows=tuple(_move_row(move) for move in shown), texts=(1, 2, 6), notes=tuple(notes),
     )  # fmt: skip
 
 
-def _move_row(one: Any) -> tuple[str, ...]:
+def _move_row(move: Any) -> tuple[str, ...]:
     """The cells of a move."""
     verdict = "begins here"
     nearest = turn = seconds = "–"
-    if one.verdict is not None:
-        verdict = str(one.verdict)
-    if isfinite(one.distance):
-        nearest = angle(one.distance)
-    if one.joint:
-        turn = f"{one.joint}: {degrees(one.turn):.0f}°"
-    if one.seconds is not None:
-        seconds = f"{one.seconds:.3g}"
-    return str(one.line), _KINDS[one.kind], verdict, nearest, turn, seconds, one.text
+    if move.verdict is not None:
+        verdict = str(move.verdict)
+    if isfinite(move.distance):
+        nearest = angle(move.distance)
+    if move.joint:
+        turn = f"{move.joint}: {degrees(move.turn):.0f}°"
+    if move.seconds is not None:
+        seconds = f"{move.seconds:.3g}"
+    return str(move.line), _KINDS[move.kind], verdict, nearest, turn, seconds, move.text
 
 
 def _skipped_section(check: Any, *, full: bool) -> Section:
     """Lines that were not read, by reason."""
-    reasons = [key for key in _REASONS if any(one.reason == key for one in check.program.skipped)]
+    reasons = [key for key in _REASONS if any(skipped.reason == key for skipped in check.program.skipped)]
     lines = []
     for key in reasons:
-        part = [one for one in check.program.skipped if one.reason == key]
-        lines.append(f"{_lines_words([one.line for one in part])}: {_REASONS[key]}")
+        part = [skipped for skipped in check.program.skipped if skipped.reason == key]
+        lines.append(f"{_lines_words([skipped.line for skipped in part])}: {_REASONS[key]}")
         if full:
-            lines += [f"    {one.line}: {one.text}" for one in part]
+            lines += [f"    {skipped.line}: {skipped.text}" for skipped in part]
     return Section("Not read", lines=tuple(lines), notes=() if full else (f"{advised('full')} prints these lines",))
 
 
-def remedy_words(one: Any, robot: Robot) -> str:
+def remedy_words(remedy: Any, robot: Robot) -> str:
     """What to change in a line of a program."""
-    if one.advice == "turn":
-        return f"before it {turn_words(one.turn, robot, place=False)}; write the turn as a joint move"
-    if one.advice == "joint move":
-        goal = joints_words(robot, one.goal, deg=True)
+    if remedy.advice == "turn":
+        return f"before it {turn_words(remedy.turn, robot, place=False)}; write the turn as a joint move"
+    if remedy.advice == "joint move":
+        goal = joints_words(robot, remedy.goal, deg=True)
         return f"make it a joint move: its target is within reach in another posture ({goal})"
-    if one.advice == "slower":
-        other = "; or make it a joint move" if one.move.kind == "line" and one.factor < _SLOW else ""
-        return f"at {short(one.factor, 3)} of its speed{_speed_words(one)} it keeps the joint limits{other}"
-    if one.advice == "out of reach":
+    if remedy.advice == "slower":
+        other = "; or make it a joint move" if remedy.move.kind == "line" and remedy.factor < _SLOW else ""
+        return f"at {short(remedy.factor, 3)} of its speed{_speed_words(remedy)} it keeps the joint limits{other}"
+    if remedy.advice == "out of reach":
         return "no configuration within the joint limits was found for its target: move the target"
-    if one.advice == "none":
-        return f"no bump and no detour was found: {'; '.join(one.notes)}"
-    where = f"between {100 * one.span[0]:.3g} % and {100 * one.span[1]:.3g} % of its way"
-    if one.advice == "bump":
-        off = tool_off_words(one.change.off, robot)
-        moves = joint_moves(one.change.way, robot)
+    if remedy.advice == "none":
+        return f"no bump and no detour was found: {'; '.join(remedy.notes)}"
+    where = f"between {100 * remedy.span[0]:.3g} % and {100 * remedy.span[1]:.3g} % of its way"
+    if remedy.advice == "bump":
+        off = tool_off_words(remedy.change.off, robot)
+        moves = joint_moves(remedy.change.way, robot)
         return f"bump: {moves} {where} is free (proven), the tool within {off} of the line; insert targets there"
-    off = tool_off_words(one.change.off, robot)
+    off = tool_off_words(remedy.change.off, robot)
     branch = ""
-    if one.change.at_end.any():
-        branch = f"; after it the arm is in another posture: {joint_moves(one.change.at_end, robot)}"
+    if remedy.change.at_end.any():
+        branch = f"; after it the arm is in another posture: {joint_moves(remedy.change.at_end, robot)}"
     return f"detour: the tool led around by {off} {where} is free (proven){branch}; insert targets there"
 
 
-def _speed_words(one: Any) -> str:
+def _speed_words(remedy: Any) -> str:
     """The speed that a line states, and the one that keeps the limits."""
-    speed = one.move.speed
+    speed = remedy.move.speed
     if speed.linear is not None:
-        allowed = 1e3 * speed.linear * one.factor
+        allowed = 1e3 * speed.linear * remedy.factor
         return f", {short(allowed, 3)} mm/s for {short(1e3 * speed.linear, 4)} mm/s,"
     if speed.share is not None:
-        return f", {short(100 * speed.share * one.factor, 3)} % for {short(100 * speed.share, 4)} %,"
+        return f", {short(100 * speed.share * remedy.factor, 3)} % for {short(100 * speed.share, 4)} %,"
     if speed.time is not None:
-        return f", in {short(speed.time / one.factor, 3)} s for {short(speed.time, 4)} s,"
+        return f", in {short(speed.time / remedy.factor, 3)} s for {short(speed.time, 4)} s,"
     return ""
 
 

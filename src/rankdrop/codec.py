@@ -97,15 +97,17 @@ def table(name: str, about: str = "", /, *, of: type | None = None, **entries: A
             record that gives the value), where the record has no attribute of that name. None leaves a field of `of`
             out.
     """
-    columns = {key.rstrip("_"): one if isinstance(one, tuple) else (one, "") for key, one in entries.items()}
+    columns = {
+        key.rstrip("_"): column if isinstance(column, tuple) else (column, "") for key, column in entries.items()
+    }
     if of is not None:
         columns = {**_columns_of(of, columns), **columns}
-    columns = {key: one for key, one in columns.items() if one[0] is not None}
+    columns = {key: column for key, column in columns.items() if column[0] is not None}
     made = msgspec.defstruct(
-        name, [_field(key, *one) for key, one in columns.items()], kw_only=True, rename=_renamed,
+        name, [_field(key, *column) for key, column in columns.items()], kw_only=True, rename=_renamed,
         namespace={"__doc__": about or None},
     )  # fmt: skip
-    _GETTERS[made] = {key: one[2] for key, one in columns.items() if len(one) > 2}
+    _GETTERS[made] = {key: column[2] for key, column in columns.items() if len(column) > 2}
     if of is not None:
         _TABLES.setdefault(of, made)
     return made
@@ -144,16 +146,16 @@ def _parts(kind: Any) -> tuple[Any, ...]:
 def _columns_of(record: type, given: dict[str, Any]) -> dict[str, tuple[Any, ...]]:
     """The fields of a record class as entries; those that are given are not looked at."""
     hints, about, columns = get_type_hints(record, include_extras=True), meanings(record), {}
-    for one in fields(record):
-        if one.name.startswith("_"):
+    for field in fields(record):
+        if field.name.startswith("_"):
             continue
-        if one.name in given:
-            kind, meaning, *getter = given[one.name]
-            columns[one.name] = (kind, meaning or about.get(one.name, ""), *getter)
+        if field.name in given:
+            kind, meaning, *getter = given[field.name]
+            columns[field.name] = (kind, meaning or about.get(field.name, ""), *getter)
             continue
-        kind = _json_type(hints[one.name])
-        default = one.default is not MISSING or one.default_factory is not MISSING
-        columns[one.name] = (optional(kind) if default else kind, about.get(one.name, ""))
+        kind = _json_type(hints[field.name])
+        default = field.default is not MISSING or field.default_factory is not MISSING
+        columns[field.name] = (optional(kind) if default else kind, about.get(field.name, ""))
     given.update({key: columns[key] for key in given.keys() & columns.keys()})
     return columns
 
@@ -168,7 +170,7 @@ def _json_type(kind: Any) -> Any:
             return _TABLES[kind]
         return table(kind.__name__, of=kind)
     if isinstance(kind, type) and issubclass(kind, Enum):
-        return Literal[tuple(one.value for one in kind)]
+        return Literal[tuple(member.value for member in kind)]
     if get_origin(kind) in (Union, UnionType):
         return Union[tuple(map(_json_type, inner))]  # noqa: UP007
     if get_origin(kind) in (tuple, list):
@@ -204,8 +206,12 @@ def _entries(kind: type[Struct]) -> tuple[tuple[str, Callable[[Any], Any], Calla
     """(name, function of the record, function of its value) of every entry."""
     getters = _GETTERS[kind]
     return tuple(
-        (one.encode_name, getters.get(one.encode_name) or partial(_attribute, one.encode_name), _encoder(one.type))
-        for one in msgspec.structs.fields(kind)
+        (
+            field.encode_name,
+            getters.get(field.encode_name) or partial(_attribute, field.encode_name),
+            _encoder(field.type),
+        )
+        for field in msgspec.structs.fields(kind)
     )
 
 
@@ -216,14 +222,14 @@ def _attribute(name: str, record: Any) -> Any:
 
 
 def _encoder(kind: Any) -> Callable[[Any], Any]:
-    inner = [one for one in _parts(kind) if one not in (NoneType, UnsetType)]
+    inner = [part for part in _parts(kind) if part not in (NoneType, UnsetType)]
     kind = inner[0] if len(inner) == 1 else None
     if get_origin(kind) is Annotated:
         return _encoder(get_args(kind)[0])
     if isinstance(kind, type) and issubclass(kind, Struct):
         return lambda value: None if value is None else encode(kind, value)
     if get_origin(kind) is list and (each := _encoder(get_args(kind)[0])) is not plain:
-        return lambda value: None if value is None else [each(one) for one in value]
+        return lambda value: None if value is None else [each(entry) for entry in value]
     return plain
 
 
@@ -249,7 +255,10 @@ def plain(value: Any) -> Any:
 
 def _plain_list(values: Iterable[Any]) -> list[Any]:
     """A list or tuple as JSON has it; of numbers and words, mostly: no call for each."""
-    return [one if type(one) in _AS_IT_IS or (type(one) is float and isfinite(one)) else plain(one) for one in values]
+    return [
+        value if type(value) in _AS_IT_IS or (type(value) is float and isfinite(value)) else plain(value)
+        for value in values
+    ]
 
 
 def _plain_of_python(value: Any) -> Any:
@@ -261,7 +270,7 @@ def _plain_of_python(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return _plain_list(value)
     if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
+        return {str(key): plain(entry) for key, entry in value.items()}
     if isinstance(value, Enum):
         return value.value
     return value
@@ -274,7 +283,7 @@ _AS_IT_IS = frozenset((str, int, bool, NoneType))
 def _fields_of(kind: type[Any]) -> tuple[str, ...] | None:
     """The fields of a record that files hold; None for what is no record, or is a text."""
     if is_dataclass(kind) and not hasattr(kind, "__json__"):
-        return tuple(one.name for one in fields(kind) if one.name[0] != "_")
+        return tuple(field.name for field in fields(kind) if field.name[0] != "_")
     return None
 
 

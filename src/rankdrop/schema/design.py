@@ -48,17 +48,19 @@ CHECKS = table(
 JACOBIAN_FILE = file(
     "jacobian",
     "The Jacobian seen from a link: written by `rankdrop jacobian --json`.",
-    robot=(ROBOT, "", lambda one: (one.robot, one.task, min(one.task.m, one.robot.n))),
+    robot=(ROBOT, "", lambda jacobian: (jacobian.robot, jacobian.task, min(jacobian.task.m, jacobian.robot.n))),
     frame=(Positive, "link that gives the axes"),
     at=(int | None, "link with its frame's origin at the reference point; null for the tip"),
-    rows=(many(str), "of the task, vx … wz", lambda one: [ROWS[row] for row in one.task.rows]),
+    rows=(many(str), "of the task, vx … wz", lambda jacobian: [ROWS[row] for row in jacobian.task.rows]),
     letters=(mapping(num("m")), "value of each length that is a letter [m]"),
     shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
     matrix=(many(many(str)), "entries as text, one list per row; empty where numbers alone were asked for",
-        lambda one: one.texts()),
-    latex=(str, "matrix, determinant and inverse as displayed formulas", lambda one: one.latex() if one.rows else ""),
+        lambda jacobian: jacobian.texts()),
+    latex=(str, "matrix, determinant and inverse as displayed formulas",
+        lambda jacobian: jacobian.latex() if jacobian.rows else ""),
     shortest=(many(SHORTEST), "terms of all axes and reference points, the shortest first"),
-    inverse=(INVERSE | None, "in closed form; null where it was not asked for", lambda one: one.closed and one),
+    inverse=(INVERSE | None, "in closed form; null where it was not asked for",
+        lambda jacobian: jacobian.closed and jacobian),
     numbers=(NUMBERS | None,
         "at the configuration of --q; the inverse is null where it was not asked for, and at singular "
         "configurations"),
@@ -192,8 +194,8 @@ SIDE_BY_SIDE_FILE = file(
     "side-by-side",
     "Written by `rankdrop compare --json`: arms side by side, measured for the same task.",
     version=(str, "of rankdrop", _version),
-    task=(str, "", lambda one: one.task.name),
-    length_scale=(num("m", gt=0), "", lambda one: float(one.task.length_scale)),
+    task=(str, "", lambda compared: compared.task.name),
+    length_scale=(num("m", gt=0), "", lambda compared: float(compared.task.length_scale)),
     limits=bool,
     seed=Count,
     sentence=str,
@@ -205,14 +207,14 @@ SWEEP_PARAMETERS = table(
     "sweep_parameters",
     name=str,
     unit=Literal["m", "rad"],
-    sets=(many(str), "places in the arm", lambda one: [str(place) for place in one.places]),
+    sets=(many(str), "places in the arm", lambda parameter: [str(place) for place in parameter.places]),
     lower=num("entry"),
     upper=num("entry"),
 )
 STRUCTURES = table(
     "structures",
-    families=(many(str), "", lambda one: one.keys),
-    variants=(many(int), "counted from 1", lambda one: [i + 1 for i in one.variants]),
+    families=(many(str), "", lambda structure: structure.keys),
+    variants=(many(int), "counted from 1", lambda structure: [i + 1 for i in structure.variants]),
     ranges=many(many(num("entry"))),
 )
 CHANGES = table(
@@ -220,9 +222,10 @@ CHANGES = table(
     kind=Literal["appears", "vanishes", "splits", "join"],
     before=many(str),
     after=many(str),
-    variants=(row(int, 2), "counted from 1", lambda one: [one.first + 1, one.second + 1]),
-    parameter=(str | None, "the one that differs; null where several do", lambda one: one.parameter or None),
-    between=(many(num("entry")) | None, "its values", lambda one: [one.low, one.high] if one.parameter else None),
+    variants=(row(int, 2), "counted from 1", lambda change: [change.first + 1, change.second + 1]),
+    parameter=(str | None, "the one that differs; null where several do", lambda change: change.parameter or None),
+    between=(many(num("entry")) | None, "its values",
+        lambda change: [change.low, change.high] if change.parameter else None),
 )
 EXACT_FAMILIES = table("exact_families", id=str, name=str, corank=int, conditions=many(str), real=str)
 SWEEP_EXACT = table(
@@ -234,7 +237,7 @@ SWEEP_EXACT = table(
 )
 VARIANTS = table(
     "variants",
-    number=(Positive, "", lambda one: one["number"] + 1),
+    number=(Positive, "", lambda variant: variant["number"] + 1),
     values=many(num("entry")),
     **_MEASURED,
 )
@@ -243,45 +246,46 @@ SWEEP_FILE = file(
     "Written by `rankdrop sweep --json`: variants of an arm, measured for the same task. Variants and joints are "
     "numbered from 1; angles in rad, lengths in m.",
     robot=str,
-    sample=(Literal["grid", "latin-hypercube", "sobol", "list"], "how variants were chosen", lambda one: one.spec.kind),
+    sample=(Literal["grid", "latin-hypercube", "sobol", "list"], "how variants were chosen",
+        lambda designs: designs.spec.kind),
     version=(str, "of rankdrop", _version),
-    task=(str, "", lambda one: one.spec.task.name),
-    length_scale=(num("m", gt=0), "", lambda one: float(one.spec.task.length_scale)),
-    limits=(bool, "", lambda one: one.spec.limits),
-    seed=(Count, "", lambda one: one.spec.seed),
+    task=(str, "", lambda designs: designs.spec.task.name),
+    length_scale=(num("m", gt=0), "", lambda designs: float(designs.spec.task.length_scale)),
+    limits=(bool, "", lambda designs: designs.spec.limits),
+    seed=(Count, "", lambda designs: designs.spec.seed),
     sentence=str,
     summary=(optional(many(str)), "the lines that are printed first"),
     holds=bool,
     measures=many(MEASURES),
     parameters=many(SWEEP_PARAMETERS),
-    goals=(mapping(Literal["less", "more"]), "", lambda one: one.spec.goals),
+    goals=(mapping(Literal["less", "more"]), "", lambda designs: designs.spec.goals),
     pareto=(many(Positive), "variants not dominated by any other beyond the error",
-        lambda one: [number + 1 for number in one.pareto]),
+        lambda designs: [number + 1 for number in designs.pareto]),
     pareto_differ=(optional(bool), "some of them differ from one another beyond the error",
-        lambda one: one.ranking.differ),
+        lambda designs: designs.ranking.differ),
     structures=many(STRUCTURES),
     changes=many(CHANGES),
     exact=many(SWEEP_EXACT),
-    variants=(many(VARIANTS), "", lambda one: one.records),
+    variants=(many(VARIANTS), "", lambda designs: designs.records),
 )
 
 
 TableColumn = tuple[str, str, str, Callable[[Mapping[str, Any]], Any]]
 """Of a Parquet table: name, type, meaning, and the value from a record."""
 FAMILY_COLUMNS: list[TableColumn] = [
-    ("variant", "int64", "number of the variant, from 1", lambda one: one["variant"]),
-    ("family", "string", "id of the family in its variant", lambda one: one["id"]),
-    ("key", "string", "what it is, apart from the arm's lengths", lambda one: one["key"]),
-    ("name", "string", "its name", lambda one: one["name"]),
-    ("corank", "int64", "rank lost on it", lambda one: one["corank"]),
-    ("dimension", "int64", "of it in joint space", lambda one: one["dimension"]),
-    ("conditions", "string", "of its coupled joints, one a line", lambda one: "\n".join(one["conditions"])),
-    ("sound", "int64", "solutions of its conditions that are singular", lambda one: one["sound"][0]),
-    ("tested", "int64", "solutions of its conditions", lambda one: one["sound"][1]),
+    ("variant", "int64", "number of the variant, from 1", lambda family: family["variant"]),
+    ("family", "string", "id of the family in its variant", lambda family: family["id"]),
+    ("key", "string", "what it is, apart from the arm's lengths", lambda family: family["key"]),
+    ("name", "string", "its name", lambda family: family["name"]),
+    ("corank", "int64", "rank lost on it", lambda family: family["corank"]),
+    ("dimension", "int64", "of it in joint space", lambda family: family["dimension"]),
+    ("conditions", "string", "of its coupled joints, one a line", lambda family: "\n".join(family["conditions"])),
+    ("sound", "int64", "solutions of its conditions that are singular", lambda family: family["sound"][0]),
+    ("tested", "int64", "solutions of its conditions", lambda family: family["sound"][1]),
     ("share", "float64", "share of the joint space near it; null where not asked for",
-     lambda one: one["share"] and one["share"]["share"]),
+     lambda family: family["share"] and family["share"]["share"]),
     ("share_error", "float64", "standard error of the share",
-     lambda one: one["share"] and one["share"]["error"]),
+     lambda family: family["share"] and family["share"]["error"]),
 ]  # fmt: skip
 """Of the table of families."""
 
@@ -289,11 +293,13 @@ FAMILY_COLUMNS: list[TableColumn] = [
 def variant_columns(parameters: Sequence[Any], measures: Sequence[str]) -> list[TableColumn]:
     """Columns of the table of variants: number, parameters, measures, verdict, error."""
     return [
-        ("variant", "int64", "number of the variant, from 1", lambda one: one["number"] + 1),
-        *((f"{one.name}_{one.unit}", "float64", f"parameter, sets {', '.join(map(str, one.places))}",
-           lambda record, k=k: record["values"][k]) for k, one in enumerate(parameters)),
+        ("variant", "int64", "number of the variant, from 1", lambda record: record["number"] + 1),
+        *((f"{parameter.name}_{parameter.unit}", "float64", f"parameter, sets {', '.join(map(str, parameter.places))}",
+           lambda record, k=k: record["values"][k]) for k, parameter in enumerate(parameters)),
         *((name, "float64", "; ".join(filter(None, (MEANINGS[name], UNITS[name]))),
            lambda record, name=name: record["measures"].get(name)) for name in measures),
-        ("verdict", "string", "of its families; null where they were not asked for", lambda one: one.get("verdict")),
-        ("error", "string", "why it could not be measured as a whole; null where it was", lambda one: one["error"]),
+        ("verdict", "string", "of its families; null where they were not asked for",
+         lambda record: record.get("verdict")),
+        ("error", "string", "why it could not be measured as a whole; null where it was",
+         lambda record: record["error"]),
     ]  # fmt: skip

@@ -42,7 +42,7 @@ ESCAPE_SETTINGS = table(
     version=(str, "of rankdrop", lambda _: VERSION),
     frame=(optional(Literal["base", "tool", "link", ""]),
         "axes in which motions are reported; empty: base, tool, and a link where they are simpler there",
-        lambda one: one.options.frame or ""),
+        lambda explanation: explanation.options.frame or ""),
     slow=(optional(num("m/s", ge=0)), "a straight translation slower than this is slow; 0 for none",
         attrgetter("options.speed")),
     slow_turn=(optional(num("rad/s", ge=0)), "a straight rotation slower than this is slow; 0 for none",
@@ -103,7 +103,7 @@ DIRECTION = table(
 )
 LOST_MOTION = table(
     "lost_motion", of=LostMotion, direction=row(num("1"), 6), type=Literal[1, 2], form=many(num("1")),
-    words=(str, "", lambda one: lost_type(one.type)),
+    words=(str, "", lambda lost: lost_type(lost.type)),
 )  # fmt: skip
 ESCAPE = table(
     "escape",
@@ -119,8 +119,8 @@ ESCAPE = table(
     nearby=optional(bool),
 )
 _ASKED: dict[str, Any] = {
-    "robot": (ROBOT, "", lambda one: (one.robot, one.task, one.rank.generic_rank)),
-    "settings": (ESCAPE_SETTINGS, "what was asked for", lambda one: one),
+    "robot": (ROBOT, "", lambda explanation: (explanation.robot, explanation.task, explanation.rank.generic_rank)),
+    "settings": (ESCAPE_SETTINGS, "what was asked for", lambda explanation: explanation),
     "q": (many(num("joint")), "the given configuration [rad, m]"),
     "outside_limits": (many(Positive), "joints beyond a limit"),
     "at_limits": (many(Positive), "joints that stand at a limit"),
@@ -134,7 +134,7 @@ _ASKED: dict[str, Any] = {
 }
 _WAYS: dict[str, Any] = {
     "circuits": (many(some(Positive)), "every inclusion-minimal dependent set of joints",
-        lambda one: [circuit.numbers for circuit in one.blame.circuits]),
+        lambda explanation: [circuit.numbers for circuit in explanation.blame.circuits]),
     "blame": (BLAME, "which joints make the dependency"),
     "escape": (ESCAPE, "how to get out"),
 }
@@ -176,7 +176,7 @@ SUMMARY = table(
 )
 _SUMMARY = {
     "summary": (optional(SUMMARY), "the answer: facts, then five sentences",
-                lambda one: plain(one.summary) | {"text": summary_lines(one)}),
+                lambda explanation: plain(explanation.summary) | {"text": summary_lines(explanation)}),
 }  # fmt: skip
 ESCAPE_FILE = file(
     "escape",
@@ -191,14 +191,15 @@ ESCAPE_FILE = file(
 )
 EXPLANATION_FAMILY = table(
     "explanation_family",
-    id=(str | None, "of the analysis; null where found on the spot", lambda one: one.family.id or None),
+    id=(str | None, "of the analysis; null where found on the spot", lambda incidence: incidence.family.id or None),
     name=(str, "", attrgetter("family.name")),
     corank=(Positive, "", attrgetter("family.corank")),
     dimension=(Count, "in joint space", attrgetter("family.dimension")),
     pinned=(many(PINNED), "joints with fixed values [rad, m]", attrgetter("family.pinned")),
     free=(many(Positive), "joints that do not matter", attrgetter("family.free")),
     coupled=(many(Positive), "joints tied together", attrgetter("family.coupled")),
-    conditions=(many(str), "for reading", lambda one: list(map(str, one.family.equations)) or one.family.words),
+    conditions=(many(str), "for reading",
+        lambda incidence: list(map(str, incidence.family.equations)) or incidence.family.words),
     equations=(many(str), "expressions in q1 … qn, sin, cos, pi that vanish on the family",
         attrgetter("family.equations")),
     residual=(num("distance", ge=0), "distance of the configuration to the family [rad]"),
@@ -427,7 +428,7 @@ EXPLANATION_FILE = file(
         "the configuration that family, relations and blame speak of: q, or the nearest singular one where q "
         "is near it"),
     family=(EXPLANATION_FAMILY | None, "the family of the singularity; null where the verdict is regular",
-        lambda one: one.met[0] if one.met else None),
+        lambda explanation: explanation.met[0] if explanation.met else None),
     families=(many(EXPLANATION_FAMILY), "all families that hold at focus", attrgetter("met")),
     family_source=(Literal["catalogue", "analysis", "on the spot"], "", attrgetter("source")),
     relations=many(RELATIONS),
@@ -439,7 +440,7 @@ EXPLANATION_FILE = file(
         attrgetter("lost.directions")),
     blocked_words=(many(str), "", attrgetter("lost.blocked_words")),
     lost_frame=(LOST_FRAME | None, "the frame where they are sparsest",
-        lambda one: one.lost if one.lost.framed is not None else None),
+        lambda explanation: explanation.lost if explanation.lost.framed is not None else None),
     weakest_direction=(row(num("1"), 6), "that of σ_r", attrgetter("lost.weakest")),
     never_possible=(many(row(num("1"), 6)), "twists beyond the generic rank", attrgetter("lost.never")),
     **_WAYS,
@@ -457,13 +458,13 @@ EXPLANATION_FILE = file(
     ideal=(optional(EXPLANATION_IDEAL),
         "with --ideal: the given arm; all else is about the ideal one", lambda _: UNSET),
     lost_seen=(many(LOST_SEEN), "what all motions that remain obey, from base, tool and a link; v [m/s], ω [rad/s]",
-        lambda one: [{"frame": frame, "directions": seen.directions, **lost_text(one.robot, seen)}
-                     for frame, seen in one.lost.seen.items()]),
+        lambda explanation: [{"frame": frame, "directions": seen.directions, **lost_text(explanation.robot, seen)}
+                     for frame, seen in explanation.lost.seen.items()]),
     **_SUMMARY,
     slowest=(optional(many(STRAIGHT_MOTION)), "slowest straight translation and rotation; empty without rate limits",
         attrgetter("straight")),
     slow_family=(optional(SLOW_FAMILY | None), "what makes a motion slow; null where speed does not decide",
-        lambda one: None if one.slow_family is None else one.summary),
+        lambda explanation: None if explanation.slow_family is None else explanation.summary),
 )
 NEAREST_FILE = file(
     "nearest",
@@ -477,11 +478,11 @@ NEAREST_FILE = file(
 TOLERANT_SETTINGS = table(
     "tolerant_settings",
     measure=(Literal["sigma", "relative"], "the least σ_r left, or that divided by σ1 of the whole arm",
-        lambda one: "relative" if one.relative else "sigma"),
+        lambda tolerant: "relative" if tolerant.relative else "sigma"),
     seed=Count,
     starts=Positive,
     limits=bool,
-    length_scale=(num("m", gt=0), "", lambda one: one.task.scale(one.robot)),
+    length_scale=(num("m", gt=0), "", lambda tolerant: tolerant.task.scale(tolerant.robot)),
     tolerances=TOLERANCES,
     version=(str, "", lambda _: VERSION),
 )
@@ -515,7 +516,7 @@ TOLERANT_FILE = file(
     "tolerant",
     "Written by `rankdrop tolerant --json`: configurations that bear the failure of any one joint best.",
     robot=(ROBOT, "", ARM_OF),
-    settings=(TOLERANT_SETTINGS, "", lambda one: one),
+    settings=(TOLERANT_SETTINGS, "", lambda tolerant: tolerant),
     complete=(bool, "false: interrupted"),
     done=(Count, "starts climbed from"),
     spare=(Count, "n − r, joints to spare"),
@@ -525,5 +526,5 @@ TOLERANT_FILE = file(
     crucial=(many(Positive), "joints that cost a freedom at every configuration if they fail"),
     places=(many(TOLERANT_PLACES), "local maxima, best first"),
     self_motion=(optional(SELF_MOTIONS), "the self-motions of one tool pose; absent where they were not asked for",
-        lambda one: one.self_motion or UNSET),
+        lambda tolerant: tolerant.self_motion or UNSET),
 )

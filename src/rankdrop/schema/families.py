@@ -109,7 +109,7 @@ LOST_FREEDOM = table(
     everywhere=bool,
     length=num("m", gt=0),
     kind=(Literal["translation", "rotation", "tied"], "tied: translation and rotation, by u · (v; ω) = 0",
-        lambda one: one.kind.value),
+        lambda freedom: freedom.kind.value),
 )
 
 
@@ -130,18 +130,18 @@ def _details(kind: type) -> Callable[[FamilyName], Any]:
     """Function of a name that gives its details of one kind, joints from 1; absent where it has none."""
 
     def value(name: FamilyName) -> Any:
-        return [_from_one(one) for one in name.details if isinstance(one, kind)] or UNSET
+        return [_from_one(detail) for detail in name.details if isinstance(detail, kind)] or UNSET
 
     return value
 
 
-def _from_one(one: Detail | Dependence | LowRank) -> Detail | Dependence | LowRank:
+def _from_one(detail: Detail | Dependence | LowRank) -> Detail | Dependence | LowRank:
     """A detail with joints counted from 1, as in every file."""
-    if isinstance(one, Detail):
-        return replace(one, joints=tuple(_next(group) for group in one.joints))
-    if isinstance(one, Dependence):
-        return replace(one, joints=_next(one.joints), slides=_next(one.slides))
-    return one
+    if isinstance(detail, Detail):
+        return replace(detail, joints=tuple(_next(group) for group in detail.joints))
+    if isinstance(detail, Dependence):
+        return replace(detail, joints=_next(detail.joints), slides=_next(detail.slides))
+    return detail
 
 
 def _next(joints: Sequence[int]) -> tuple[int, ...]:
@@ -149,7 +149,7 @@ def _next(joints: Sequence[int]) -> tuple[int, ...]:
 
 
 def _shorter(name: FamilyName) -> Any:
-    return [one.name.lower() for one in Shorter if one.name and one in name.shorter] or UNSET
+    return [kind.name.lower() for kind in Shorter if kind.name and kind in name.shorter] or UNSET
 
 
 _JOINTS = many(Positive)
@@ -171,7 +171,7 @@ CALLED = table(
         "of single joints", _unless_default("values")),
     condition=(optional(str), "one that no other family of this name has", _unless_default("condition")),
     ordinal=(optional(Positive), "number among the families of this name, from 1", _unless_default("ordinal")),
-    shorter=(optional(many(Literal[tuple(one.name.lower() for one in Shorter if one.name)])),
+    shorter=(optional(many(Literal[tuple(kind.name.lower() for kind in Shorter if kind.name)])),
         "how the words of a long name save characters", _shorter),
     unnamed=(optional(bool), "points without a condition", _unless_default("unnamed")),
     given=(optional(str), "words of a name without facts, kept as they are", _unless_default("given")),
@@ -205,18 +205,18 @@ FAMILY = table(
     lost_directions=(many(row(num("1"), 6)),
         "orthonormal rows (v; ω) lost at the witness, in the frame of the task, metres and radians"),
     lost_freedoms=(optional(many(LOST_FREEDOM)), "the same in the frame in which they are simplest; since 0.3"),
-    lost_words=(many(str), "these in words, one sentence each", lambda one: lost_sentences(one.lost_freedoms)),
+    lost_words=(many(str), "these in words, one sentence each", lambda family: lost_sentences(family.lost_freedoms)),
     soundness=SOUNDNESS,
     explained=SHARE,
     evidence=(str, "how the conditions were obtained"),
     exact=(optional(EXACT_CONDITIONS), "its exact conditions; absent where the families were not derived; since 0.3",
-        lambda one: one.exact or UNSET),
+        lambda family: family.exact or UNSET),
 )
 OLD_EXACT_FAMILIES = table("old_exact_families", **_EXACT, id=str)
 CONTRADICTION = table(
     "contradiction",
     of=Contradiction,
-    called=(optional(CALLED), "", lambda one: one.called or UNSET),
+    called=(optional(CALLED), "", lambda contradiction: contradiction.called or UNSET),
     q=many(num("joint")),
 )
 
@@ -240,7 +240,7 @@ EXACT = table(
     disagreements=(optional(many(str)), "sentences; none where derivation and numerical tests agree",
         _sentences("disagreements")),
     contradictions=(optional(many(CONTRADICTION)), "the same as facts; absent where there are none; since 0.3",
-        lambda one: one.disagreements or UNSET),
+        lambda derivation: derivation.disagreements or UNSET),
     families=(optional(many(OLD_EXACT_FAMILIES)), "up to 0.2: the exact conditions of all families; since 0.3 each "
         "family has its own", _absent),
 )
@@ -305,7 +305,7 @@ IDEAL = table(
     families=(many(IDEAL_FAMILIES), "the arm itself on each family of the ideal one"),
 )
 ANSWER = (optional(many(str)), "the answer in two sentences: what the arm has, and how sure that is",
-          lambda one: one.verdict.beside(one.answer))  # fmt: skip
+          lambda result: result.verdict.beside(result.answer))  # fmt: skip
 RANKS = table(
     "ranks", of=RankSummary, rank=(Count, "of the task Jacobian on these families"), corank=Positive, families=Positive,
     combinations=(Count, "of these, families that lie on two or more families of the smallest corank"),
@@ -338,15 +338,15 @@ ANALYSIS_FILE = file(
     notes=(many(str), "remarks for the reader"),
     coranks=(many(SUMMARY), "one entry per corank searched, the last one (nothing found) included"),
     families=(many(FAMILY), "all rows, by corank"),
-    exact=(optional(EXACT), "where the families come from", lambda one: one.exact or UNSET),
+    exact=(optional(EXACT), "where the families come from", lambda analysis: analysis.exact or UNSET),
     near=(optional(ANALYSIS_NEAR), "share of the joint space near each family; absent where it was not asked for",
-        lambda one: one.near or UNSET),
+        lambda analysis: analysis.near or UNSET),
     speeds=(optional(SPEED_DISTANCES), "how far from each family the tool keeps a speed; absent where it was not asked "
-        "for", lambda one: one.speeds or UNSET),
+        "for", lambda analysis: analysis.speeds or UNSET),
     slow=(optional(ANALYSIS_SLOW), "share of the joint space inside the limits in which the tool is slower than the "
-        "speed of `speeds`; absent without it", lambda one: one.slow or UNSET),
+        "speed of `speeds`; absent without it", lambda analysis: analysis.slow or UNSET),
     aspects=(optional(ASPECTS_SUMMARY), "how many aspects the arm has, joint limits ignored; absent for arms outside "
-        "the catalogue where it was not asked for", lambda one: one.aspects or UNSET),
+        "the catalogue where it was not asked for", lambda analysis: analysis.aspects or UNSET),
     ideal=(optional(IDEAL), "with --ideal: the given arm; all else is about the ideal one",
         _absent),
 )
@@ -387,14 +387,14 @@ MINORS = table(
     about=str,
     factored=(bool, "whether its factors were found"),
     sign=(Literal[-1, 0, 1], "of the number before the factors",
-        lambda one: (one.value.form.number > 0) - (one.value.form.number < 0)),
-    number=(str, "before the factors, a whole number or p/q", lambda one: str(one.value.form.number)),
+        lambda minor: (minor.value.form.number > 0) - (minor.value.form.number < 0)),
+    number=(str, "before the factors, a whole number or p/q", lambda minor: str(minor.value.form.number)),
     factors=(many(FACTORS), "", _factors),
-    terms=(int, "of the polynomial in sines and cosines", lambda one: len(one.value.polynomial)),
-    text=(str, "", lambda one: one.value.text()),
-    latex=(str, "", lambda one: one.value.latex()),
-    python=(str, "in q1 …, sin, cos and the lengths", lambda one: one.value.code(Python(shifts=one.shifts))),
-    c=(str, "in q[0] … and the lengths", lambda one: one.value.code(C(shifts=one.shifts))),
+    terms=(int, "of the polynomial in sines and cosines", lambda minor: len(minor.value.polynomial)),
+    text=(str, "", lambda minor: minor.value.text()),
+    latex=(str, "", lambda minor: minor.value.latex()),
+    python=(str, "in q1 …, sin, cos and the lengths", lambda minor: minor.value.code(Python(shifts=minor.shifts))),
+    c=(str, "in q[0] … and the lengths", lambda minor: minor.value.code(C(shifts=minor.shifts))),
 )
 DETERMINANTS = table(
     "determinants",
@@ -425,7 +425,7 @@ CONDITIONS_FAMILY = table(
         attrgetter("exact.reality")),
     witness=(some(num("joint")), "a configuration on the family [rad, m]"),
     lost_freedoms=(optional(many(LOST_FREEDOM)), "what the tool cannot do on the family; since 0.3"),
-    lost_words=(many(str), "the same in words, one sentence each", lambda one: lost_sentences(one.lost_freedoms)),
+    lost_words=(many(str), "the same in words, one sentence each", lambda family: lost_sentences(family.lost_freedoms)),
     rank_check=(RANK_CHECK, "rank modulo the prime 2^61 − 1 at random points of the family",
         attrgetter("exact.rank_check")),
 )
@@ -447,7 +447,7 @@ UNDIVIDED = table(
     of=UndividedSet,
     corank=(Positive, "of configurations on it, or more"),
     pins=(mapping(many(str)), "joint number -> simple angles it stands at",
-        lambda one: {str(pin.joint): list(pin.values) for pin in one.pins}),
+        lambda case: {str(pin.joint): list(pin.values) for pin in case.pins}),
     stated=None,
     conditions=(optional(many(str)), "every condition in words, short ones first; none where one is long",
         attrgetter("texts")),
@@ -541,7 +541,8 @@ CONDITIONS_FILE = file(
     lowest=(whole(ge=0, le=6), "rank down to which drops were looked for"),
     families=(many(CONDITIONS_FAMILY), "of all coranks, by corank"),
     assumptions=(many(ASSUMPTIONS), "lengths for which more happens"),
-    not_real=(many(str), "sets on which no real point is known, and why", lambda one: list(map(str, one.not_real))),
+    not_real=(many(str), "sets on which no real point is known, and why",
+        lambda derived: list(map(str, derived.not_real))),
     unreal=(optional(many(UNREAL)), "the same as facts; since 0.3", attrgetter("not_real")),
     undivided=(optional(many(UNDIVIDED)), "cases that were not taken apart, as their conditions stand; since 0.3"),
     explained=SHARE,
@@ -557,13 +558,14 @@ FIND_SETTINGS = table(
     rank=(whole(ge=0, le=5), "rank kept"),
     method=Literal["lm", "gradient", "almarkhi", "reciprocal"],
     seed=(Count, "of every random choice"),
-    starts=(Positive, "random starts for each corank", lambda one: len(one.q)),
+    starts=(Positive, "random starts for each corank", lambda found: len(found.q)),
     limits=(bool, "whether only the space within the joint limits was searched"),
     step=(num("1", gt=0, le=2) | None, "share of the step to linearised zero; null: line search, or method lm",
-        lambda one: one.step or None),
+        lambda found: found.step or None),
     tie=(num("1", ge=0, le=1), "relative gap below which almarkhi counts singular values as equal"),
     iterations=(Count, "most iterations per start; 0: none, method reciprocal", attrgetter("most")),
-    length_scale=(num("m", gt=0), "translation rows were divided by it [m]", lambda one: one.task.scale(one.robot)),
+    length_scale=(num("m", gt=0), "translation rows were divided by it [m]",
+        lambda found: found.task.scale(found.robot)),
     tolerances=TOLERANCES,
     version=(str, "of rankdrop", lambda _: VERSION),
 )
@@ -580,11 +582,11 @@ CONFIGURATIONS = table(
 FIND_FILE = file(
     "find",
     "Configurations of one corank, one per start.",
-    robot=(ROBOT, "", lambda one: (one.robot, one.task, one.rank + one.corank)),
-    settings=(FIND_SETTINGS, "", lambda one: one),
+    robot=(ROBOT, "", lambda found: (found.robot, found.task, found.rank + found.corank)),
+    settings=(FIND_SETTINGS, "", lambda found: found),
     strata=(optional(many(STRATA)),
         "only of method reciprocal: what was begun with, and how many configurations came of it", strata),
-    counts=(COUNTS, "starts by outcome", lambda one: {kind.name.lower(): one.count(kind) for kind in Outcome}),
+    counts=(COUNTS, "starts by outcome", lambda found: {kind.name.lower(): found.count(kind) for kind in Outcome}),
     complete=(bool, "false: interrupted"),
     configurations=(many(CONFIGURATIONS), "one per start that was run, in order", configurations),
 )

@@ -79,8 +79,8 @@ SOLUTIONS = table(
 POSES = table(
     "poses",
     solutions=(some(SOLUTIONS), "the first is the configuration that gave the pose",
-        lambda one: [dict(zip(("q", "aspect", "sign", "name"), row, strict=True))
-                     for row in zip(one.q, one.aspect, one.sign, one.names, strict=True)]),
+        lambda solved: [dict(zip(("q", "aspect", "sign", "name"), row, strict=True))
+                     for row in zip(solved.q, solved.aspect, solved.sign, solved.names, strict=True)]),
     per_aspect=(some(Positive), "solutions in each aspect, most first"),
     near_cusp=(bool, "chosen next to a cusp, not at random"),
 )
@@ -104,7 +104,7 @@ ASPECTS_FILE = file(
     sentence=str,
     count=(optional(ASPECTS_COUNT), "of aspects, joint limits ignored"),
     within_limits=(optional(ASPECTS_COUNT), "with --limits: connected sets of regular configurations within the joint "
-        "limits; absent where they were not asked for", lambda one: one.within or UNSET),
+        "limits; absent where they were not asked for", lambda aspects: aspects.within or UNSET),
     exact=(ASPECTS_EXACT, "", attrgetter("decision")),
     poses=(many(POSES), "", attrgetter("solved")),
     path=(PATH | None, "", attrgetter("change")),
@@ -293,7 +293,8 @@ TOOL_OFF = table(
 TRAJECTORY = table(
     "trajectory",
     interpolate=(Literal["linear", "cubic", "quintic"], "curve between two rows"),
-    t=(many(num("s")) | None, "null without times", lambda one: one["times"] if one["timed"] else None),
+    t=(many(num("s")) | None, "null without times",
+        lambda trajectory: trajectory["times"] if trajectory["timed"] else None),
     q=(many(many(num("joint"))), "one row of joint values for each"),
     velocities=(many(many(num("joint/s"))) | None, "of each row; null where the file has none"),
     accelerations=(many(many(num("joint/s²"))) | None, "of each row; null where the file has none"),
@@ -301,10 +302,10 @@ TRAJECTORY = table(
 CHANGES = table(
     "changes",
     rows=(many(num("row", ge=1)), "between them the joints are moved",
-        lambda one: [one.start.position, one.end.position]),
+        lambda change: [change.start.position, change.end.position]),
     time=(many(num("s")) | None,
         "of these rows; null without times",
-        lambda one: None if one.start.time is None else [one.start.time, one.end.time]),
+        lambda change: None if change.start.time is None else [change.start.time, change.end.time]),
     moved=(many(num("joint")), "how far each joint is from the old path at most", attrgetter("way")),
     at_end=(many(num("joint")), "how far it is at the end; 0: back on the old path, else on another branch"),
     tool_off=(TOOL_OFF, "how far the tool is from the old path at most", attrgetter("off")),
@@ -314,10 +315,10 @@ FAR_TURNS = table(
     "far_turns",
     joint=(int, "number from 1"),
     angle=(num("rad"), "how far it turns in one go"),
-    rows=(many(num("row", ge=1)), "between which it turns", lambda one: [one.start.position, one.end.position]),
+    rows=(many(num("row", ge=1)), "between which it turns", lambda turn: [turn.start.position, turn.end.position]),
     time=(many(num("s")) | None,
         "of these rows; null without times",
-        lambda one: None if one.start.time is None else [one.start.time, one.end.time]),
+        lambda turn: None if turn.start.time is None else [turn.start.time, turn.end.time]),
 )
 FOUND = table(
     "found",
@@ -326,8 +327,8 @@ FOUND = table(
     words=(str, "the change, in words"),
     parameters=(many(PARAMETERS), "numbers of the remedy"),
     gains=(many(GAINS), "numbers before and after",
-        lambda one: [{"what": what, "before": gain[0], "after": gain[1], "unit": UNITS[what][1]}
-                     for what, gain in one.gains.items()]),
+        lambda remedy: [{"what": what, "before": gain[0], "after": gain[1], "unit": UNITS[what][1]}
+                     for what, gain in remedy.gains.items()]),
     verdict=(VERDICT,
         "of the mended path: free, but of retime, which keeps the path and is judged by its limits",
         attrgetter("check.verdict")),
@@ -340,7 +341,8 @@ FOUND = table(
     retimed=(bool, "it has a new time law"),
     changes=(many(CHANGES), "parts that a local remedy changes; outside them the path is as it was"),
     turns=(many(FAR_TURNS), "joints that turn far within a short part of the new path"),
-    trajectory=(TRAJECTORY, "the mended path", lambda one: {**vars(one.trajectory), "interpolate": one.interpolate}),
+    trajectory=(TRAJECTORY, "the mended path",
+        lambda remedy: {**vars(remedy.trajectory), "interpolate": remedy.interpolate}),
 )
 REMEDIES = table(
     "remedies",
@@ -393,13 +395,13 @@ TOOL = table(
     turn=(optional(TURN | None), "the internal turn after which the path goes on, where the branch needs one"),
     branches=(optional(many(TOOL_BRANCH)), "every branch that was found at the first pose, followed for itself"),
 )
-def _part(one: Any, ends: tuple[Any, Any], check: Any) -> dict[str, Any]:
+def _part(stretch: Any, ends: tuple[Any, Any], check: Any) -> dict[str, Any]:
     """A stretch between two places of it as entries."""
     return {
-        **vars(one), "rows": [place.position for place in ends],
-        "time": None if ends[0].time is None else [place.time for place in ends], "how": evidence_words(one, check),
-        "q": one.closest.q, "touching": one.verdict == "touching", "rates": one.rates.tolist() or None,
-        "slowest": one.slowest or None,
+        **vars(stretch), "rows": [place.position for place in ends],
+        "time": None if ends[0].time is None else [place.time for place in ends], "how": evidence_words(stretch, check),
+        "q": stretch.closest.q, "touching": stretch.verdict == "touching", "rates": stretch.rates.tolist() or None,
+        "slowest": stretch.slowest or None,
     }  # fmt: skip
 
 
@@ -419,10 +421,11 @@ PATH_FILE = file(
         attrgetter("margin")),
     violations=(optional(many(VIOLATIONS)), "joint limits that the path breaks, or may break"),
     crossings=(many(PATH_CROSSINGS),
-        "places where the path is singular", lambda check: [_part(one, one.bracket, check) for one in check.crossings]),
+        "places where the path is singular",
+        lambda check: [_part(crossing, crossing.bracket, check) for crossing in check.crossings]),
     stretches=(many(STRETCHES),
         "parts of the path near one family each",
-        lambda check: [_part(one, (one.start, one.end), check) for one in check.stretches]),
+        lambda check: [_part(stretch, (stretch.start, stretch.end), check) for stretch in check.stretches]),
     profile=(PROFILE, "numbers along the path, for drawings; family: index into ids"),
     evaluations=(Count, "enclosures that were spent"),
     source=(Literal["catalogue", "analysis", "on the spot"], "of the families"),
@@ -444,7 +447,7 @@ PATHS = table(
         "of the length in joint space, proven free; null where it could not be read"),
     met=(Count | None, "crossings and touches"),
     nearest_rad=num("distance", ge=0) | None,
-    complete=(bool, "", lambda one: one["verdict"] != "bad input"),
+    complete=(bool, "", lambda record: record["verdict"] != "bad input"),
 )
 PATHS_FILE = file(
     "paths", "Written by `rankdrop path --json` for several files or a folder: each path in short, worst first.",
@@ -481,7 +484,7 @@ PROGRAM_SKIPPED = table(
     reason=(Literal["variable", "changed", "expression", "incomplete", "pulses", "circle", "spline", "relative",
                     "other move", "base frame", "routine", "branch", "loop", "call", "tool frame", "other"],
         "why it was not read"),
-    words=(str, "the reason in words", lambda one: why_skipped(one.reason)),
+    words=(str, "the reason in words", lambda skipped: why_skipped(skipped.reason)),
     moves=(bool, "the line moves the arm"),
 )
 PROGRAM_ENDED = table(
@@ -490,7 +493,7 @@ PROGRAM_ENDED = table(
     text=(str, "of that line", attrgetter("move.text")),
     cause=Literal["out of reach", "no such posture", "branch ends"],
     share=(num("1", ge=0) | None, "of a straight line that was followed; null for other causes",
-        lambda one: one.branch and max(0.0, one.branch.reached - 1.0)),
+        lambda ended: ended.branch and max(0.0, ended.branch.reached - 1.0)),
 )
 PROGRAM_PARTS = table(
     "program_parts",
@@ -544,7 +547,7 @@ PROGRAM_FILE = file(
     moves=(many(PROGRAM_MOVES), "that were read and reached"),
     skipped=(many(PROGRAM_SKIPPED), "lines that were not read", attrgetter("program.skipped")),
     blended=(many(Positive), "lines with corners that the controller rounds; they are checked as exact stops",
-        lambda found: [one.line for one in found.program.moves if one.blend]),
+        lambda found: [move.line for move in found.program.moves if move.blend]),
     raised=(num("m"), "height of the maker's base frame above that of the arm"),
     parts=many(PROGRAM_PARTS),
     complete=(bool, "false where it was interrupted"),

@@ -167,7 +167,7 @@ class Part:
         violations: dict[int, list[Violation]] = {}
         for violation in check.violations:
             violations.setdefault(self.move_at(violation.place), []).append(violation)
-        names = {one.family: one.name for one in check.stretches}
+        names = {stretch.family: stretch.name for stretch in check.stretches}
         begins = np.searchsorted(self.owner, np.arange(len(self.moves) + 1)).tolist()
         for index, move in enumerate(self.moves):
             first, last = begins[index : index + 2]
@@ -183,7 +183,7 @@ class Part:
 
     def _verdict(self, index: int, stretches: Sequence[Stretch], violations: Sequence[Violation]) -> Verdict:
         """The worst of a move."""
-        kinds = [FREE, *(one.verdict for one in stretches), *map(_broken, violations)]
+        kinds = [FREE, *(stretch.verdict for stretch in stretches), *map(_broken, violations)]
         if index in self.passed:
             kinds.append(TOUCHING)
         if self.ended is not None and self.ended.move is self.moves[index]:
@@ -223,10 +223,10 @@ def _largest_turn(check: PathCheck, first: int, last: int) -> tuple[int, float]:
     return 0, float(turns[joint])
 
 
-def _broken(one: Violation) -> Verdict:
-    if not one.proven:
+def _broken(violation: Violation) -> Verdict:
+    if not violation.proven:
         return UNDECIDED
-    if one.what == "rate":
+    if violation.what == "rate":
         return TOO_FAST
     return OUTSIDE
 
@@ -264,17 +264,17 @@ class ProgramCheck(Result):
     @property
     def checks(self) -> tuple[PathCheck, ...]:
         """Of the parts that have a path."""
-        return tuple(one.check for one in self.parts if one.check is not None)
+        return tuple(part.check for part in self.parts if part.check is not None)
 
     @property
     def unread(self) -> tuple[Skipped, ...]:
         """Lines that move the arm and were not read."""
-        return tuple(one for one in self.program.skipped if one.moves)
+        return tuple(skipped for skipped in self.program.skipped if skipped.moves)
 
     @property
     def verdict(self) -> Verdict:
         """The worst of all parts; undecided where moves were not read and all others are free."""
-        kinds = [one.verdict for one in self.checks] + [FREE]
+        kinds = [check.verdict for check in self.checks] + [FREE]
         kinds += [NOT_FOLLOWED for part in self.parts if part.ended is not None]
         kinds += [TOUCHING for part in self.parts if part.passed]
         if self.unread or not self.complete:
@@ -284,7 +284,7 @@ class ProgramCheck(Result):
     @property
     def complete(self) -> bool:
         """False where it was interrupted."""
-        return not self.interrupted and all(one.complete for one in self.checks)
+        return not self.interrupted and all(check.complete for check in self.checks)
 
     @property
     def holds(self) -> bool:
@@ -294,33 +294,33 @@ class ProgramCheck(Result):
     @property
     def rows(self) -> int | None:
         """Rows of the joint path of all parts; None where there is none."""
-        return sum(one.rows for one in self.checks) or None
+        return sum(check.rows for check in self.checks) or None
 
     @property
     def free_share(self) -> float:
         """Of the part of which least is proven free."""
-        return min((one.free_share for one in self.checks), default=0.0)
+        return min((check.free_share for check in self.checks), default=0.0)
 
     @property
     def stretches(self) -> tuple[Stretch, ...]:
         """Of all parts, worst first."""
-        every = [one for check in self.checks for one in check.stretches]
-        return tuple(sorted(every, key=lambda one: (VERDICTS.index(one.verdict), one.closest.distance)))
+        every = [stretch for check in self.checks for stretch in check.stretches]
+        return tuple(sorted(every, key=lambda stretch: (VERDICTS.index(stretch.verdict), stretch.closest.distance)))
 
     @property
     def met(self) -> tuple[Met, ...]:
         """Singularities on the way, in the order of the program."""
         found = []
         for part in self.parts:
-            for one in () if part.check is None else part.check.crossings:
-                move = part.moves[part.move_at(one.closest.place)]
-                found.append(Met(move.line, move.text, move.kind, one))
+            for crossing in () if part.check is None else part.check.crossings:
+                move = part.moves[part.move_at(crossing.closest.place)]
+                found.append(Met(move.line, move.text, move.kind, crossing))
         return tuple(found)
 
     @cached_property
     def moves(self) -> tuple[MoveCheck, ...]:
         """Every move that was read and reached."""
-        return tuple(one for part in self.parts for one in part.checked_moves())
+        return tuple(move for part in self.parts for move in part.checked_moves())
 
     @property
     def sentence(self) -> str:
@@ -424,10 +424,10 @@ def _start(question: PathQuestion, runs: Sequence[Sequence[Move]]) -> Array | No
 def _runs(program: Program) -> list[list[Move]]:
     """Moves between lines that were not read and after which the arm may be anywhere."""
     runs: list[list[Move]] = [[]]
-    for one in program.items:
-        if isinstance(one, Move):
-            runs[-1].append(one)
-        elif one.reason in BREAKS and runs[-1]:
+    for item in program.items:
+        if isinstance(item, Move):
+            runs[-1].append(item)
+        elif item.reason in BREAKS and runs[-1]:
             runs.append([])
     return [run for run in runs if run]
 
@@ -634,7 +634,7 @@ class _Walker:
             by_turn = None
         else:
             by_turn = turn / speed.angular
-        stated = [one for one in (by_length, by_turn) if one is not None]
+        stated = [duration for duration in (by_length, by_turn) if duration is not None]
         return max(stated) if stated else None
 
     def _joints(self, move: Move) -> Array:
@@ -686,8 +686,8 @@ class _Walker:
         """The solution in a posture that is nearest to a configuration, whole turns within the limits included."""
         if near is None or not len(solutions):
             return None
-        every = np.concatenate([self._turned(one) for one in solutions])
-        fits = every[[_fits(one, posture) for one in every]]
+        every = np.concatenate([self._turned(solution) for solution in solutions])
+        fits = every[[_fits(solution, posture) for solution in every]]
         if not len(fits):
             return None
         away = np.linalg.norm((fits - near) / joint_scale(self.robot, self.task), axis=1)
@@ -699,7 +699,7 @@ class _Walker:
         for value, joint, low, high in zip(q, self.robot.variables, self.robot.lower, self.robot.upper, strict=True):
             turns = (0.0, -2 * pi, 2 * pi) if joint.unit == "rad" else (0.0,)
             options.append([value + turn for turn in turns if turn == 0.0 or low <= value + turn <= high])
-        if np.prod([len(one) for one in options]) > _MOST_TURNS:
+        if np.prod([len(turns) for turns in options]) > _MOST_TURNS:
             return q[None]
         return np.array(list(product(*options)))
 

@@ -86,9 +86,11 @@ def crossings(
     for sliver in slivers:
         judge = _Judge(robot, task, path, sliver, functions, tolerances)
         part = judge.crossings()
-        touched = [one for one in part if one.verdict == TOUCHING and one.corank == 1 and not one.lies][:looks]
+        touched = [
+            crossing for crossing in part if crossing.verdict == TOUCHING and crossing.corank == 1 and not crossing.lies
+        ][:looks]
         looks -= len(touched)
-        more = signs_at(robot, task, [one.closest.q for one in touched], tolerances)
+        more = signs_at(robot, task, [crossing.closest.q for crossing in touched], tolerances)
         if more.keys() - functions.keys():
             functions = functions | more
             part = replace(judge, functions=functions).crossings()
@@ -100,8 +102,8 @@ def signs(robot: Robot, task: Task, families: Sequence[Family]) -> SignFunctions
     """The determinant, and conditions of families of one condition that passed their test."""
     square = robot.n == task.m == generic_rank(robot, task)
     found: SignFunctions = {"": _determinant(robot, task)} if square else {}
-    single = (one for one in families if one.dimension == robot.n - 1 and len(one.equations) == 1)
-    return found | {one.equations[0].text(): _condition(one) for one in single if one.soundness.holds}
+    single = (family for family in families if family.dimension == robot.n - 1 and len(family.equations) == 1)
+    return found | {family.equations[0].text(): _condition(family) for family in single if family.soundness.holds}
 
 
 def signs_at(robot: Robot, task: Task, configurations: Sequence[Array], tolerances: Tolerances) -> SignFunctions:
@@ -190,16 +192,16 @@ class _Judge:
 
     def _spread(self, parts: list[Stretch]) -> list[Stretch]:
         """Crossings that share the sliver: none of it is proven free."""
-        middles = [self._place((self._count(one.bracket[1]) + self._count(two.bracket[0])) / 2)
-                   for one, two in pairwise(parts)]  # fmt: skip
+        middles = [self._place((self._count(first.bracket[1]) + self._count(second.bracket[0])) / 2)
+                   for first, second in pairwise(parts)]  # fmt: skip
         ends = [self.path.place(self.sliver[0]), *middles, self.path.place(self.sliver[1])]
-        return [replace(one, start=ends[k], end=ends[k + 1]) for k, one in enumerate(parts)]
+        return [replace(part, start=ends[k], end=ends[k + 1]) for k, part in enumerate(parts)]
 
     def _between(self, parts: list[Stretch], places: Array) -> list[Stretch]:
         """The work ended early: crossings that were seen, and the parts between them, undecided."""
         cuts = [float(places[0])]
-        for one in parts:
-            cuts += [self._count(one.bracket[0]), self._count(one.bracket[1])]
+        for part in parts:
+            cuts += [self._count(part.bracket[0]), self._count(part.bracket[1])]
         cuts.append(float(places[-1]))
         out = list(parts)
         for low, high in zip(cuts[::2], cuts[1::2], strict=True):
@@ -210,7 +212,7 @@ class _Judge:
                 else:
                     at = (low + high) / 2
                 out.append(self._part(UNDECIDED, low, high, at, "unfinished"))
-        return sorted(out, key=lambda one: (one.start, one.end))
+        return sorted(out, key=lambda part: (part.start, part.end))
 
     def _count(self, place: Place) -> float:
         return place.row - 1 - self.sliver[0][0] + place.share
@@ -265,12 +267,12 @@ class _Judge:
         """One crossing for zeros of several functions at the same place; a zero where σ is not zero is none."""
         scale = joint_scale(self.robot, self.task)
         kept: list[Stretch] = []
-        for one in parts:
-            others = [other.closest.q for other in kept if other.condition != one.condition]
-            same = (np.linalg.norm((one.closest.q - q) / scale) < _SAME for q in others)
-            if one.corank and not any(same):
-                kept.append(one)
-        return sorted(kept, key=lambda one: one.closest.place)
+        for part in parts:
+            others = [other.closest.q for other in kept if other.condition != part.condition]
+            same = (np.linalg.norm((part.closest.q - q) / scale) < _SAME for q in others)
+            if part.corank and not any(same):
+                kept.append(part)
+        return sorted(kept, key=lambda part: part.closest.place)
 
     def _still(self, places: Array) -> Stretch:
         """No change of sign: the point of least σ."""
@@ -298,9 +300,9 @@ class _Judge:
 
 def outer(families: Sequence[Family], robot: Robot, task: Task, tolerances: Tolerances) -> tuple[Family, ...]:
     """Families to be measured: corank 1, and those of higher corank, in front, that no one of corank 1 holds."""
-    plain = tuple(one for one in families if one.corank == 1)
-    higher = [one for one in families if one.corank > 1 and one.equations]
-    apart = tuple(one for one in higher if not families_at(plain, robot, one.witness, task, tolerances))
+    plain = tuple(family for family in families if family.corank == 1)
+    higher = [family for family in families if family.corank > 1 and family.equations]
+    apart = tuple(family for family in higher if not families_at(plain, robot, family.witness, task, tolerances))
     return (*apart, *plain)
 
 
@@ -316,7 +318,7 @@ def measures(
         options, tolerances: of the check.
     """
     robot, scaled = in_metres(asked), bool(metre_exponent(asked))
-    every = tuple(family_in_metres(one, asked) if scaled else one for one in families)
+    every = tuple(family_in_metres(family, asked) if scaled else family for family in families)
     near = outer(every, robot, task, tolerances)
     return every, near, Ruler(near, robot, task, limits=options.limits, starts=QUICK)
 
@@ -361,7 +363,7 @@ class Survey:
         if self._rates is not None and np.isfinite(self._limits).any():
             rates = self._share_of_limit(self._rates).max(axis=1)[stretch]
         self.profile = Profile(positions + 1.0, self.path.time(stretch, share), distance, family,
-                               _sigma(robot, task, q), rates, tuple(one.id for one in self._near))  # fmt: skip
+                               _sigma(robot, task, q), rates, tuple(family.id for family in self._near))  # fmt: skip
 
     def _share_of_limit(self, rates: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -390,12 +392,12 @@ class Survey:
 
     def stretches(self, crossings: Sequence[Stretch]) -> tuple[Stretch, ...]:
         """All parts of the path, worst first: by verdict, then by distance."""
-        parts = [self._singular(one, with_lost=k < _LOST) for k, one in enumerate(crossings)]
+        parts = [self._singular(crossing, with_lost=k < _LOST) for k, crossing in enumerate(crossings)]
         if len(crossings) > _LOST:
             self.remarks = (*self.remarks, ("lost", (_LOST, len(crossings))))
         first, last = self.path.place((0, 0.0)), self.path.place((len(self.path.control) - 1, 1.0))
-        starts = [first, *(one.end for one in crossings)]
-        ends = [*(one.start for one in crossings), last]
+        starts = [first, *(crossing.end for crossing in crossings)]
+        ends = [*(crossing.start for crossing in crossings), last]
         free: list[tuple[Place, Place, int, int]] = []
         for start, end in zip(starts, ends, strict=True):
             if end.position > start.position:

@@ -225,45 +225,50 @@ class Bumper:
 
         Crossings of one family are paired with the next one where the part between them is the shallowest.
         """
-        bad = sorted((one for one in self.check.stretches if one.verdict != FREE), key=lambda one: one.start)
-        pairs, single = self._pairs([one for one in bad if one.verdict == CROSSING])
-        lifted = [(one, two) for one, two in pairs] + [(one, one) for one in bad if one.verdict != CROSSING]
+        bad = sorted(
+            (stretch for stretch in self.check.stretches if stretch.verdict != FREE), key=lambda stretch: stretch.start
+        )
+        pairs, single = self._pairs([stretch for stretch in bad if stretch.verdict == CROSSING])
+        lifted = [(first, second) for first, second in pairs] + [
+            (stretch, stretch) for stretch in bad if stretch.verdict != CROSSING
+        ]
         near = self.check.options.min_distance
-        lifted += [(one, one) for one in self.check.stretches
-                   if one.verdict == FREE and one.closest.distance < near and one.closest.distance > 1e-6]  # fmt: skip
-        found = [self._core(one, two, clearance) for one, two in lifted]
-        return _merged(found), [self._core(one, one, clearance) for one in single]
+        lifted += [(stretch, stretch) for stretch in self.check.stretches
+                   if stretch.verdict == FREE and stretch.closest.distance < near
+                   and stretch.closest.distance > 1e-6]  # fmt: skip
+        found = [self._core(first, second, clearance) for first, second in lifted]
+        return _merged(found), [self._core(stretch, stretch, clearance) for stretch in single]
 
     def _pairs(self, crossings: list[Stretch]) -> tuple[list[tuple[Stretch, Stretch]], list[Stretch]]:
         pairs, single = [], []
-        for family in dict.fromkeys(one.family for one in crossings):
-            left = [one for one in crossings if one.family == family]
+        for family in dict.fromkeys(crossing.family for crossing in crossings):
+            left = [crossing for crossing in crossings if crossing.family == family]
             while len(left) > 1:
-                depth = [self._depth(one, two) for one, two in pairwise(left)]
+                depth = [self._depth(first, second) for first, second in pairwise(left)]
                 k = int(np.argmin(depth))
                 if depth[k] > _WIDENED * self.bound:
                     break
                 pairs.append((left[k], left[k + 1]))
                 del left[k : k + 2]
             single += left
-        return pairs, sorted(single, key=lambda one: one.start)
+        return pairs, sorted(single, key=lambda stretch: stretch.start)
 
-    def _depth(self, one: Stretch, two: Stretch) -> float:
+    def _depth(self, first: Stretch, second: Stretch) -> float:
         """Largest room between two crossings."""
-        low, high = one.closest.place.position - 1.0, two.closest.place.position - 1.0
+        low, high = first.closest.place.position - 1.0, second.closest.place.position - 1.0
         return float(self.tool.room(self.at(self._spread(low, high, _LOOKS))).max())
 
-    def core(self, one: Stretch, clearance: float) -> Core:
+    def core(self, stretch: Stretch, clearance: float) -> Core:
         """The part of a path around one stretch that is nearer to a singularity than the clearance."""
-        return self._core(one, one, clearance)
+        return self._core(stretch, stretch, clearance)
 
-    def _core(self, one: Stretch, two: Stretch, clearance: float) -> Core:
-        low, high = one.closest.place.position - 1.0, two.closest.place.position - 1.0
-        if one is two and one.verdict not in (CROSSING, FREE):
-            low, high = one.start.position - 1.0, one.end.position - 1.0
+    def _core(self, first: Stretch, second: Stretch, clearance: float) -> Core:
+        low, high = first.closest.place.position - 1.0, second.closest.place.position - 1.0
+        if first is second and first.verdict not in (CROSSING, FREE):
+            low, high = first.start.position - 1.0, first.end.position - 1.0
         low, high = self._outwards(low, clearance, -1.0), self._outwards(high, clearance, 1.0)
-        stretches = (one,) if one is two else (one, two)
-        return Core(low, high, stretches, one is not two)
+        stretches = (first,) if first is second else (first, second)
+        return Core(low, high, stretches, first is not second)
 
     def _outwards(self, place: float, clearance: float, sign: float) -> float:
         """The place before or after another from which on the room is above the clearance."""
@@ -304,8 +309,8 @@ class Bumper:
         if not found:
             return NoBump(core, Obstacle.HEIGHT, min(too_high, default=np.nan))
         least = min(size for size, _, _ in found)
-        near = [one for one in found if one[0] <= _SIMPLER * least]
-        return self._ramped(min(near, key=lambda one: (one[1], one[0]))[2])
+        near = [candidate for candidate in found if candidate[0] <= _SIMPLER * least]
+        return self._ramped(min(near, key=lambda candidate: (candidate[1], candidate[0]))[2])
 
     def _size(self, off: tuple[float, float]) -> float:
         """A deviation as one number: lengths divided by the length scale."""
@@ -334,10 +339,10 @@ class Bumper:
                 if np.linalg.norm(along) > 1e-3:
                     kinds += [(along, True)]
         for way, null_motion in kinds:
-            one = self.scale * way / np.abs(way).max()
-            yield one, null_motion
+            direction = self.scale * way / np.abs(way).max()
+            yield direction, null_motion
             if not core.crossed:  # either side will do
-                yield -one, null_motion
+                yield -direction, null_motion
 
     def _lifted(self, q: Array, move: Array, *, null: bool) -> Array:
         """(N, n) configurations moved; nan where the tool cannot be brought back to its place."""
@@ -563,7 +568,7 @@ def step(share: Array) -> tuple[Array, Array, Array]:
 def _merged(cores: list[Core]) -> list[Core]:
     """Cores that overlap as one."""
     out: list[Core] = []
-    for core in sorted(cores, key=lambda one: one.low):
+    for core in sorted(cores, key=lambda core: core.low):
         if out and core.low <= out[-1].high:
             last = out[-1]
             out[-1] = Core(last.low, max(last.high, core.high), (*last.stretches, *core.stretches),

@@ -183,7 +183,7 @@ class Mending(Result):
     @property
     def best(self) -> Remedy | None:
         """The first that is proven free; None where there is none."""
-        return next((one for one in self.remedies if one.check.clear), None)
+        return next((remedy for remedy in self.remedies if remedy.check.clear), None)
 
     def sections(self, *, deg: bool = True) -> tuple[Section, ...]:
         """As sections of text."""
@@ -206,7 +206,7 @@ def blends(check: PathCheck, most: float) -> Iterator[Proposal]:
     if path.degree != 1 or not near or not len(corners):
         return
     until = np.concatenate([[0.0], np.cumsum(size)])
-    at = np.interp([one.closest.place.position - 1.0 for one in near], np.arange(len(until)), until)
+    at = np.interp([stretch.closest.place.position - 1.0 for stretch in near], np.arange(len(until)), until)
     away = np.abs(until[corners][None] - at[:, None])
     cut, least = np.unique(away.argmin(axis=1)), float(away.min(axis=1).max())
     room = _room(until, corners, cut)
@@ -240,8 +240,8 @@ def _ends_early(check: PathCheck) -> float | None:
 
 def _reached(check: PathCheck) -> list[Stretch]:
     """The stretches that are not free; where all are, those that come nearer to a singularity than is asked."""
-    bad = [one for one in check.stretches if one.verdict != FREE]
-    return bad or [one for one in check.stretches if one.closest.distance < check.options.min_distance]
+    bad = [stretch for stretch in check.stretches if stretch.verdict != FREE]
+    return bad or [stretch for stretch in check.stretches if stretch.closest.distance < check.options.min_distance]
 
 
 def _room(until: Array, corners: NDArray[np.intp], cut: NDArray[np.intp]) -> float:
@@ -342,12 +342,12 @@ def mend_path(
     results: list[Remedy | Failure] = []
     complete = True
     try:
-        for one in work.results(how):
-            results.append(one)  # what is made before Ctrl-C is kept
+        for result in work.results(how):
+            results.append(result)  # what is made before Ctrl-C is kept
     except KeyboardInterrupt:
         complete = False
-    remedies = sorted((one for one in results if isinstance(one, Remedy)), key=attrgetter("rank"))
-    failures = tuple(one for one in results if not isinstance(one, Remedy))
+    remedies = sorted((result for result in results if isinstance(result, Remedy)), key=attrgetter("rank"))
+    failures = tuple(result for result in results if not isinstance(result, Remedy))
     return Mending(found, tuple(remedies), failures, not found.clear or work.breaks(found), complete)
 
 
@@ -453,15 +453,17 @@ class _Mender:
             yield DETOUR, (most, [], 0)
             return
         still = np.zeros(self.found.robot.n)
-        changes = tuple(Change(work.at(one.low), work.at(one.high), still, one.off, still) for one in windows)
-        off = max(one.off[0] for one in windows), max(one.off[1] for one in windows)
+        changes = tuple(
+            Change(work.at(window.low), work.at(window.high), still, window.off, still) for window in windows
+        )
+        off = max(window.off[0] for window in windows), max(window.off[1] for window in windows)
         proposal = Proposal(("detour", len(windows)), (), work.trajectory(), off, changes)
         yield self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
 
     def _local(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """The joints moved aside; where they have to go to the other side, the tool led around it."""
         found = self.found
-        if sum(one.verdict != FREE for one in found.stretches) > MANY:
+        if sum(stretch.verdict != FREE for stretch in found.stretches) > MANY:
             yield "local", MANY
             return
         families, _ = known_families(found.robot, found.task, self.analysis, found.tolerances)
@@ -490,7 +492,10 @@ class _Mender:
         for tried in range(1, _ROUNDS + 1):
             bumps, failed = self._bumps(bumper, clearance)
             if failed or not bumps:
-                missing = [(bumper.path.place(bumper.spot(one.core)), one.obstacle, one.needed) for one in failed]
+                missing = [
+                    (bumper.path.place(bumper.spot(failure.core)), failure.obstacle, failure.needed)
+                    for failure in failed
+                ]
                 return BUMP, (tried - 1, bumper.bound, missing)
             remedy = self._first(BUMP, [_bumped(bumper, bumps)])
             if remedy is not None:
@@ -506,7 +511,8 @@ class _Mender:
             self._report(BUMP, k, len(cores))
             results.append(bumper.bump(core, clearance))
         self._report(BUMP, len(cores), len(cores))
-        return [one for one in results if isinstance(one, Bump)], [one for one in results if isinstance(one, NoBump)]
+        bumps = [result for result in results if isinstance(result, Bump)]
+        return bumps, [result for result in results if isinstance(result, NoBump)]
 
     def _detour(self, bumper: Bumper, bumps: list[Bump], most: float, clearance: float) -> Remedy | Failure:
         """The tool led around what no bump avoids, on the path with its bumps."""
@@ -518,21 +524,23 @@ class _Mender:
             again = self._again(before.made)
             bumper = replace(bumper, check=again, tool=tool_path(again.robot, again.task, again.curve))
             changes += before.changes
-        stretches = sorted((one for one in bumper.check.stretches if one.verdict != FREE), key=attrgetter("start"))
+        stretches = sorted(
+            (stretch for stretch in bumper.check.stretches if stretch.verdict != FREE), key=attrgetter("start")
+        )
         if len(stretches) > _DETOURS:
             return DETOUR, (most, [], len(stretches))
-        cores = [bumper.core(one, clearance) for one in stretches]
+        cores = [bumper.core(stretch, clearance) for stretch in stretches]
         work = Detourer(bumper, most)
         results = work.found(cores, clearance)
         self._report(DETOUR, len(results), len(cores))
-        detours = [one for one in results if isinstance(one, Detour)]
-        failed = [(bumper.path.place(bumper.spot(one.core)), one.hindrance, one.needed)
-                  for one in results if isinstance(one, NoDetour)]  # fmt: skip
+        detours = [result for result in results if isinstance(result, Detour)]
+        failed = [(bumper.path.place(bumper.spot(result.core)), result.hindrance, result.needed)
+                  for result in results if isinstance(result, NoDetour)]  # fmt: skip
         if failed or not detours:
             return DETOUR, (most, failed, 0)
         changes = sorted([*changes, *work.changes(detours)], key=attrgetter("start"))
         trajectory, rest = work.trajectory(detours)
-        off = max(rest[0], *(one.off[0] for one in changes)), max(rest[1], *(one.off[1] for one in changes))
+        off = max(rest[0], *(change.off[0] for change in changes)), max(rest[1], *(change.off[1] for change in changes))
         proposal = Proposal(("detour", len(detours)), (), trajectory, off, tuple(changes))
         return self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
 
@@ -585,8 +593,8 @@ class _Mender:
         if made is None:
             return SLOW, path.degree == 1
         still = np.zeros(self.found.robot.n)
-        changes = tuple(Change(path.place(one.start), path.place(one.end), still, (0.0, 0.0), still, one.longer)
-                        for one in made[1])  # fmt: skip
+        changes = tuple(Change(path.place(part.start), path.place(part.end), still, (0.0, 0.0), still, part.longer)
+                        for part in made[1])  # fmt: skip
         proposal = Proposal(("slow-down", len(changes)), (), made[0], (0.0, 0.0), changes)
         remedy = self._checked(SLOW, proposal, again=True)
         self._report(SLOW, 1, 1)
@@ -630,18 +638,18 @@ def _bumped(bumper: Bumper, bumps: list[Bump]) -> Proposal:
     """A path with bumps."""
     path = bumper.path
     changes = []
-    for bump in sorted(bumps, key=lambda one: one.core.low):
+    for bump in sorted(bumps, key=lambda bump: bump.core.low):
         start, end = (path.place(spot) for spot in bumper.ends(bump))
         changes.append(Change(start, end, bumper.most_moved(bump), bump.off, np.zeros_like(bump.way)))
-    off = max(one.off[0] for one in bumps), max(one.off[1] for one in bumps)
+    off = max(bump.off[0] for bump in bumps), max(bump.off[1] for bump in bumps)
     return Proposal(("bump", len(bumps)), (), bumper.trajectory(bumps), off, tuple(changes))
 
 
 def _distance(check: PathCheck) -> float:
     """Least distance known along a path; 0 where it meets a singularity, or may."""
-    if any(one.verdict not in (FREE, UNDECIDED) for one in check.stretches):
+    if any(stretch.verdict not in (FREE, UNDECIDED) for stretch in check.stretches):
         return 0.0
-    return min((one.closest.distance for one in check.stretches), default=np.inf)
+    return min((stretch.closest.distance for stretch in check.stretches), default=np.inf)
 
 
 def _duration(check: PathCheck) -> float:

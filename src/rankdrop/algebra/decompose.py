@@ -165,14 +165,14 @@ def _at_infinity(
             continue
         there = [ring.form(f).at({joint: "pi"}) for f in system]
         # more than two conditions may meet there without a common factor, where they may bind more than two freedoms
-        if most > 2 < len(system) or any(_share(one, two, work) for one, two in combinations(there, 2)):
+        if most > 2 < len(system) or any(_share(first, second, work) for first, second in combinations(there, 2)):
             yield from decompose(ring, {**pins, joint: "pi"}, there, most - 1, work, done)
 
 
-def _share(one: Form, two: Form, work: Work) -> bool:
+def _share(first: Form, second: Form, work: Work) -> bool:
     """Whether two forms have a common factor, be it at π of a joint."""
-    at_pi = dict(one.at_pi).keys() & dict(two.at_pi).keys()
-    return bool(at_pi) or bool(factors(one.ring, gcd(one.f, two.f), work))
+    at_pi = dict(first.at_pi).keys() & dict(second.at_pi).keys()
+    return bool(at_pi) or bool(factors(first.ring, gcd(first.f, second.f), work))
 
 
 def _eliminated(
@@ -257,8 +257,8 @@ def _combined(
     known = {str(f) for f in system}
     for f, g, k in pairs(ring, system):
         work.check()
-        one, two = sorted((str(f), str(g)))
-        pair = (one, two, k)
+        first, second = sorted((str(f), str(g)))
+        pair = (first, second, k)
         if pair in done.combined or not eliminable(f, g, k):
             continue
         done = done._replace(combined=done.combined | {pair})
@@ -305,8 +305,8 @@ def _several(
             return found
     base, tops = _tower(ring, system)
     if tops and len(base) == 2 and len(system) <= most:
-        one = ZeroSet(ring, pins, rest=(*base, *tops), equations=tuple(system))
-        return [*_free_on_top(ring, pins, base, tops, [], most, work), one]
+        whole = ZeroSet(ring, pins, rest=(*base, *tops), equations=tuple(system))
+        return [*_free_on_top(ring, pins, base, tops, [], most, work), whole]
     work.leave(pins, system)
     return []
 
@@ -462,13 +462,13 @@ def _distinct(choices: list[list[Atom]]) -> list[dict[Atom, None]]:
     return systems
 
 
-def cut(one: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
+def cut(zero_set: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
     """The irreducible components of the points of a set at which a trigonometric polynomial vanishes.
 
     Where two conditions hold on several sets, those on which it vanishes are told from those that it cuts.
 
     Args:
-        one: irreducible set, or several.
+        zero_set: irreducible, or several of them.
         p: trigonometric polynomial.
         work: deadline; letters divided by are noted there.
 
@@ -479,22 +479,22 @@ def cut(one: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
     Raises:
         OutOfTime: the deadline has passed.
     """
-    ring = one.ring
-    p = ring.at(p, one.pins)
+    ring = zero_set.ring
+    p = ring.at(p, zero_set.pins)
     if p == 0:
-        return [one]
+        return [zero_set]
     found = ring.factor(p)
     for letters, _ in found.letters:
         work.assume(letters)
     pieces: list[ZeroSet] = []
     for atom, _ in found.atoms:
-        if one.several:
-            inside, outside = one.split_by_zero(zero_where(ring, atom), atom.f)
+        if zero_set.several:
+            inside, outside = zero_set.split_by_zero(zero_where(ring, atom), atom.f)
         else:
-            inside, outside = (None, one)
+            inside, outside = (None, zero_set)
         if inside is not None:
             if atom.pinned:
-                pieces += pinned(one, atom.joint, atom.value, work, one.codimension)
+                pieces += pinned(zero_set, atom.joint, atom.value, work, zero_set.codimension)
             else:
                 pieces += [inside]
         if outside is None:
@@ -503,28 +503,28 @@ def cut(one: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
             parts = pinned(outside, atom.joint, atom.value, work)
         else:
             parts = cut_half(outside, atom.f, work)
-        if parts and parts[0] is one:
-            return [one]
+        if parts and parts[0] is zero_set:
+            return [zero_set]
         pieces += parts
     return independent(pieces)
 
 
-def meet(one: ZeroSet, polynomials: Sequence[Polynomial], work: Work) -> list[ZeroSet]:
+def meet(zero_set: ZeroSet, polynomials: Sequence[Polynomial], work: Work) -> list[ZeroSet]:
     """The components, of one dimension less, of the points of a set at which several trigonometric polynomials vanish.
 
     Args:
-        one: irreducible set, or several.
+        zero_set: irreducible, or several of them.
         polynomials: none of them vanishes on one of the sets.
         work: deadline; letters divided by are noted there.
 
     Returns:
         Components of all points that satisfy its conditions, in the closure of the set or not.
     """
-    ring = one.ring
-    conditions = [ring.form(f) for f in (*one.equations, *one.known)]
-    conditions += [ring.to_half(ring.at(p, one.pins)) for p in polynomials]
-    found = decompose(ring, one.pins, conditions, one.codimension + 1 - len(one.pins), work)
-    return [piece for piece in found if piece.codimension == one.codimension + 1]
+    ring = zero_set.ring
+    conditions = [ring.form(f) for f in (*zero_set.equations, *zero_set.known)]
+    conditions += [ring.to_half(ring.at(p, zero_set.pins)) for p in polynomials]
+    found = decompose(ring, zero_set.pins, conditions, zero_set.codimension + 1 - len(zero_set.pins), work)
+    return [piece for piece in found if piece.codimension == zero_set.codimension + 1]
 
 
 def zero_where(ring: Ring, atom: Atom) -> Polynomial:
@@ -535,53 +535,53 @@ def zero_where(ring: Ring, atom: Atom) -> Polynomial:
     return ring.one - ring.c[atom.joint] * cosine - ring.s[atom.joint] * sine
 
 
-def pinned(one: ZeroSet, joint: int, value: str, work: Work, codimension: int = 0) -> list[ZeroSet]:
+def pinned(zero_set: ZeroSet, joint: int, value: str, work: Work, codimension: int = 0) -> list[ZeroSet]:
     """The components of a set on which a joint stands at a simple angle.
 
     Args:
-        one: irreducible set, or several.
+        zero_set: irreducible, or several of them.
         joint, value: of `atom.SIMPLE`.
         work: deadline.
         codimension: of the components; 0 for one more than that of the set.
     """
-    ring = one.ring
-    if joint in one.pins:
-        if one.pins[joint] == value:
-            return [one]
+    ring = zero_set.ring
+    if joint in zero_set.pins:
+        if zero_set.pins[joint] == value:
+            return [zero_set]
         return []
-    if one.stands(joint, value):
-        return [one]
-    conditions = [ring.form(f).at({joint: value}) for f in (*one.equations, *one.known)]
-    codimension = codimension or one.codimension + 1
-    most = codimension - len(one.pins) - 1
-    found = decompose(ring, {**one.pins, joint: value}, conditions, most, work)
+    if zero_set.stands(joint, value):
+        return [zero_set]
+    conditions = [ring.form(f).at({joint: value}) for f in (*zero_set.equations, *zero_set.known)]
+    codimension = codimension or zero_set.codimension + 1
+    most = codimension - len(zero_set.pins) - 1
+    found = decompose(ring, {**zero_set.pins, joint: value}, conditions, most, work)
     return [piece for piece in found if piece.codimension == codimension]
 
 
-def cut_half(one: ZeroSet, f: Polynomial, work: Work) -> list[ZeroSet]:
+def cut_half(zero_set: ZeroSet, f: Polynomial, work: Work) -> list[ZeroSet]:
     """As `cut`, for a half-angle polynomial that does not contain pinned joints."""
-    ring = one.ring
-    form = _normal(one, f)
-    if form.f == 0 or one.half_vanishes(f):
-        return [one]
+    ring = zero_set.ring
+    form = _normal(zero_set, f)
+    if form.f == 0 or zero_set.half_vanishes(f):
+        return [zero_set]
     pieces: list[ZeroSet] = []
-    taken = {solved.place for solved in one.solved}
+    taken = {solved.place for solved in zero_set.solved}
     for joint, _ in form.at_pi:
-        if joint not in one.pins and ring.index[f"t{joint}"] not in taken:
-            pieces += pinned(one, joint, "pi", work)
+        if joint not in zero_set.pins and ring.index[f"t{joint}"] not in taken:
+            pieces += pinned(zero_set, joint, "pi", work)
     # where a denominator vanishes, the condition as it was given still binds the solved variable
-    if any(solved.place in used(f) and used(solved.denominator) for solved in one.solved):
+    if any(solved.place in used(f) and used(solved.denominator) for solved in zero_set.solved):
         given = [f]
     else:
         given = []
     for part in factors(ring, form.f, work):
-        cuts = _with(one, part, work)
+        cuts = _with(zero_set, part, work)
         if given:
             pieces += [replace(piece, known=(*piece.known, *_at_pins(piece, given))) for piece in cuts]
         else:
             pieces += cuts
-    pieces += _edges(one, work)
-    pieces = with_points([piece for piece in pieces if piece.codimension == one.codimension + 1], work)
+    pieces += _edges(zero_set, work)
+    pieces = with_points([piece for piece in pieces if piece.codimension == zero_set.codimension + 1], work)
     zero = ring.trig_zero_set(f)
     vanishing = [piece.split_by_zero(zero, f)[0] if piece.several else piece for piece in pieces]
     return independent([piece for piece in vanishing if piece is not None and piece.half_vanishes(f)])
@@ -599,56 +599,56 @@ def with_points(pieces: Sequence[ZeroSet], work: Work) -> list[ZeroSet]:
     return [piece for piece in pieces if piece.samples]
 
 
-def _with(one: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet]:
+def _with(zero_set: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet]:
     """An irreducible set cut by an irreducible polynomial in variables that are still free on it."""
-    ring = one.ring
+    ring = zero_set.ring
     atom = ring.atom(h)
     if atom.pinned:
-        return pinned(one, atom.joint, atom.value, work)
+        return pinned(zero_set, atom.joint, atom.value, work)
     h = atom.f
-    if any(divides(h, solved.denominator) for solved in one.solved):
+    if any(divides(h, solved.denominator) for solved in zero_set.solved):
         return []  # the solution does not exist there: see `_edges`
-    if not one.rest:
+    if not zero_set.rest:
         solved = linear(ring, h)
         if solved is not None:
             factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
-            return [replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
-        return [replace(one, rest=(h,), equations=(*one.equations, h))]
-    if len(one.rest) > 1:
-        found = _on_top(one, h, work)
+            return [replace(zero_set, solved=(*zero_set.solved, solved), equations=(*zero_set.equations, h))]
+        return [replace(zero_set, rest=(h,), equations=(*zero_set.equations, h))]
+    if len(zero_set.rest) > 1:
+        found = _on_top(zero_set, h, work)
         if found is not None:
             return found
-    system = [ring.form(f) for f in (*one.equations, *one.known, h)]
-    return decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
+    system = [ring.form(f) for f in (*zero_set.equations, *zero_set.known, h)]
+    return decompose(ring, zero_set.pins, system, zero_set.codimension + 1 - len(zero_set.pins), work)
 
 
-def _on_top(one: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet] | None:
+def _on_top(zero_set: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet] | None:
     """A set held by unsolved conditions cut by a condition on a variable that they are not in; None for another one.
 
     It is solved for that variable. Where all of its coefficients vanish the variable is free: looked at apart.
     """
-    ring = one.ring
-    bound = used_by(one.rest)
+    ring = zero_set.ring
+    bound = used_by(zero_set.rest)
     own = [place for place in used(h) if place < ring.moving and place not in bound]
     if not own:
         return None
     place = min(own, key=lambda k: int(h.degrees()[k]))
     parts = coefficients(h, place)
-    system = [*(ring.form(f) for f in (*one.equations, *one.known)), *ring.form(h).coefficients(place)]
-    flat = decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
-    kept = [piece for piece in flat if piece.codimension == one.codimension + 1]
+    system = [*(ring.form(f) for f in (*zero_set.equations, *zero_set.known)), *ring.form(h).coefficients(place)]
+    flat = decompose(ring, zero_set.pins, system, zero_set.codimension + 1 - len(zero_set.pins), work)
+    kept = [piece for piece in flat if piece.codimension == zero_set.codimension + 1]
     if len(parts) == 2:
         solved = Solved(place, -parts[0], parts[1])
         factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
-        return [*kept, replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
-    return [*kept, replace(one, rest=(*one.rest, h), equations=(*one.equations, h))]
+        return [*kept, replace(zero_set, solved=(*zero_set.solved, solved), equations=(*zero_set.equations, h))]
+    return [*kept, replace(zero_set, rest=(*zero_set.rest, h), equations=(*zero_set.equations, h))]
 
 
-def _normal(one: ZeroSet, f: Polynomial) -> Form:
+def _normal(zero_set: ZeroSet, f: Polynomial) -> Form:
     """f in the free variables of a set, times denominators; the solved variables do not occur, not even at π."""
-    form = one.ring.form(f)
-    for solved in one.solved:
-        if solved.place < one.ring.angles:
+    form = zero_set.ring.form(f)
+    for solved in zero_set.solved:
+        if solved.place < zero_set.ring.angles:
             counted = form.degrees
         else:
             counted = form.f.degrees()
@@ -657,26 +657,26 @@ def _normal(one: ZeroSet, f: Polynomial) -> Form:
     return form
 
 
-def _edges(one: ZeroSet, work: Work) -> list[ZeroSet]:
+def _edges(zero_set: ZeroSet, work: Work) -> list[ZeroSet]:
     """Components of an irreducible set at which one of its solutions has no denominator: there t_k is ∞, or free."""
-    kept = one.__dict__.get("edges")
+    kept = zero_set.__dict__.get("edges")
     if kept is not None:
         return list(kept)
-    ring, found = one.ring, list[ZeroSet]()
-    most = one.codimension + 1 - len(one.pins)
-    for place, solved in enumerate(one.solved):
-        later = replace(one, solved=one.solved[place + 1 :])
+    ring, found = zero_set.ring, list[ZeroSet]()
+    most = zero_set.codimension + 1 - len(zero_set.pins)
+    for place, solved in enumerate(zero_set.solved):
+        later = replace(zero_set, solved=zero_set.solved[place + 1 :])
         bottom, top = _normal(later, solved.denominator).f, _normal(later, solved.numerator).f
         for part in factors(ring, bottom, work) if bottom != 0 else []:
             work.check()
             if solved.place < ring.angles:
                 joint = ring.revolute[solved.place]
-                there = [ring.form(f).at({joint: "pi"}) for f in (*one.equations, *one.known, part)]
-                found += decompose(ring, {**one.pins, joint: "pi"}, there, most - 1, work)
+                there = [ring.form(f).at({joint: "pi"}) for f in (*zero_set.equations, *zero_set.known, part)]
+                found += decompose(ring, {**zero_set.pins, joint: "pi"}, there, most - 1, work)
             if top == 0:
                 continue
-            system = (*one.equations, *one.known, part, solved.numerator, solved.denominator)
-            found += decompose(ring, one.pins, [ring.form(f) for f in system], most, work)
-    edges = [piece for piece in independent(found) if piece.codimension == one.codimension + 1]
-    one.__dict__["edges"] = edges  # remembered: a set is cut many times
+            system = (*zero_set.equations, *zero_set.known, part, solved.numerator, solved.denominator)
+            found += decompose(ring, zero_set.pins, [ring.form(f) for f in system], most, work)
+    edges = [piece for piece in independent(found) if piece.codimension == zero_set.codimension + 1]
+    zero_set.__dict__["edges"] = edges  # remembered: a set is cut many times
     return edges

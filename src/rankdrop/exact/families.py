@@ -191,8 +191,8 @@ def special_strays(chain: Chain, piece: ZeroSet, rank: int) -> Array:
     if not equations or rank >= min(chain.n, chain.own_task.m):
         return np.empty((0, chain.n))
     found, moving = [aligned], np.delete(np.eye(chain.n), [j - 1 for j in piece.pins], axis=1)
-    for one in piece.solved:
-        both = [chain.ring.form(f).at(piece.pins).f for f in (one.numerator, one.denominator)]
+    for solved in piece.solved:
+        both = [chain.ring.form(f).at(piece.pins).f for f in (solved.numerator, solved.denominator)]
         if all(map(used, both)):
             system = System((*equations, *_equations(chain, both)))
             found.append(system.solve(starts, along=moving, iterations=60)[0])
@@ -282,13 +282,13 @@ def add_separating_condition(
         away = _away(chain, f, strays)
         if away and (best is None or (-away, len(f)) < best[0]):
             best = ((-away, len(f)), f)
-        if away and any(f is one for one in known):
+        if away and any(f is condition for condition in known):
             best = ((-away, len(f)), f)
             break
     if best is None:
         return None
     f = best[1]
-    if not any(f is one for one in known):
+    if not any(f is condition for condition in known):
         known.append(f)
     # in `zero`, too: random points modulo a prime would else be met beside the set
     return piece.saying(f, chain.ring.trig_zero_set(f))
@@ -388,7 +388,7 @@ def real_sets(
             left_out.setdefault(why, []).append(piece)
     remaining = largest([drop for drop, _ in kept])
     unreal = [replace(why, conditions=row.text) for why, pieces in left_out.items() for row in merge(pieces)]
-    return [one for one in kept if any(one[0] is drop for drop in remaining)], unreal
+    return [pair for pair in kept if any(pair[0] is drop for drop in remaining)], unreal
 
 
 def _keep_open(
@@ -463,9 +463,9 @@ def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:
             slope = (1 + t**2) * slope - form.degrees[place] * t * f
         slopes.append(Form(ring, slope, form.degrees))
     found = decompose(ring, piece.pins, [form, *slopes], chain.n, work)
-    smaller = with_points([one for one in found if one.codimension > piece.codimension], work)
+    smaller = with_points([component for component in found if component.codimension > piece.codimension], work)
     columns, lower = chain.cleared
-    return [Drop(one, rank_on(columns, one) + lower) for one in smaller]
+    return [Drop(component, rank_on(columns, component) + lower) for component in smaller]
 
 
 def families(
@@ -495,14 +495,14 @@ def families(
         for row in rows:
             work.show("families described", len(result) + len(here), len(result) + len(rows))
             realities = [seen[id(piece)] for piece in row.pieces]
-            parts = [one.points for one in realities]
+            parts = [real.points for real in realities]
             bound = tuple(sorted({j for f in row.equations for j in Condition(chain.ring, f).joints}))
             told = _described(chain, generic_rank, corank, parts, row.pins, bound)
             tried = (piece.points(work.rng, _CHECKED) or piece.samples[:_CHECKED] for piece in row.pieces)
             check = rank_agreement(chain, chain_of.from_iterable(tried), rank)
             here.append(_family(chain, corank, row, realities[0].condition, told, check))
         here.sort(key=_place)
-        names = distinct_names([one.called for one in here], [partial(_marks, one) for one in here])
+        names = distinct_names([family.called for family in here], [partial(_marks, family) for family in here])
         result += [
             replace(family, id=f"k{corank}.f{number}", called=name)
             for number, (family, name) in enumerate(zip(here, names, strict=True), 1)
@@ -512,16 +512,16 @@ def families(
 
 def _place(family: Family) -> Order:
     """Place of a family among those of its corank."""
-    polynomials = [one.polynomial for one in exact_of(family).polynomials]
-    short_first = sorted(f"{len(one):06} {one}" for one in polynomials)
+    polynomials = [condition.polynomial for condition in exact_of(family).polynomials]
+    short_first = sorted(f"{len(polynomial):06} {polynomial}" for polynomial in polynomials)
     return place_of(family.dimension, family.pinned, family.coupled, short_first)
 
 
 def _marks(family: Family) -> list[str]:
     """The conditions that may tell a family from another one in a name: long ones take time to be written shortly."""
     exact = exact_of(family)
-    short = [one for one in exact.polynomials if len(one.polynomial) <= _MARK]
-    return [*(one.text() for one in exact.pins), *(one.text() for one in short)]
+    short = [condition for condition in exact.polynomials if len(condition.polynomial) <= _MARK]
+    return [*(pin.text() for pin in exact.pins), *(condition.text() for condition in short)]
 
 
 def _family(
@@ -534,9 +534,9 @@ def _family(
 ) -> Family:
     """One row of sets as a family, its number and final name still to come."""
     name, lost, witness = told
-    pins = tuple(pin_of(chain.ring, *one) for one in sorted(row.pins.items()))
+    pins = tuple(pin_of(chain.ring, *pin) for pin in sorted(row.pins.items()))
     polynomials = tuple(Condition(chain.ring, f) for f in sorted(row.equations, key=len))
-    coupled = tuple(sorted(set(flat_map(lambda one: one.joints, polynomials))))
+    coupled = tuple(sorted(set(flat_map(lambda condition: condition.joints, polynomials))))
     shifts = tuple(float(x) for x in chain.whole_shifts)
     pinned = pins_in_q(chain.robot, pins, shifts)
     exact = ExactConditions(

@@ -55,8 +55,8 @@ def pins_in_q(robot: Robot, pins: Iterable[AnglePin], shifts: Sequence[float]) -
 
 def slides_at_zero(robot: Robot, conditions: Iterable[Condition]) -> tuple[Pin, ...]:
     """Sliding joints that a condition q = 0 of their own holds, under the names of the arm's joints."""
-    alone = [one for one in conditions if len(one.polynomial) == 1 and len(one.joints) == 1]
-    joints = [one.joints[0] for one in alone if one.joints[0] in one.ring.prismatic]
+    alone = [condition for condition in conditions if len(condition.polynomial) == 1 and len(condition.joints) == 1]
+    joints = [condition.joints[0] for condition in alone if condition.joints[0] in condition.ring.prismatic]
     return tuple(Pin(robot.variables[joint - 1].name, joint, (0.0,)) for joint in joints)
 
 
@@ -64,14 +64,15 @@ def equations_of(
     stated: Iterable[Stated], numbers: Mapping[str, float], shifts: Sequence[float]
 ) -> tuple[Equation, ...]:
     """Conditions as equations in q with numbers for the lengths, as `analyze` has them."""
-    return tuple(one.equation(numbers, len(shifts), shifts) for one in stated)
+    return tuple(condition.equation(numbers, len(shifts), shifts) for condition in stated)
 
 
 def polynomials_in_units(exact: ExactConditions, robot: Robot) -> tuple[Condition, ...]:
     """The polynomials of a family's conditions for the arm in its own unit of length, `units.in_units(robot)`."""
     power = exponent(robot)
     return tuple(
-        Condition(one.ring, polynomial_in_units(one.polynomial, exact.numbers, power)) for one in exact.polynomials
+        Condition(condition.ring, polynomial_in_units(condition.polynomial, exact.numbers, power))
+        for condition in exact.polynomials
     )
 
 
@@ -86,7 +87,7 @@ def derived_in_units(family: Family, robot: Robot, numbers: Mapping[str, float] 
     parts = parts_of(robot)
     return replace(
         family,
-        equations=tuple(slowed(one, parts) for one in equations_in_parts(family, robot, numbers)),
+        equations=tuple(slowed(equation, parts) for equation in equations_in_parts(family, robot, numbers)),
         witness=tuple(float(x) for x in into_units(robot, family.witness)),
     )
 
@@ -104,7 +105,7 @@ def equations_in_parts(
 
 def families_in_whole_angles(robot: Robot, families: Iterable[Family]) -> tuple[Family, ...]:
     """Families of `in_parts(robot)`, as they are derived, as those of the arm: their angles are b φ."""
-    return tuple(_in_whole_angles(one, robot) for one in families)
+    return tuple(_in_whole_angles(family, robot) for family in families)
 
 
 def _in_whole_angles(family: Family, robot: Robot) -> Family:
@@ -120,7 +121,7 @@ def _in_whole_angles(family: Family, robot: Robot) -> Family:
     return replace(
         family,
         pinned=tuple(map(turned, family.pinned)),
-        equations=tuple(slowed(one, parts) for one in family.equations),
+        equations=tuple(slowed(equation, parts) for equation in family.equations),
         witness=tuple(float(x) for x in whole_angles(robot, np.array(family.witness))),
         exact=replace(exact, pinned=tuple(map(turned, exact.pinned))),
     )
@@ -314,7 +315,7 @@ class Row:
     def texts(self) -> tuple[str, ...]:
         """The conditions, for people."""
         return (
-            *(pin_of(self.pieces[0].ring, *one).text() for one in sorted(self.pins.items())),
+            *(pin_of(self.pieces[0].ring, *pin).text() for pin in sorted(self.pins.items())),
             *(Condition(self.pieces[0].ring, f).text() for f in sorted(self.equations, key=len)),
         )
 
@@ -328,7 +329,7 @@ class Row:
         """All conditions, or how long they are: they take time to be written shortly, and nobody reads them."""
         if self.terms <= READABLE:
             return ", ".join(self.texts)
-        pins = (pin_of(self.pieces[0].ring, *one).text() for one in sorted(self.pins.items()))
+        pins = (pin_of(self.pieces[0].ring, *pin).text() for pin in sorted(self.pins.items()))
         count = len(self.equations)
         return ", ".join([*pins, f"{count} condition{'s' if count > 1 else ''} of {self.terms} terms"])
 
@@ -354,43 +355,43 @@ def merge_pairs(rows: Sequence[Merged], join: Callable[[Merged, Merged], Merged 
     """Rows of which no two can be joined; where two were, the one row comes last."""
     kept = list(rows)
     while True:
-        pairs = ((one, two, join(one, two)) for one, two in combinations(kept, 2))
+        pairs = ((first, second, join(first, second)) for first, second in combinations(kept, 2))
         found = next((pair for pair in pairs if pair[2] is not None), None)
         if found is None:
             return kept
-        one, two, both = found
-        kept = [*(row for row in kept if row is not one and row is not two), *([] if both is None else [both])]
+        first, second, both = found
+        kept = [*(row for row in kept if row is not first and row is not second), *([] if both is None else [both])]
 
 
-def _angles_joined(one: Row, two: Row) -> Row | None:
+def _angles_joined(first: Row, second: Row) -> Row | None:
     """Two rows that differ in the angles of one joint alone as one; None for others."""
-    joint = _different(one.pins, two.pins)
+    joint = _different(first.pins, second.pins)
     if joint is None:
         return None
-    values = tuple(sorted({*one.pins[joint], *two.pins[joint]}, key=SIMPLE.index))
-    return Row({**one.pins, joint: values}, one.equations, (*one.pieces, *two.pieces))
+    values = tuple(sorted({*first.pins[joint], *second.pins[joint]}, key=SIMPLE.index))
+    return Row({**first.pins, joint: values}, first.equations, (*first.pieces, *second.pieces))
 
 
-def _sums_joined(one: Row, two: Row) -> Row | None:
+def _sums_joined(row: Row, other: Row) -> Row | None:
     """θ5 = θ3 and θ5 = θ3 + π: sin(θ3 − θ5) = 0."""
-    if one.pins != two.pins or len(one.equations) != len(two.equations):
+    if row.pins != other.pins or len(row.equations) != len(other.equations):
         return None
-    ring = one.pieces[0].ring
-    mine, others = ({str(f): f for f in row.equations} for row in (one, two))
+    ring = row.pieces[0].ring
+    mine, others = ({str(f): f for f in joined.equations} for joined in (row, other))
     left, right = ([f for text, f in a.items() if text not in b] for a, b in ((mine, others), (others, mine)))
     if len(left) != 1 or len(right) != 1:
         return None
     first, second = (Condition(ring, f).relation for f in (left[0], right[0]))
     if first is None or second is None or first[0] != second[0] or abs(cos((first[1] - second[1]) / 2)) > _SAME:
         return None
-    kept = tuple(f for f in one.equations if f is not left[0])
-    return Row(one.pins, (left[0] * right[0], *kept), (*one.pieces, *two.pieces))
+    kept = tuple(f for f in row.equations if f is not left[0])
+    return Row(row.pins, (left[0] * right[0], *kept), (*row.pieces, *other.pieces))
 
 
-def _different(one: Pins, two: Pins) -> int | None:
-    if set(one) != set(two):
+def _different(first: Pins, second: Pins) -> int | None:
+    if set(first) != set(second):
         return None
-    joints = [joint for joint in one if one[joint] != two[joint]]
+    joints = [joint for joint in first if first[joint] != second[joint]]
     if len(joints) == 1:
         return joints[0]
     return None

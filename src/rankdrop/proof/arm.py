@@ -79,11 +79,11 @@ class Arm:
         self._matrix = self.matrices()
         self.links, self.link, self.variables = links, link, variables
         self._point, self._length = point, length
-        self._screws = [self._screw(one) for one in links]
+        self._screws = [self._screw(body) for body in links]
         if axes is not None:
             self._screws = [self._in_axes(screw, self._exact_axes(axes)) for screw in self._screws]
         self._ads = [self._ad(screw) for screw in self._screws]
-        self._squares = [one * one for one in self._ads]
+        self._squares = [adjoint * adjoint for adjoint in self._ads]
         after, before = list(range(link, len(links))), list(range(link - 1, -1, -1))
         self._sides = ((after, 1), (before, -1))
         self.moving = sorted({links[i].driver for side, _ in self._sides for i in side[:-1]})
@@ -98,11 +98,11 @@ class Arm:
     def _numbers(self, values: Iterable[float]) -> list[Interval]:
         return [self._number(float(value)) for value in values]
 
-    def _screw(self, one: Link) -> list[Interval]:
+    def _screw(self, link: Link) -> list[Interval]:
         """The unit screw about the point, lengths scaled: axis, foot and pitch made exactly what they are called."""
-        v, w = self._numbers(one.screw[:3]), self._numbers(one.screw[3:])
+        v, w = self._numbers(link.screw[:3]), self._numbers(link.screw[3:])
         zero = self._number(0)
-        if one.kind == SLIDE:
+        if link.kind == SLIDE:
             size = _norm(v)
             return [x / size / self._length for x in v] + [zero] * 3
         square = dot(w, w)
@@ -111,7 +111,7 @@ class Arm:
         axis = [x / size for x in w]
         arm = [x - y for x, y in zip(foot, self._point, strict=True)]
         moment = cross(arm, axis)
-        if one.kind == SCREW:
+        if link.kind == SCREW:
             pitch = dot(w, v) / square
             moment = [x + pitch * y for x, y in zip(moment, axis, strict=True)]
         return [x / self._length for x in moment] + axis
@@ -120,11 +120,11 @@ class Arm:
         """Three unit vectors exactly at right angles next to the columns of a rotation, by Gram and Schmidt."""
         x, y = self._numbers(axes[:, 0]), self._numbers(axes[:, 1])
         size = _norm(x)
-        x = [one / size for one in x]
+        x = [entry / size for entry in x]
         along = dot(x, y)
-        y = [one - along * other for one, other in zip(y, x, strict=True)]
+        y = [entry - along * other for entry, other in zip(y, x, strict=True)]
         size = _norm(y)
-        y = [one / size for one in y]
+        y = [entry / size for entry in y]
         return [x, y, cross(x, y)]
 
     @staticmethod
@@ -143,13 +143,13 @@ class Arm:
 
     def _motion(self, i: int, middle: Interval, half: Interval, sign: int) -> Matrix:
         """(6, 6) Ad(exp(± S_i q)) for q in an interval."""
-        arb, one = self._f.arb, self.links[i]
-        middle, half = one.multiplier * middle + one.offset, abs(self._number(one.multiplier)) * half
+        arb, link = self._f.arb, self.links[i]
+        middle, half = link.multiplier * middle + link.offset, abs(self._number(link.multiplier)) * half
         value = _ball(arb, middle, half)
-        if one.kind == SLIDE:
+        if link.kind == SLIDE:
             return self.exponential(i, sign * value, 0)
         sine, cosine = _sine_cosine(arb, middle, half)
-        if one.kind == TURN:
+        if link.kind == TURN:
             return self.exponential(i, sign * sine, 1 - cosine)
         unit = self.unit()
         axis = self._screws[i][3:]
@@ -195,8 +195,8 @@ class Arm:
     def jacobian(self, columns: list[Matrix]) -> Array:
         """(6, n) middles of the Jacobian, as doubles."""
         out = np.zeros((6, self.variables))
-        for one, column in zip(self.links, columns, strict=True):
-            out[:, one.driver] += one.multiplier * np.array([float(x.mid()) for x in column.entries()])
+        for link, column in zip(self.links, columns, strict=True):
+            out[:, link.driver] += link.multiplier * np.array([float(x.mid()) for x in column.entries()])
         return out
 
     def keeps_rank(self, region: Region, rows: list[int], rank: int, tolerance: Tolerance | None = None) -> bool:
@@ -225,7 +225,7 @@ class Arm:
         for place, row in enumerate(rows):
             for k in range(rank):
                 left[k, row] = float(u[place, k])
-        weights = [self._weights(one, vt[:rank]) for one in self.links]
+        weights = [self._weights(link, vt[:rank]) for link in self.links]
         wide = _half_widths(region)
         seen = self.seen(region.centre, wide)
         over = seen[0]
@@ -268,10 +268,10 @@ class Arm:
         f, n = self._f, self.variables
         columns = self.seen(q, [f.arb(0)] * n)[0]
         entries = [[f.arb(0)] * n for _ in rows]
-        for one, column in zip(self.links, columns, strict=True):
+        for link, column in zip(self.links, columns, strict=True):
             values = column.entries()
             for place, row in enumerate(rows):
-                entries[place][one.driver] += one.multiplier * values[row]
+                entries[place][link.driver] += link.multiplier * values[row]
         minors = {0: f.arb(1)}  # by the columns they take, as bits
         for line in entries:
             wider: dict[int, Interval] = {}
@@ -315,12 +315,12 @@ class Arm:
         beyond = self._beyond(side, columns, weights)
         moved: dict[int, Matrix] = {}
         for place, i in enumerate(side[:-1]):
-            one = self.links[i]
-            part = self._ad(columns[i].entries()) * beyond[place] * self._number(one.multiplier)
-            if one.driver in moved:
-                moved[one.driver] = moved[one.driver] + part
+            link = self.links[i]
+            part = self._ad(columns[i].entries()) * beyond[place] * self._number(link.multiplier)
+            if link.driver in moved:
+                moved[link.driver] = moved[link.driver] + part
             else:
-                moved[one.driver] = part
+                moved[link.driver] = part
         return [(part, half[driver]) for driver, part in moved.items() if half[driver] > 0]
 
     def _second(
@@ -352,8 +352,8 @@ class Arm:
         near, far = self._beyond(side, at, weights), self._beyond(side, over, weights)
         nearer = f.arb_mat(6, 1, [0] * 6)
         for place, i in enumerate(side[:-1]):
-            one = self.links[i]
-            step = self._number(one.multiplier) * along[one.driver]
+            link = self.links[i]
+            step = self._number(link.multiplier) * along[link.driver]
             slope += self._ad((at[i] * step).entries()) * near[place]
             moved = self._ad((over[i] * step).entries()) * far[place]
             bend += self._ad((over[i] * step + nearer * 2).entries()) * moved
@@ -380,7 +380,7 @@ class Arm:
         for side, sign in self._sides:
             for motions, carried in self._carried(side, sign, points, shift, angle, over, weights, region, int(moves)):
                 for three, size in ((motions[:3], angle), (motions[3:], shift)):
-                    changes = [(left * (self._ad(one) * carried)).entries() for one in three]
+                    changes = [(left * (self._ad(motion) * carried)).entries() for motion in three]
                     for place, change in enumerate(zip(*changes, strict=True)):
                         total[place] += size * _norm(list(change))
         return f.arb_mat(rank, rank, [_ball(f.arb, f.arb(0), x) for x in total])
@@ -437,9 +437,9 @@ class Arm:
 
     def _travel(self, i: int, region: Region) -> Interval:
         """How far a joint carries along its axis, in lengths."""
-        one = self.links[i]
-        value = one.multiplier * _ball(self._f.arb, region.centre[one.driver], region.half[one.driver]) + one.offset
-        if one.kind == SLIDE:
+        link = self.links[i]
+        value = link.multiplier * _ball(self._f.arb, region.centre[link.driver], region.half[link.driver]) + link.offset
+        if link.kind == SLIDE:
             return value.abs_upper() / self._length
         return value.abs_upper() * self._pitch(i)
 
@@ -452,10 +452,10 @@ class Arm:
     def _motions_at(self, point: list[Interval], motion: Matrix | None, slack: Interval) -> list[list[Interval]]:
         """Unit turns about a point that was moved, and unit moves, each six intervals."""
         f = self._f
-        zero, one = f.arb(0), f.arb(1)
+        zero, unit = f.arb(0), f.arb(1)
         found = []
         for k in range(6):
-            axis = [one if r == k % 3 else zero for r in range(3)]
+            axis = [unit if r == k % 3 else zero for r in range(3)]
             twist = f.arb_mat(6, 1, cross(point, axis) + axis if k < 3 else axis + [zero] * 3)
             seen = (twist if motion is None else motion * twist).entries()
             wide = _ball(f.arb, zero, slack)
@@ -527,8 +527,8 @@ def _sine_cosine(arb: Any, middle: Interval, half: Interval) -> tuple[Interval, 
 
 def _sum(parts: Iterable[Matrix]) -> Matrix:
     total = None
-    for one in parts:
-        total = one if total is None else total + one
+    for part in parts:
+        total = part if total is None else total + part
     return total
 
 

@@ -92,13 +92,13 @@ def ways_out(robot: Robot, task: Task, family: Family) -> tuple[Way, ...]:
     found = escape(robot, q, task)
     rank = f"σ{generic_rank(robot, task)}"
     best, ways = found.best_direction, list[Way]()
-    for one in found.single:
-        if one.order is None or not one.within_limits or one.step == 0 or one.sigma_after <= found.floor:
+    for alone in found.single:
+        if alone.order is None or not alone.within_limits or alone.step == 0 or alone.sigma_after <= found.floor:
             continue
         target = q.copy()
-        target[one.number - 1] += one.step
-        told = f"joint {one.number} {motion(one.step, robot.variables[one.number - 1].unit)}"
-        ways.append((told, f"{rank} = {short(one.sigma_after, 2)}", tuple(target.tolist())))
+        target[alone.number - 1] += alone.step
+        told = f"joint {alone.number} {motion(alone.step, robot.variables[alone.number - 1].unit)}"
+        ways.append((told, f"{rank} = {short(alone.sigma_after, 2)}", tuple(target.tolist())))
     target = q + best.step * np.array(best.delta)
     direction = ("best direction", f"{rank} = {short(best.sigma_after, 2)}", tuple(target.tolist()))
     usable = best.step and best.restores and best.within_limits
@@ -310,21 +310,21 @@ def simplified(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
         meshes: of any size.
         most: triangles of all of them together.
     """
-    meshes = [one for one in meshes if len(one.faces)]
+    meshes = [mesh for mesh in meshes if len(mesh.faces)]
     if not meshes:
         return ()
-    corners = np.concatenate([one.vertices[one.faces] for one in meshes])  # (F, 3, 3)
+    corners = np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes])  # (F, 3, 3)
     area = np.linalg.norm(np.cross(*np.diff(corners, axis=1).swapaxes(0, 1)), axis=1).sum() / 2
-    span = max(float(np.ptp(one.vertices, axis=0).max(initial=0.0)) for one in meshes)
+    span = max(float(np.ptp(mesh.vertices, axis=0).max(initial=0.0)) for mesh in meshes)
     if len(corners) <= most:
         cell = 1e-6 * span
     else:
         cell = max(0.5 * np.sqrt(2 * area / most), 1e-6 * span)
-    small = [_clustered(one, cell) for one in meshes]
-    while sum(len(one.faces) for one in small) > most:
+    small = [_clustered(mesh, cell) for mesh in meshes]
+    while sum(len(mesh.faces) for mesh in small) > most:
         cell *= _GROWS
-        small = [_clustered(one, cell) for one in meshes]
-    return tuple(one for one in small if len(one.faces))
+        small = [_clustered(mesh, cell) for mesh in meshes]
+    return tuple(mesh for mesh in small if len(mesh.faces))
 
 
 def _clustered(mesh: Mesh, cell: float) -> Mesh:
@@ -348,16 +348,16 @@ def _clustered(mesh: Mesh, cell: float) -> Mesh:
 def meshes_data(meshes: Sequence[Mesh]) -> list[dict[str, Any]]:
     """The meshes for the page's program: whole numbers, a step and a corner to make metres of them."""
     data = []
-    for one in meshes:
-        low = one.vertices.min(axis=0)
-        step = max(float(np.ptp(one.vertices, axis=0).max()), 1e-9) / _LEVELS
+    for mesh in meshes:
+        low = mesh.vertices.min(axis=0)
+        step = max(float(np.ptp(mesh.vertices, axis=0).max()), 1e-9) / _LEVELS
         data.append({
-            "link": one.link,
-            "colour": "#{:02x}{:02x}{:02x}".format(*one.colour),
+            "link": mesh.link,
+            "colour": "#{:02x}{:02x}{:02x}".format(*mesh.colour),
             "low": [float(f"{value:.7g}") for value in low],
             "step": float(f"{step:.7g}"),
-            "points": np.rint((one.vertices - low) / step).astype(int).ravel().tolist(),
-            "faces": one.faces.ravel().tolist(),
+            "points": np.rint((mesh.vertices - low) / step).astype(int).ravel().tolist(),
+            "faces": mesh.faces.ravel().tolist(),
         })  # fmt: skip
     return data
 
@@ -383,7 +383,7 @@ def page_data(content: Content) -> dict[str, Any]:
             | {"standing": standing(analysis, family)}
             for family, numbers, words, out in blame
         ],
-        "solids": [_solid(one, content.colours[one.family], analysis.robot) for one in content.solids],
+        "solids": [_solid(solid, content.colours[solid.family], analysis.robot) for solid in content.solids],
         "meshes": meshes_data(content.meshes),
         "downloads": downloads(content),
     }
@@ -472,15 +472,15 @@ def _family(
         "lost_directions": family.lost_directions.tolist(),
         "blamed": list(numbers),
         "facts": family_html(family, words, robot, title),
-        "ways": [dict(zip(("label", "after", "q"), one, strict=True)) for one in ways],
+        "ways": [dict(zip(("label", "after", "q"), way, strict=True)) for way in ways],
     }
 
 
 def family_html(family: Family, words: tuple[str, ...], robot: Robot, title: str) -> str:
     """A family in sentences: what is lost, in which axes, and who is to blame."""
     lost = "".join(
-        f'<li><span class="dot" style="background:var(--lost{1 + index % 4})"></span>{quoted(one)}</li>'
-        for index, one in enumerate(lost_sentences(family.lost_freedoms))
+        f'<li><span class="dot" style="background:var(--lost{1 + index % 4})"></span>{quoted(sentence)}</li>'
+        for index, sentence in enumerate(lost_sentences(family.lost_freedoms))
     )
     if words:
         blame = f"<p><b>To blame:</b> {quoted('; '.join(words))}</p>"
@@ -524,7 +524,7 @@ def families_csv(content: Content) -> str:
         "test points", "joint limits", *(f"witness {name} [{unit}]" for name, unit in zip(joints, units, strict=True)),
     ])  # fmt: skip
     for family in analysis.families:
-        cells = [one_line(one, family) for one in columns(robot, family.corank) if one.holds == JOINT]
+        cells = [one_line(column, family) for column in columns(robot, family.corank) if column.holds == JOINT]
         conditions = "; ".join(text for _, text in conditions_of(family))
         at = np.where([unit == "deg" for unit in units], np.degrees(family.witness), family.witness)
         rows.writerow([
@@ -538,5 +538,5 @@ def families_csv(content: Content) -> str:
 
 def downloads(content: Content) -> dict[str, Any]:
     """File name, CSV and JSON record, for the page's program."""
-    name = "".join(one if one.isalnum() or one in "-_" else "-" for one in content.analysis.robot.name)
+    name = "".join(letter if letter.isalnum() or letter in "-_" else "-" for letter in content.analysis.robot.name)
     return {"file": name, "csv": families_csv(content), "record": content.analysis.to_dict()}

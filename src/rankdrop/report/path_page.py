@@ -61,17 +61,17 @@ def path_figure(check: PathCheck) -> Figure:
 
 def _colour(axes: Any, check: PathCheck, *, legend: bool) -> None:
     seen: set[str] = set()
-    for one in check.stretches:
-        (low, high), tone = (_x(one.start), _x(one.end)), TONES[one.verdict]
+    for stretch in check.stretches:
+        (low, high), tone = (_x(stretch.start), _x(stretch.end)), TONES[stretch.verdict]
         axes.axvspan(low, high, color=tone, alpha=0.18, lw=0)
-        if one.verdict in _MARKS:
-            if one.verdict in seen:
+        if stretch.verdict in _MARKS:
+            if stretch.verdict in seen:
                 label = None
             else:
-                label = one.verdict
-            axes.plot([(low + high) / 2], [0.0], _MARKS[one.verdict], color=tone, ms=6, clip_on=False, zorder=5,
+                label = stretch.verdict
+            axes.plot([(low + high) / 2], [0.0], _MARKS[stretch.verdict], color=tone, ms=6, clip_on=False, zorder=5,
                       label=label)  # fmt: skip
-            seen.add(one.verdict)
+            seen.add(stretch.verdict)
     if legend and seen:
         legend_outside(axes)
 
@@ -109,10 +109,10 @@ def path_page(check: PathCheck) -> str:
 
 def _stage(check: PathCheck) -> str:
     buttons = "".join(
-        f'<button data-stretch="{i}"><i class="dot" style="background:var({INKS[one.verdict]})"></i>'
-        f"<b>{escape(one.verdict)}</b> {escape(one.name or 'no family known')}<br>"
-        f'<span class="small">{escape(_when(check, one))}</span></button>'
-        for i, one in sorted(enumerate(check.stretches[:_LISTED]), key=lambda pair: _order(pair[1]))
+        f'<button data-stretch="{i}"><i class="dot" style="background:var({INKS[stretch.verdict]})"></i>'
+        f"<b>{escape(stretch.verdict)}</b> {escape(stretch.name or 'no family known')}<br>"
+        f'<span class="small">{escape(_when(check, stretch))}</span></button>'
+        for i, stretch in sorted(enumerate(check.stretches[:_LISTED]), key=lambda pair: _order(pair[1]))
     )
     left = len(check.stretches) - _LISTED
     if left > 0:
@@ -122,7 +122,7 @@ def _stage(check: PathCheck) -> str:
     legend = "".join(
         f'<span><i class="dot" style="background:var({INKS[kind]})"></i>{escape(kind)}</span>'
         for kind in (FREE, CROSSING, TOUCHING, UNDECIDED)
-        if any(one.verdict == kind for one in check.stretches)
+        if any(stretch.verdict == kind for stretch in check.stretches)
     )
     return (
         '<section id="see"><h2>The arm on its path</h2><div class="see"><div class="go" aria-label="stretches">'
@@ -137,19 +137,19 @@ def _stage(check: PathCheck) -> str:
     )
 
 
-def _order(one: Stretch) -> tuple[bool, int, float]:
+def _order(stretch: Stretch) -> tuple[bool, int, float]:
     """What meets a singularity first, worst first; then free stretches as they follow each other."""
-    free = one.verdict == FREE
+    free = stretch.verdict == FREE
     if free:
-        return (free, one.start.row, one.start.share)
+        return (free, stretch.start.row, stretch.start.share)
     return (free, 0, 0.0)
 
 
-def _when(check: PathCheck, one: Stretch) -> str:
+def _when(check: PathCheck, stretch: Stretch) -> str:
     """From where to where: "row 3 – row 4.5", "at 1.25 s"."""
     start, end = (
         f"row {place.row + place.share:.6g}" if check.curve.times is None else f"{place.time:.4g} s"
-        for place in (one.start, one.end)
+        for place in (stretch.start, stretch.end)
     )
     if start == end:
         return f"at {start}"
@@ -158,8 +158,11 @@ def _when(check: PathCheck, one: Stretch) -> str:
 
 def _data(check: PathCheck) -> dict[str, Any]:
     robot, profile, timed = check.robot, check.profile, check.curve.times is not None
-    extra = [one.closest.place for one in check.stretches if one.verdict != FREE or one.closest.distance < np.inf]
-    position = np.unique([*profile.position.tolist(), *(one.row + one.share for one in extra)])
+    extra = [
+        stretch.closest.place for stretch in check.stretches
+        if stretch.verdict != FREE or stretch.closest.distance < np.inf
+    ]  # fmt: skip
+    position = np.unique([*profile.position.tolist(), *(place.row + place.share for place in extra)])
     stretch, share = check.curve.split(position - 1.0)
     q = check.curve.at(stretch, share)
     time = check.curve.time(stretch, share)
@@ -175,18 +178,19 @@ def _data(check: PathCheck) -> dict[str, Any]:
         "x": _listed(x),
         "row": _listed(position),
         "pose": None if tool is None else _listed(np.interp(position - 1.0, np.arange(len(tool.place)), tool.place)),
-        "q": [_listed(one) for one in q],
-        "tip": [_listed(one) for one in np.atleast_3d(pose(robot, q))[:, :3, 3]],
+        "q": [_listed(configuration) for configuration in q],
+        "tip": [_listed(point) for point in np.atleast_3d(pose(robot, q))[:, :3, 3]],
         "at": _listed(at),
         "family": family,
         "min_distance": check.options.min_distance,
         "series": [{"name": name, "unit": unit, "values": _listed(values)} for name, unit, values in series],
         "stretches": [
             {
-                "start": _x(one.start), "end": _x(one.end), "closest": _x(one.closest.place), "verdict": one.verdict,
-                "ink": INKS[one.verdict], "name": one.name, "family": one.family, "free": one.verdict == FREE,
+                "start": _x(stretch.start), "end": _x(stretch.end), "closest": _x(stretch.closest.place),
+                "verdict": stretch.verdict, "ink": INKS[stretch.verdict], "name": stretch.name,
+                "family": stretch.family, "free": stretch.verdict == FREE,
             }
-            for one in check.stretches
+            for stretch in check.stretches
         ],
     }  # fmt: skip
 
@@ -198,13 +202,13 @@ def _series(check: PathCheck) -> tuple[Array, list[str | None], list[tuple[str, 
         at = profile.position
     else:
         at = profile.time
-    known = [one for one in check.stretches if np.isfinite(one.closest.distance)]
-    place = np.array([_x(one.closest.place) for one in known])
+    known = [stretch for stretch in check.stretches if np.isfinite(stretch.closest.distance)]
+    place = np.array([_x(stretch.closest.place) for stretch in known])
     order = np.argsort(np.concatenate([at, place]), kind="stable")
-    ids = [*_ids(check), *(one.family or None for one in known)]
+    ids = [*_ids(check), *(stretch.family or None for stretch in known)]
     values = (
-        ("distance", "rad", profile.distance, [one.closest.distance for one in known]),
-        ("σ", "", profile.sigma, [one.closest.sigma for one in known]),
+        ("distance", "rad", profile.distance, [stretch.closest.distance for stretch in known]),
+        ("σ", "", profile.sigma, [stretch.closest.sigma for stretch in known]),
         ("rate / limit", "", profile.rates, np.interp(place, at, profile.rates) if len(known) else []),
     )
     series = [(name, unit, np.concatenate([every, more])[order]) for name, unit, every, more in values

@@ -57,15 +57,16 @@ def exact_section(content: Content) -> str:
     """The conditions, exactly, typeset."""
     head = '<section id="exact"><h2>Exact conditions</h2>'
     joined, derived = content.analysis.exact, content.exact
-    shown = [_exact_family(one) for one in content.analysis.families if one.exact is not None]
+    shown = [_exact_family(family) for family in content.analysis.families if family.exact is not None]
     if joined is not None and shown:
         letters = letters_text(joined.letters)
         told = _paragraphs(["The families are derived exactly." + escape(f" Lengths: {letters}." if letters else "")])
-        after = _paragraphs([f"Disagreement: {_cut(str(one))}" for one in joined.disagreements], "bad")
+        contradicted = [f"Disagreement: {_cut(str(contradiction))}" for contradiction in joined.disagreements]
+        after = _paragraphs(contradicted, "bad")
     elif derived is None:
         return f"{head}<p>Not derived: {escape(content.exact_missing)}</p></section>"
     else:
-        shown = [_exact_family(one) for one in derived.families]
+        shown = [_exact_family(family) for family in derived.families]
         after = _open_ends(derived)
         told = _paragraphs(_derivation(derived))
     return f'{head}{told}<div class="exacts">{"".join(shown)}</div>{after}</section>'
@@ -104,15 +105,15 @@ def _derivation(derived: Conditions) -> Iterator[str]:
 
 def _open_ends(derived: Conditions) -> str:
     """What was left unfinished, disagrees, is remarked, or has no real point, as HTML."""
-    unfinished = [f"Not finished: {_cut(str(one))}" for one in derived.left[:_LINES]]
+    unfinished = [f"Not finished: {_cut(str(left))}" for left in derived.left[:_LINES]]
     if len(derived.left) > _LINES:
         unfinished.append(f"… and {len(derived.left) - _LINES} more.")
     if derived.complete:  # a point on none of the families says nothing about an unfinished derivation
-        unfinished += [f"Disagreement: {_cut(str(one))}" for one in derived.disagreements]
+        unfinished += [f"Disagreement: {_cut(str(contradiction))}" for contradiction in derived.disagreements]
     told = _paragraphs(unfinished, "bad") + _paragraphs((escape(str(remark)) for remark in derived.remarks), "small")
     if not derived.not_real:
         return told
-    unreal = _paragraphs((escape(str(one)) for one in derived.not_real), "small")
+    unreal = _paragraphs((escape(str(unreal_set)) for unreal_set in derived.not_real), "small")
     return f"{told}<details><summary>{len(derived.not_real)} sets without a real point</summary>{unreal}</details>"
 
 
@@ -122,18 +123,18 @@ def _cut(text: str) -> str:
 
 def _exact_family(family: Family) -> str:
     exact = exact_of(family)
-    side_by_side = [f"<span>{typeset(one)}</span>" for one in exact.latex if len(one) <= _SHORT]
+    side_by_side = [f"<span>{typeset(formula)}</span>" for formula in exact.latex if len(formula) <= _SHORT]
     short = '<span class="comma">,</span> '.join(side_by_side)
     if short:
         lines = f'<div class="condition">{short}</div>'
     else:
         lines = ""
-    for one in exact.latex:
-        text = f'<div class="condition longer">{typeset(one)}</div>'
-        folded = f"<details><summary>a condition of {len(one):,} characters</summary>{text}</details>"
-        if len(one) > _LONG:
+    for formula in exact.latex:
+        text = f'<div class="condition longer">{typeset(formula)}</div>'
+        folded = f"<details><summary>a condition of {len(formula):,} characters</summary>{text}</details>"
+        if len(formula) > _LONG:
             lines += folded
-        elif len(one) > _SHORT:
+        elif len(formula) > _SHORT:
             lines += text
     if exact.reality:
         real = f'<p class="small">{escape(exact.reality)}</p>'
@@ -176,7 +177,7 @@ def _corank(analysis: Analysis, summary: CorankSummary) -> str:
     complete = f'<p>{number_of(rows)}, <span class="{css}">{explained(share)}</span>.</p>'
     body = "".join(_rows(analysis, row) for row in rows)
     joints = iter(analysis.robot.variables)
-    head = "".join(_heading(one, joints) for one in columns(analysis.robot, summary.corank))
+    head = "".join(_heading(column, joints) for column in columns(analysis.robot, summary.corank))
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
     return f"{heading}{complete}{_SWIPE}{scrolled(table, f'families of corank {summary.corank}')}{ends}"
 
@@ -205,7 +206,7 @@ def _rows(analysis: Analysis, row: Family) -> str:
     conditions = conditions_of(row)
     row, outside = within(row, robot, limits=analysis.settings.limits)
     every = columns(robot, row.corank)
-    first = f"<tr>{''.join(_cell(one, row) for one in every)}</tr>"
+    first = f"<tr>{''.join(_cell(column, row) for column in every)}</tr>"
     notes = [
         f'<i class="{"bad" if label in (COUPLED, "limits") else "good"}">{label}</i>&ensp;{escape(text)}'
         for label, text in (*([("limits", outside)] if outside else []), *conditions)
@@ -276,7 +277,7 @@ def _slice_words(content: Content, plane: Slice) -> str:
     keys = ", ".join(f"{_key(content, trace.family)} {escape(content.labels[trace.family])}" for trace in plane.traces)
     keys = f"{keys}." if keys else ""
     held = _held(robot, plane.q, plane.joints)
-    filled = "".join(f" The whole slice lies in {one}." for one in plane.filled)
+    filled = "".join(f" The whole slice lies in {name}." for name in plane.filled)
     return f"{keys} Through a point of <b>{plane.family}</b>{': ' + held if held else ''}.{filled}"
 
 
@@ -299,27 +300,27 @@ def solid_section(content: Content) -> str:
         return ""
     robot, figures = content.analysis.robot, []
     names = names_of(robot)
-    for number, one in enumerate(content.solids, start=1):
-        axes = ", ".join(names[joint - 1] for joint in one.joints)
-        held = _held(robot, one.q, one.joints)
-        curves = count(len(one.curves), "closed curve" if one.closed == len(one.curves) else "curve")
-        curves += f", {one.closed} of them closed" * (one.closed < len(one.curves))
-        if one.curves:
+    for number, solid in enumerate(content.solids, start=1):
+        axes = ", ".join(names[joint - 1] for joint in solid.joints)
+        held = _held(robot, solid.q, solid.joints)
+        curves = count(len(solid.curves), "closed curve" if solid.closed == len(solid.curves) else "curve")
+        curves += f", {solid.closed} of them closed" * (solid.closed < len(solid.curves))
+        if solid.curves:
             what = curves
         else:
-            what = f"a surface, {len(one.triangles):,} triangles"
+            what = f"a surface, {len(solid.triangles):,} triangles"
         figures.append(
-            f'<figure><canvas id="solid{number}" role="img" tabindex="0" aria-label="The set of {one.family} in the '
+            f'<figure><canvas id="solid{number}" role="img" tabindex="0" aria-label="The set of {solid.family} in the '
             f'cube of {axes}: {what}. Arrow keys turn it."></canvas>'
-            f"<figcaption>{_key(content, one.family)} {escape(content.labels[one.family])}, in ({axes}): {what}, "
+            f"<figcaption>{_key(content, solid.family)} {escape(content.labels[solid.family])}, in ({axes}): {what}, "
             "up to whole turns"
             f"{'; held: ' + escape(held) if held else ''}.<span class='screen'> Drag to turn.</span></figcaption>"
             "</figure>"
         )
-        for chart in projections(robot, one, content.colours[one.family]) if one.curves else []:
+        for chart in projections(robot, solid, content.colours[solid.family]) if solid.curves else []:
             across, up = chart.names
-            seen = f"{one.family}: the curves seen along the third joint, {across} across and {up} up"
-            text = f"<figcaption>{_key(content, one.family)} projected.</figcaption>"
+            seen = f"{solid.family}: the curves seen along the third joint, {across} across and {up} up"
+            text = f"<figcaption>{_key(content, solid.family)} projected.</figcaption>"
             figures.append(f"<figure>{chart.svg(seen)}{text}</figure>")
     return (
         '<section id="solids"><h3>In three joints</h3><p>Families that tie three joints together, as curves '
@@ -379,8 +380,8 @@ def line_section(content: Content) -> str:
         return ""
     parts = []
     for family, swept in zip(analysis.families, content.sweeps, strict=True):
-        drawn = [sweep_chart(analysis.robot, one, family.corank) for one in swept]
-        charts = "".join(one.svg(f"Singular values as {one.title} moves through the witness") for one in drawn)
+        drawn = [sweep_chart(analysis.robot, sweep, family.corank) for sweep in swept]
+        charts = "".join(chart.svg(f"Singular values as {chart.title} moves through the witness") for chart in drawn)
         title = escape(content.titles[family.id])
         parts.append(f"<h3>{family.id}&ensp;<small>{title}</small></h3><div class='lines'>{charts}</div>")
     return (
@@ -441,7 +442,7 @@ def checks(content: Content) -> Iterator[str]:
 def _drawn(content: Content) -> Iterator[str]:
     traces = flat_map(lambda plane: plane.traces, content.slices)
     curves = sum(map(len, flat_map(lambda trace: (*trace.curves, trace.points), traces)))
-    solid = sum(len(one.vertices) + sum(map(len, one.curves)) for one in content.solids)
+    solid = sum(len(solid.vertices) + sum(map(len, solid.curves)) for solid in content.solids)
     images = sum(len(points) for _, points in content.workspace.images)
     singular = content.analysis.settings.tolerances.singular
     yield (

@@ -221,7 +221,7 @@ def _seen_in_axes(
 ) -> dict[str, FramedDirections]:
     """What is lost in the axes asked for; in those of a link, where none are, only if they are the simplest."""
     found = {name: lost_seen_from(robot, q, task, corank, name) for name in FRAMES[:2]}
-    fewest = min(int((np.abs(one.directions) > ENTRY).sum()) for one in found.values())
+    fewest = min(int((np.abs(framed.directions) > ENTRY).sum()) for framed in found.values())
     simpler = int((np.abs(sparsest.directions) > ENTRY).sum()) < fewest
     if asked == "link" or (not asked and simpler):
         found["link"] = sparsest
@@ -275,16 +275,16 @@ class Difference:
 
 def differences(far: Far, single: Sequence[JointEscape]) -> Iterator[Difference]:
     """Two methods, two answers: on what a joint alone regains, and on how far."""
-    for one in single:
-        if not one.agrees:
+    for gain in single:
+        if not gain.agrees:
             yield Difference(
-                DifferenceKind.GAIN, number=one.number, predicted=one.gain, measured=one.measured_gain
+                DifferenceKind.GAIN, number=gain.number, predicted=gain.gain, measured=gain.measured_gain
             )
     nearest, certificate = far.nearest, far.certificate
     if nearest is not None and certificate is not None and certificate.radius > nearest.distance * (1 + 1e-8):
         yield Difference(DifferenceKind.RADIUS, radius=certificate.radius, distance=nearest.distance)
-    if nearest is not None and far.families and all(one.family.named for one in far.families):
-        first = min(far.families, key=lambda one: one.distance)
+    if nearest is not None and far.families and all(point.family.named for point in far.families):
+        first = min(far.families, key=lambda point: point.distance)
         if first.distance < nearest.distance - _AGREE:
             yield Difference(DifferenceKind.SEARCH_MISSED, family=first.family)
         elif not first.distance <= nearest.distance + _AGREE:
@@ -412,7 +412,7 @@ class Explanation(Result):
             return Cause.DISTANCE
         if float(rank.sigma[rank.generic_rank - 1]) <= options.small:
             return Cause.SMALL
-        if any(one.speed < one.limit for one in self.straight):
+        if any(motion.speed < motion.limit for motion in self.straight):
             return Cause.SLOW
         return Cause.NONE
 
@@ -425,7 +425,7 @@ class Explanation(Result):
         try:
             nearest = nearest_singularity(
                 here.robot, here.q, here.task, limits=options.limits, seed=options.seed,
-                seeds=[np.array(one.q) for one in away[:_SEEDS]], tolerances=here.tolerances,
+                seeds=[np.array(point.q) for point in away[:_SEEDS]], tolerances=here.tolerances,
             )  # fmt: skip
         except OptionError as error:  # a long arm: rank, σ and all that is said at q itself do not need the distance
             return Far(self, None, None, away, f"{error.what}: {error.got}")
@@ -436,20 +436,20 @@ class Explanation(Result):
         if nearest is None:
             return Far(self, None, None, away, near_miss=miss)
         there = self.incidences_at(np.array(nearest.q), nearest.corank)
-        closer = sorted((_no_farther(one, nearest, there) for one in away), key=lambda one: one.distance)
+        closer = sorted((_no_farther(point, nearest, there) for point in away), key=lambda point: point.distance)
         return Far(self, nearest, there[0], tuple(closer), near_miss=miss)
 
     @property
     def _families_away(self) -> tuple[FamilyDistance, ...]:
         """Families that were reached and do not hold here."""
         options, here = self.options, self.here
-        targets = [one for one in self.families if one.corank <= options.coranks]
+        targets = [family for family in self.families if family.corank <= options.coranks]
         every = family_distances(targets, here.robot, here.q, here.task, limits=options.limits, seed=options.seed)
         if here.measured.corank:
             least = here.tolerances.explained
         else:
             least = -np.inf
-        return tuple(one for one in every if least < one.distance < np.inf)
+        return tuple(point for point in every if least < point.distance < np.inf)
 
     @property
     def _near_miss(self) -> float | None:
@@ -477,9 +477,10 @@ class Explanation(Result):
             return ()
         limits = {"m/s": options.speed, "rad/s": options.turn_speed}
         return tuple(
-            StraightMotion(one.unit, float(one.speed[0]), limits[one.unit], tuple(one.direction[0].tolist()),
-                           int(one.joint[0]), here.robot.variables[int(one.joint[0]) - 1].name, one.exact)
-            for one in slowest_motions(here.robot, here.q[None], here.task)
+            StraightMotion(motion.unit, float(motion.speed[0]), limits[motion.unit],
+                           tuple(motion.direction[0].tolist()), int(motion.joint[0]),
+                           here.robot.variables[int(motion.joint[0]) - 1].name, motion.exact)
+            for motion in slowest_motions(here.robot, here.q[None], here.task)
         )  # fmt: skip
 
     @property
@@ -496,10 +497,13 @@ class Explanation(Result):
         far, here, ideal_family = self.far, self.here, self._slow_ideal_family()
         if ideal_family is not None or far.nearest is None or far.nearest_family is None:
             return ideal_family
-        slow = [one.normal[0] for one in slowest_motions(here.robot, here.q[None], here.task)]
+        slow = [motion.normal[0] for motion in slowest_motions(here.robot, here.q[None], here.task)]
         nearest = (far.nearest.distance, far.nearest.q, far.nearest.corank, far.nearest_family.family)
-        candidates = [nearest, *((one.distance, one.q, one.family.corank, one.family) for one in far.families)]
-        explains = (one for one in candidates if any(_loses_along(here, one[1], one[2], y) for y in slow))
+        on_families = ((point.distance, point.q, point.family.corank, point.family) for point in far.families)
+        explains = (
+            candidate for candidate in (nearest, *on_families)
+            if any(_loses_along(here, candidate[1], candidate[2], y) for y in slow)
+        )  # fmt: skip
         distance, there, _, family = next(explains, nearest)
         return family, distance, None, np.array(there)
 
@@ -542,8 +546,8 @@ class Explanation(Result):
         family, distance, near, there = slow or (about, self.distance, None, self.focus)
         place = () if family is None else specials_at(here.robot, here.task, there, family.corank)
         next_place = self.next.place(here)
-        stated = {(one.part, one.joint) for one in place}
-        added = tuple(one for one in next_place if (one.part, one.joint) not in stated)
+        stated = {(special.part, special.joint) for special in place}
+        added = tuple(special for special in next_place if (special.part, special.joint) not in stated)
         known = shipped_conditions_record(here.robot, here.task, any_tip=True)
         return Summary(
             verdict=self.verdict, cause=self.cause, distance=distance,
@@ -604,13 +608,13 @@ class Explanation(Result):
         with suppress(OptionError):  # a long arm: families that are known are all there is
             searches, sheets = other_sheets(
                 self.here, known, limits=self.options.limits, seed=self.options.seed,
-                seeds=tuple(one.q for one in far.families[:_SEEDS]),
+                seeds=tuple(point.q for point in far.families[:_SEEDS]),
             )  # fmt: skip
             least = min((distance for _, distance, _ in found), default=np.inf)
-            for one in sheets:
-                if one.distance < least - _SHEETS and not self._told(one.q, one.corank, one.distance):
-                    place = np.array(one.q)
-                    found.append((self.incidences_at(place, one.corank)[0].family, one.distance, place))
+            for sheet in sheets:
+                if sheet.distance < least - _SHEETS and not self._told(sheet.q, sheet.corank, sheet.distance):
+                    place = np.array(sheet.q)
+                    found.append((self.incidences_at(place, sheet.corank)[0].family, sheet.distance, place))
                     break
         if not found:
             return Next(None, None, searches)
@@ -623,13 +627,13 @@ class Explanation(Result):
             about = self.met[0].family.name
         else:
             about = None
-        for one in self.far.families:
-            if one.family.name != about and not self._told(one.q, one.family.corank, one.distance):
-                yield one.family, one.distance, np.array(one.q)
+        for point in self.far.families:
+            if point.family.name != about and not self._told(point.q, point.family.corank, point.distance):
+                yield point.family, point.distance, np.array(point.q)
 
     def _other_values(self) -> Iterator[tuple[Family, float, Array]]:
         """Families that hold here and pin a single joint, at their other values."""
-        for family in (one.family for one in self.met if self.slow_family is None):
+        for family in (incidence.family for incidence in self.met if self.slow_family is None):
             if family.coupled or len(family.pinned) != 1 or family.corank != 1:
                 continue
             joint = family.pinned[0].number - 1
@@ -651,7 +655,7 @@ class Explanation(Result):
         _, slow_distance, near, _ = self.slow_family
         if near is None:
             return abs(distance - slow_distance) < _SHEETS
-        slow = (one.normal[0] for one in slowest_motions(self.here.robot, self.here.q[None], self.here.task))
+        slow = (motion.normal[0] for motion in slowest_motions(self.here.robot, self.here.q[None], self.here.task))
         return any(_loses_along(self.here, q, corank, normal) for normal in slow)
 
     @property
@@ -727,8 +731,8 @@ class Explanation(Result):
             words=framed.sentences(length),
             blocked_words=framed.blocked_sentences(length),
             framed=framed,
-            twist_screws=tuple(screw_of(one * lengths) for one in framed.directions),
-            wrench_screws=tuple(screw_of(np.roll(one, 3) * lengths) for one in framed.directions),
+            twist_screws=tuple(screw_of(direction * lengths) for direction in framed.directions),
+            wrench_screws=tuple(screw_of(np.roll(direction, 3) * lengths) for direction in framed.directions),
             never=never,
             seen=_seen_in_axes(robot, self.focus, task, corank, framed, self.options.frame or ""),
         )

@@ -31,6 +31,10 @@ BOUNDS: dict[str, tuple[int, int, int, int]] = {
 """Conditional expressions, nested comprehensions, functions of complexity above 10, and above 20, of each room."""
 
 
+ASSIGNED_ONE = 162
+"""Files that assign the name `one`, which says nothing of what it is: a family, a row, a stretch."""
+
+
 def functions(tree: ast.AST) -> Iterator[Function]:
     """All functions, inner ones as well."""
     return (node for node in ast.walk(tree) if isinstance(node, Function))
@@ -86,6 +90,16 @@ def test_a_room_gets_no_harder_to_read(room: str) -> None:
     assert more == [], room
 
 
+def assigns_one(node: ast.AST) -> bool:
+    """Whether it gives the name `one` to something: by an assignment, a loop or a comprehension."""
+    return isinstance(node, ast.Name) and node.id == "one" and isinstance(node.ctx, ast.Store)
+
+
+def test_things_are_called_what_they_are() -> None:
+    files = [path for path in FILES if any(map(assigns_one, nodes(path)))]
+    assert len(files) <= ASSIGNED_ONE
+
+
 def test_the_package_as_a_whole() -> None:
     whole = counted()[1]
     assert whole["conditional"] <= CONDITIONAL * whole["statements"] / 1000
@@ -104,3 +118,10 @@ def test_complexity_counts_what_it_says(text: str, number: int) -> None:
 def test_a_comprehension_around_another_is_nested() -> None:
     flat, deep = (ast.parse(text, mode="eval").body for text in ("[x for x in a]", "[[y for y in x] for x in a]"))
     assert (nested(flat), nested(deep)) == (False, True)
+
+
+@pytest.mark.parametrize(
+    ("text", "number"), [("for one in a: pass", 1), ("[one for one in a]", 1), ("one = 1", 1), ("f(one)", 0)]
+)
+def test_a_name_that_is_assigned_is_seen(text: str, number: int) -> None:
+    assert sum(map(assigns_one, ast.walk(ast.parse(text)))) == number

@@ -236,6 +236,23 @@ def test_a_program_with_unread_moves_is_not_called_free() -> None:
     assert part.sentence.startswith("Undecided: 1 move of the program was not read")
 
 
+@pytest.mark.parametrize(
+    ("line", "speed", "said"),
+    [
+        ("LIN {X 332.293819, Y 0, Z 621.393159, A 180, B 88, C 180}", "", "0.03398 rad (1.95°) from a singularity in"),
+        ("LIN {X 332.293819, Y 0, Z 621.393159, A 180, B 88, C 180}", "$VEL.CP=0.05", "limits and rates kept"),
+        ("LIN {X 322.291412, Y 0, Z 586.510622, A 180, B 60, C 180}", "", "joint limits kept."),
+    ],
+)
+def test_a_free_line_near_a_singularity_says_that_its_rates_are_not_known(line: str, speed: str, said: str) -> None:
+    """A line of no known speed: what its joints would have to do so near is not known, and the verdict says so."""
+    bend = 180 - float(line.split("B ")[1].split(",")[0]) - 90
+    text = f"DEF A()\n{speed}\nPTP {{A1 0, A2 -90, A3 90, A4 0, A5 {bend}, A6 0}}\n{line}\nEND\n"
+    found = check_program(open_robot("kr3r540"), krl.read(text, "a.src"), ASK)
+    assert said in found.sentence
+    assert ("where joint rates are not known" in found.sentence) is (not speed and bend < 10)
+
+
 def test_a_line_through_a_singularity_is_not_called_free() -> None:
     """Its joints are free of it before and after, as the branch goes on; the line passes through it all the same."""
     arm = open_robot("ur5e")

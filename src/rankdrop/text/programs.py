@@ -15,6 +15,7 @@ from rankdrop.sections import Section
 from rankdrop.text.paths import crossing_lines, free_words, joints_words, stretch_place, turn_words
 from rankdrop.text.remedies import joint_moves, tool_off_words
 from rankdrop.text.words import angle, motion, plural, short
+from rankdrop.tolerances import NEAR
 from rankdrop.units import counted_length
 
 _NAMED = 10  # lines that are named in a sentence
@@ -60,7 +61,7 @@ def sentence(check: Any) -> str:
         if timed:
             limits = "; joint limits and rates kept"
         else:
-            limits = "; joint limits kept"
+            limits = f"; joint limits kept{_near_without_speed(check)}"
         moves = plural("move", len(check.program.moves))
         if not unread:
             return f"Free: proven for every point of {len(check.program.moves)} {moves}{limits}."
@@ -69,6 +70,15 @@ def sentence(check: Any) -> str:
         parts.append(_unread(unread))
     words = "; ".join(parts)
     return f"{words[0].upper()}{words[1:]}."
+
+
+def _near_without_speed(check: Any) -> str:
+    """The move of unknown speed that comes nearest to a singularity; empty where all stay away."""
+    near = [move for move in check.moves if move.seconds is None and move.distance < NEAR]
+    if not near:
+        return ""
+    nearest = min(near, key=lambda move: float(move.distance))
+    return f"; {angle(nearest.distance)} from a singularity in line {nearest.line}, where joint rates are not known"
 
 
 def _unread(count: int) -> str:

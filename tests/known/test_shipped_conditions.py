@@ -27,6 +27,7 @@ from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.results import known as shelf
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import candidates, from_stored, to_stored
+from rankdrop.robot.model import Joint, Mimic
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import BODY, resolve_task
 from rankdrop.verbs.analyze import analyze
@@ -98,6 +99,11 @@ def test_what_is_read_back_is_what_was_derived(name: str) -> None:
             assert np.array_equal(a(q), b(q))
 
 
+def by_half(joints: tuple[Joint, ...]) -> tuple[Joint, ...]:
+    """The same joints, the second one following the first by half its angle."""
+    return joints[0], replace(joints[1], mimic=Mimic(joints[0].name, 0.5)), *joints[2:]
+
+
 def test_only_what_is_complete_is_stored() -> None:
     unfinished = (Unfinished(UnfinishedKind.NOT_RUN, phase=Phase.SPECIAL),)
     with pytest.raises(ResultFileError, match="only a complete derivation"):
@@ -105,6 +111,9 @@ def test_only_what_is_complete_is_stored() -> None:
     contradicted = (Contradiction(ContradictionKind.REGULAR, method="cofactors", wrong=3),)
     with pytest.raises(ResultFileError, match=r"contradicted is not stored.*hold at 3 regular"):
         to_stored(replace(derived("scara"), disagreements=contradicted))
+    halves = replace(open_robot("scara"), joints=by_half(open_robot("scara").joints))
+    with pytest.raises(ResultFileError, match="in parts of joint angles are not stored"):
+        to_stored(replace(derived("scara"), robot=halves))
 
 
 @pytest.mark.parametrize("key", ["families", "letters", "explained", "settings"])

@@ -344,6 +344,11 @@ def to_stored(conditions: Conditions) -> Record:
         ResultFileError: a derivation that is not complete, or that a check contradicts; nothing of it can be vouched
             for later.
     """
+    if conditions.robot.turns.max() > 1:
+        raise ResultFileError(
+            "conditions in parts of joint angles are not stored", where=conditions.robot.name,
+            mend="derive them anew",
+        )  # fmt: skip
     if conditions.disagreements:
         raise ResultFileError(
             "a derivation that is contradicted is not stored", where=conditions.robot.name,

@@ -743,12 +743,12 @@ def _multiplicity(f: Polynomial, g: Polynomial, prime: int) -> int:
     On a line g meets another factor of f where their resultant is zero: for a share of deg f · deg g / prime of all
     lines. Division by g of all variables, which ends with a long remainder, takes minutes where f has 50,000 terms.
     """
+    if f == 0:
+        raise ArithmeticError("zero has every factor without end; it is to be noticed before factoring")
     degrees = g.degrees()
     place = min((place for place, degree in enumerate(degrees) if degree), key=lambda place: int(degrees[place]))
     rng = random.Random(_SLICED)
     others = [name for at, name in enumerate(_names(g.context())) if at != place]
-    if f == 0:
-        raise ArithmeticError("zero has every factor without end; it is to be noticed before factoring")
     while True:
         values = {name: rng.randrange(prime) for name in others}
         on_line, divisor = f.subs(values), g.subs(values)

@@ -386,12 +386,16 @@ def _vanishes(problem: Problem, q: Array) -> bool:
 
     Where σ vanishes at q itself the arm is singular there; a descent from such a point may end elsewhere on the set.
     """
+    ends = _singular_ends(problem, q)
+    return bool((problem.length(ends - q) <= _NEXT).any())
+
+
+def _singular_ends(problem: Problem, q: Array) -> Array:
+    """(k, n) configurations of the corank asked about, with many digits: q itself, else where descents from it end."""
     if problem.sigma(q)[problem.rank] <= _ROUNDED:
-        return True
-    return any(
-        sigma <= _ROUNDED and problem.length(end - q) <= _NEXT
-        for end, sigma in descents(problem, q)
-    )
+        return q[None]
+    ends = [end for end, sigma in descents(problem, q) if sigma <= _ROUNDED]
+    return np.array(ends).reshape(-1, len(q))
 
 
 def _guarded(phase: Phase, make: Callable[[], Made], otherwise: Made, left: _Left) -> Made:
@@ -442,11 +446,7 @@ def _undivided(
         return explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)[1]
 
     def followed(corank: int, q: Array) -> Array:
-        problem = Problem(chain.own, chain.own_task, corank)
-        if problem.sigma(q)[problem.rank] <= _ROUNDED:
-            return q[None]
-        ends = [end for end, sigma in descents(problem, q) if sigma <= _ROUNDED]
-        return np.array(ends).reshape(-1, chain.n)
+        return _singular_ends(Problem(chain.own, chain.own_task, corank), q)
 
     cases = undivided_sets(chain, tree, off_families, followed, work.seed)
     for place, case in enumerate(cases, 1):

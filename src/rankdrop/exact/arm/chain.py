@@ -569,7 +569,7 @@ def exact_chain(
     if not parts and max(parts_of(robot)) > 1:
         raise RobotError(
             "a joint follows another one by a fraction of its angle", where=f"robot {robot.name!r}",
-            allowed="whole multipliers", mend="conditions and analyze know fractions",
+            allowed="whole multipliers", mend="`conditions` and `analyze` take fractions",
         )  # fmt: skip
     if resolved.m < 6 and resolved.frame not in (WORLD_ALIGNED, BODY):
         raise TaskError(

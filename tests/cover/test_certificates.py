@@ -29,12 +29,14 @@ from rankdrop.cover.covering import Covering, write_covering
 from rankdrop.cover.setting import settings_for, settings_for_near_arms, viewed
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.searching import search
+from rankdrop.kinematics import pose
 from rankdrop.path.check.certificate import path_certificate
 from rankdrop.path.check.check import check_path
 from rankdrop.proof import check, minors
 from rankdrop.proof.boxes import digest, load
-from rankdrop.proof.record import Unproven, read_certificate, sealed
+from rankdrop.proof.record import Unproven, claim_of, read_certificate, sealed
 from rankdrop.robot.dh import from_dh
+from rankdrop.robot.model import JointKind, Mimic
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
@@ -502,8 +504,62 @@ def test_joints_about_axes_through_the_point_of_a_translation_are_free(tmp_path)
     assert (refused.holds, refused.reason) == (False, "the point of the translation does not stand still in link 2")
 
 
-def test_an_axis_beside_the_point_of_a_translation_moves_it():
-    robot = from_dh([(0.4, 0.9, 0.1, 0), (0.3, -0.7, 0.2, 0), (0.2, 0.5, 0.1, 0), (1e-9, 0, 0.1, 0)],
-                    convention="standard")  # fmt: skip
+FOUR = [(0.4, 0.9, 0.1, 0), (0.3, -0.7, 0.2, 0), (0.2, 0.5, 0.1, 0), (0.0, 0, 0.1, 0)]
+
+
+def with_last(change):
+    """A spatial 4R whose last axis goes through its tip, with another last joint."""
+    robot = from_dh(FOUR, convention="standard", name="four")
+    return replace(robot, joints=(*robot.joints[:3], change(robot.joints[3])))
+
+
+OTHERS = {
+    "an axis beside the point": from_dh([*FOUR[:3], (1e-3, 0, 0.1, 0)], convention="standard", name="four"),
+    "a slide": from_dh(FOUR, convention="standard", kinds="RRRP", name="four"),
+    "a screw": with_last(
+        lambda joint: replace(
+            joint, kind=JointKind.HELICAL, screw=joint.screw + 0.02 * np.append(joint.axis, np.zeros(3))
+        )
+    ),
+    "a follower": with_last(lambda joint: replace(joint, mimic=Mimic("joint2", 1.0))),
+}
+
+
+@pytest.mark.parametrize("kind", OTHERS)
+def test_a_point_that_a_joint_moves_does_not_stand_still(kind, tmp_path):
+    """The last joint counts: for the certificate, and for the checker, which finds it out by itself."""
+    robot = OTHERS[kind]
     (setting,) = settings_for(robot, resolve_task("position", robot))
     assert setting.link == 4
+    record = ball_certificate(robot, [0.3, 0.8, 1.1, 0.2][: robot.n], "position")
+    assert verify(write_certificate(record, tmp_path / "ball.json")).holds
+    record["view"]["link"] = 3
+    forged = verify(write_certificate(sealed(record), tmp_path / "forged.json"))
+    assert (forged.holds, forged.reason) == (False, "the point of the translation does not stand still in link 3")
+
+
+def test_a_point_seen_from_an_earlier_link_is_not_proven_for_near_arms(tmp_path):
+    """Their last axis goes beside the point."""
+    robot = from_dh(FOUR, convention="standard", name="four")
+    q = [0.3, 0.8, 1.1, 0.2]
+    record = ball_certificate(robot, q, "position", radius=0.02, tolerance=ModelTolerance(1e-4, 1e-4))
+    assert verify(write_certificate(record, tmp_path / "ball.json")).holds
+    record["view"]["link"] = 3
+    forged = verify(write_certificate(sealed(record), tmp_path / "forged.json"))
+    assert (forged.holds, forged.reason) == (False, "the point of the translation does not stand still in link 3")
+
+
+def test_a_point_beside_an_axis_by_rounding_is_enclosed_wherever_the_joint_stands(tmp_path):
+    """1e-10 aside: the checker lets it pass, with all of the circle."""
+    robot = from_dh([*FOUR[:3], (1e-10, 0, 0.1, 0)], convention="standard", name="four")
+    record = ball_certificate(robot, [0.3, 0.8, 1.1, 0.2], "position")
+    record["view"]["link"] = 3
+    claim = claim_of(sealed(record), tmp_path)
+    seen = check.arm_of(claim)
+    home = pose(robot, np.zeros(4))[:3, 3]
+    for turned in (0.5, np.pi):
+        there = pose(robot, [0.0, 0.0, 0.0, turned])[:3, 3]
+        for middle, end, start in zip(seen._point, there, home, strict=True):
+            assert abs(float(middle.mid()) - start) < 1e-12
+            assert abs(end - start) <= float(middle.rad()) + 1e-14
+    assert max(float(x.rad()) for x in seen._point) > 1e-10

@@ -327,7 +327,10 @@ def test_multipliers_without_small_parts_are_refused() -> None:
     for m in (13.0, 0.3001, 7.5, 1 / 13):
         with pytest.raises(RobotError, match="whole, or a fraction of small numbers"):
             exact_chain(following(PLANAR, 3, 2, m), parts=True)
-    with pytest.raises(RobotError, match="conditions and analyze know fractions"):
+    fifth_and_seventh = following(standard_dh("many", [(A1, 0, 0, 0)] * 4, "planar-position"), 3, 1, 0.2)
+    with pytest.raises(RobotError, match="the common denominator of all joints that follow"):
+        exact_chain(following(fifth_and_seventh, 4, 1, 1 / 7), parts=True)
+    with pytest.raises(RobotError, match="`conditions` and `analyze` take fractions"):
         link_jacobian(following(PLANAR, 3, 2, 0.5), 1)
 
 

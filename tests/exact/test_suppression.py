@@ -1,6 +1,7 @@
 """Dependent-screw suppression on many arms: sound modulo p, disjoint, nothing that a numeric search finds left over."""
 
 import random
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -13,9 +14,11 @@ from rankdrop.algebra.polynomial import Equality
 from rankdrop.algebra.work import Work
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.derivation import _suppression_differences
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.suppression import Case, _Derivation, suppress
-from rankdrop.exact.tree import rank_tree
+from rankdrop.exact.tree import OpenCase, Tree, rank_tree
+from rankdrop.families.contradiction import TREE
 from rankdrop.families.searching import Outcome, search
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
@@ -245,3 +248,20 @@ def test_a_case_in_which_the_rank_is_full_is_told_and_is_no_family():
         derivation.family(Case("1", stratum, tuple(range(1, 8))))
     assert [family.stratum for family in derivation.families] == [elbow]
     assert [what for what, _ in derivation.left] == ["full rank", "no point"]
+
+
+def test_sets_that_the_rank_tree_left_open_are_no_disagreement() -> None:
+    """A set that is among its drops, its cases or its sets without points is its own; one that is nowhere is missed."""
+    chain = exact_chain(open_robot("iiwa14"))
+    tree, suppression = rank_tree(chain, Work(20.0), lowest=5), derived("iiwa14")
+    lost, *others = [drop for drop in tree.drops if drop.rank == 5]
+    shorter = replace(tree, drops=others)
+
+    def missed(found: Tree) -> int:
+        different = _suppression_differences(chain, suppression, found, Work(20.0))
+        return sum(one.number for one in different if one.other == TREE)
+
+    assert missed(tree) == 0
+    assert missed(shorter) > 0
+    assert missed(replace(shorter, cases=[OpenCase(lost.piece, 6)])) == 0
+    assert missed(replace(shorter, without_points=[(lost.piece, 6, False)])) == 0

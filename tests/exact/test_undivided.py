@@ -16,8 +16,10 @@ from rankdrop.exact import families as real_families
 from rankdrop.exact import tree as rank_trees
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.tree import Tree, rank_tree
+from rankdrop.exact.undivided import _witness as undivided_witness
 from rankdrop.families.unfinished import UnfinishedKind
 from rankdrop.formula.equation import System
+from rankdrop.formula.writing import AnglePin
 from rankdrop.local.block import singular_values
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import shipped_conditions, to_stored
@@ -217,3 +219,19 @@ def test_a_tree_that_takes_more_than_its_share_leaves_work_for_its_sets(monkeypa
     found = conditions(open_robot("stanford"), **asked)
     assert [one.id for one in found.families] == [one.id for one in usual.families]
     assert not found.undivided
+
+
+def test_a_witness_is_a_singular_configuration_on_its_set() -> None:
+    """What a candidate leads to counts where the conditions of the set hold there; else the next one is tried."""
+    chain = exact_chain(open_robot("planar3r"))
+    system = System((AnglePin(2, ("0",)).equation({}, 3),))
+    leads_to = {0.1: [0.3, 0.5, 0.2], 0.2: [0.3, 0.0, 0.2], 0.3: [0.9, 0.0, 0.9]}
+
+    def followed(q: np.ndarray) -> np.ndarray:
+        return np.array([leads_to[q[1]]])
+
+    candidates = np.array([[0.0, 0.1, 0.0], [0.0, 0.2, 0.0], [0.0, 0.3, 0.0]])
+    assert undivided_witness(chain, candidates, system, followed) == (0.3, 0.0, 0.2)
+    nowhere = undivided_witness(chain, candidates, system, lambda q: np.empty((0, 3)))
+    assert nowhere == (0.0, 0.1, 0.0)
+    assert undivided_witness(chain, candidates[:0], system, followed) is None

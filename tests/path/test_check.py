@@ -327,5 +327,7 @@ def test_a_step_over_the_seam_of_a_turn_is_told() -> None:
     back = " ".join(check_path(arm, rows[::-1]).notes)
     assert "joint 1 turns by −320° from row 2 to row 3 (340° to 20°)" in back
     assert "it went +40°" in back
+    wound = np.radians([[0.0, 40.0, 20.0], [400.0, 40.0, 20.0]])
+    assert not any("as the rows say" in note for note in check_path(arm, wound).notes)
     unwound = np.unwrap(rows, axis=0)
     assert not any("as the rows say" in note for note in check_path(arm, unwound).notes)

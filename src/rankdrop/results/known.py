@@ -342,8 +342,26 @@ def to_stored(conditions: Conditions) -> Record:
 
     Raises:
         ResultFileError: a derivation that is not complete, or that a check contradicts; nothing of it can be vouched
-            for later.
+            for later. Or one in parts of joint angles, for which the record has no place.
     """
+    _refuse_unfit(conditions)
+    record = {key: value for key, value in conditions.to_dict().items() if key not in _AGAIN}
+    record["answers"] = ANSWERS
+    record["arm"] = _arm(conditions.robot) | {"task": _task(conditions.task)}
+    record["generic_rank"] = conditions.generic_rank
+    record["why"] = asdict(conditions.reason)
+    record["noted"] = [_facts(remark) for remark in conditions.remarks]
+    record["families"] = [
+        {key: value for key, value in written.items() if key not in _AGAIN}
+        | {"pins": [[pin.joint, list(pin.values)] for pin in exact.pins]}
+        | {"polynomials": [_terms(one.polynomial) for one in exact.polynomials]}
+        for written, exact in zip(record["families"], map(exact_of, conditions.families), strict=True)
+    ]
+    return record
+
+
+def _refuse_unfit(conditions: Conditions) -> None:
+    """An error that says why a derivation cannot be stored; nothing where it can."""
     if conditions.robot.turns.max() > 1:
         raise ResultFileError(
             "conditions in parts of joint angles are not stored", where=conditions.robot.name,
@@ -359,19 +377,6 @@ def to_stored(conditions: Conditions) -> Record:
             "only a complete derivation is stored", where=conditions.robot.name,
             got=words_of(conditions).unfinished_text(conditions),
         )  # fmt: skip
-    record = {key: value for key, value in conditions.to_dict().items() if key not in _AGAIN}
-    record["answers"] = ANSWERS
-    record["arm"] = _arm(conditions.robot) | {"task": _task(conditions.task)}
-    record["generic_rank"] = conditions.generic_rank
-    record["why"] = asdict(conditions.reason)
-    record["noted"] = [_facts(remark) for remark in conditions.remarks]
-    record["families"] = [
-        {key: value for key, value in written.items() if key not in _AGAIN}
-        | {"pins": [[pin.joint, list(pin.values)] for pin in exact.pins]}
-        | {"polynomials": [_terms(one.polynomial) for one in exact.polynomials]}
-        for written, exact in zip(record["families"], map(exact_of, conditions.families), strict=True)
-    ]
-    return record
 
 
 def is_of(record: Record, robot: Robot, task: Task, *, any_tip: bool = False) -> bool:

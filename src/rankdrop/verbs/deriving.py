@@ -391,7 +391,7 @@ def _vanishes(problem: Problem, q: Array) -> bool:
 
 
 def _singular_ends(problem: Problem, q: Array) -> Array:
-    """(k, n) configurations of the corank asked about, with many digits: q itself, else where descents from it end."""
+    """(k, n) configurations of the rank of the problem, with many digits: q itself, else where descents from it end."""
     if problem.sigma(q)[problem.rank] <= _ROUNDED:
         return q[None]
     ends = [end for end, sigma in descents(problem, q) if sigma <= _ROUNDED]

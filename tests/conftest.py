@@ -110,7 +110,7 @@ def pytest_make_collect_report() -> Generator[None, Report, Report]:
 def _derived_anew(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Tests are of derivations, not of the results that are shipped, unless they are marked `shipped`."""
     if request.node.get_closest_marker("shipped") is None:
-        monkeypatch.setattr(known_exact, "_record", lambda name: None)
+        monkeypatch.setattr(known_exact, "conditions_record", lambda name: None)
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
 from sources import FILES, SOURCE, parsed
 
 import rankdrop
@@ -77,6 +78,24 @@ def test_the_package_is_loaded_lazily() -> None:
     assert numpy == "False"
     code = "import sys; from rankdrop.cli.main import run; run(['--help']); sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
+
+
+WITHOUT_ALGEBRA = (
+    "explain puma560 --q 0.1,0.2,0.3,0.4,0.5,0.6", "nearest ur5 --q 0,1,1,1,1,1", "path puma560 free.csv",
+)  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("line", WITHOUT_ALGEBRA)
+def test_questions_about_a_known_arm_load_no_exact_algebra(line: str, tmp_path: Path) -> None:
+    """Conditions come as plain data from the catalogue: a fifth of the time of such a command would go into loading."""
+    code = (
+        "import sys; from rankdrop.cli.main import run; run(sys.argv[1:]); "
+        "sys.exit(any(name.startswith(('rankdrop.exact.', 'flint')) for name in sys.modules))"
+    )
+    (tmp_path / "free.csv").write_text("t,q1,q2,q3,q4,q5,q6\n0,0,0,1,0,1,0\n1,0.1,0,1,0,1,0\n")
+    done = subprocess.run([sys.executable, "-c", code, *line.split(), "--quiet"], capture_output=True, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, b"")
 
 
 def test_a_name_is_not_hidden_by_the_module_that_holds_it() -> None:

@@ -102,7 +102,7 @@ FOREIGN = {
                      "path/read/rapid.py", "path/read/urscript.py"), "programs of the user"),
     "path/read/trajectory.py": "files of the user",
     "proof/check.py": "keys", "proof/regions.py": "keys", "report/chart.py": "numbers",
-    "results/analysis.py": "keys of files", "results/known.py": "names of files",
+    "results/analysis.py": "keys of files", "results/stored_conditions.py": "keys of files",
     **dict.fromkeys(("results/old_files.py", "results/old_sentences.py"), "files of versions up to 0.2"),
     "robot/ideal.py": "tolerances of the user",
     **dict.fromkeys(("robot/drawing.py", "robot/files.py", "robot/mesh_file.py", "robot/models.py",

@@ -29,7 +29,8 @@ from rankdrop.families.record import AGREES, NOT_DERIVED
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.aspect_summary import CUSPIDAL
 from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import catalogue_aspects, conditions_names, shipped, shipped_conditions
+from rankdrop.results.known import catalogue_aspects, conditions_names, shipped
+from rankdrop.results.stored_conditions import shipped_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import catalog_entries, open_robot
 from rankdrop.text.aspects import aspects_cell

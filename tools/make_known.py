@@ -22,18 +22,8 @@ from time import process_time
 
 from rankdrop.disk import replace_file
 from rankdrop.results.analysis import Analysis, robot_to_dict
-from rankdrop.results.known import (
-    ANALYSIS,
-    ANSWERS,
-    CONDITIONS,
-    INDEX,
-    SEED,
-    STARTS,
-    file_text,
-    is_of,
-    part_of_file,
-    to_stored,
-)
+from rankdrop.results.known import ANALYSIS, ANSWERS, CONDITIONS, INDEX, SEED, STARTS, file_text, is_of, part_of_file
+from rankdrop.results.stored_conditions import to_stored
 from rankdrop.robot.model import coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import resolve_task

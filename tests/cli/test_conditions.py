@@ -23,8 +23,8 @@ from rankdrop.errors import OptionError, ResultFileError, TaskError
 from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, Unreal, UnrealSet
 from rankdrop.families.record import exact_of
 from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import shipped_conditions
 from rankdrop.results.old_sentences import contradictions_of_sentences
+from rankdrop.results.stored_conditions import shipped_conditions
 from rankdrop.schema import load_schema
 from rankdrop.sections import Formula
 from rankdrop.task import resolve_task

@@ -22,7 +22,7 @@ from rankdrop.formula.equation import System
 from rankdrop.formula.writing import AnglePin
 from rankdrop.local.block import singular_values
 from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import shipped_conditions, to_stored
+from rankdrop.results.stored_conditions import shipped_conditions, to_stored
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs import deriving
 from rankdrop.verbs.analyze import derive

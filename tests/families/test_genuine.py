@@ -10,7 +10,7 @@ from rankdrop.families.inspection import descents, not_singular, task_jacobian_e
 from rankdrop.families.row import row_of
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem
-from rankdrop.results.known import shipped_conditions
+from rankdrop.results.stored_conditions import shipped_conditions
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

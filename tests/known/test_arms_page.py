@@ -14,6 +14,7 @@ from scripts import tool
 
 from rankdrop.results import known as shelf
 from rankdrop.results.known import shipped
+from rankdrop.results.stored_conditions import shipped_conditions
 from rankdrop.robot.open import robot_names
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -107,7 +108,7 @@ def test_a_row_of_the_catalogue_has_the_stored_number_of_aspects() -> None:
 @pytest.mark.shipped
 def test_a_row_names_letters_or_numbers_as_they_are_shipped() -> None:
     for name in shelf.conditions_names():
-        derived = shelf.shipped_conditions(name)
+        derived = shipped_conditions(name)
         said = remarks(CATALOGUE).get(name, {}).get("exact", "letters")
         assert said.startswith("letters" if derived.letters else "numbers"), name
 

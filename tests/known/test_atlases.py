@@ -37,9 +37,9 @@ from rankdrop.results.known import (
     known_names,
     part_of_file,
     shipped,
-    shipped_conditions,
     shipped_record,
 )
+from rankdrop.results.stored_conditions import shipped_conditions
 from rankdrop.robot.model import Array, Robot, coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws

@@ -12,7 +12,8 @@ from robot.test_structure import noisy
 from rankdrop.families.points import members
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.ideal_vs_actual import Idealised, Nearby
-from rankdrop.results.known import known_analysis, known_conditions, shipped
+from rankdrop.results.known import known_analysis, shipped
+from rankdrop.results.stored_conditions import known_conditions
 from rankdrop.robot.ideal import Tolerance, read_tolerance
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

@@ -10,7 +10,8 @@ import pytest
 from known.arms import FEW
 from rankdrop.families.naming import LONGEST
 from rankdrop.report.content import content
-from rankdrop.results.known import conditions_names, known_names, shipped, shipped_conditions
+from rankdrop.results.known import conditions_names, known_names, shipped
+from rankdrop.results.stored_conditions import shipped_conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain

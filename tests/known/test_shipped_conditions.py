@@ -26,7 +26,8 @@ from rankdrop.families.record import exact_of
 from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.results import known as shelf
 from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import candidates, from_stored, to_stored
+from rankdrop.results.known import candidates
+from rankdrop.results.stored_conditions import from_stored, known_conditions, shipped_conditions, to_stored
 from rankdrop.robot.model import Joint, Mimic
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import BODY, resolve_task
@@ -73,7 +74,7 @@ def derived(name: str) -> Conditions:
 def stored(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """Records of two arms in place of what is shipped."""
     records = {name: through_json(derived(name)) for name in ("scara", "stanford")}
-    monkeypatch.setattr(shelf, "_record", records.get)
+    monkeypatch.setattr(shelf, "conditions_record", records.get)
     return records
 
 
@@ -148,8 +149,8 @@ def test_another_arm_is_derived(stored: dict[str, Any]) -> None:
     robot = open_robot("ur5e")
     stored["ur5e"] = through_json(derived("ur5e"))
     assert "ur5e" in candidates(robot)
-    assert shelf.known_conditions(robot) is not None
-    assert shelf.known_conditions(robot, replace(exact_chain(robot).task, frame=BODY)) is None
+    assert known_conditions(robot) is not None
+    assert known_conditions(robot, replace(exact_chain(robot).task, frame=BODY)) is None
     screw = robot.joints[3].screw.copy()
     screw[0] += 1e-11  # one fingerprint, but not the same numbers
     bent = (*robot.joints[:3], replace(robot.joints[3], screw=screw), *robot.joints[4:])
@@ -158,7 +159,7 @@ def test_another_arm_is_derived(stored: dict[str, Any]) -> None:
     frames = (*robot.joints[:2], replace(robot.joints[2], frame=turned), *robot.joints[3:])
     for other in (replace(robot, joints=bent), replace(robot, joints=frames), replace(robot, lengths=(("b", 0.425),))):
         assert "ur5e" in candidates(other)
-        assert shelf.known_conditions(other) is None
+        assert known_conditions(other) is None
 
 
 @pytest.mark.usefixtures("stored")
@@ -197,14 +198,14 @@ def test_what_other_code_made_is_derived_anew(stored: dict[str, Any]) -> None:
     """A release alone makes nothing stale, a change of what is answered does; the version told is of who ships."""
     robot = open_robot("scara")
     stored["scara"]["settings"]["version"] = "0.0.1"
-    found = shelf.known_conditions(robot)
+    found = known_conditions(robot)
     assert found is not None
     assert found.to_dict()["settings"]["version"] == VERSION
     stored["scara"]["answers"] += 1
-    assert shelf.known_conditions(robot) is None
+    assert known_conditions(robot) is None
     assert conditions(robot).anew is None
     del stored["scara"]["answers"]
-    assert shelf.known_conditions(robot) is None
+    assert known_conditions(robot) is None
 
 
 @pytest.mark.usefixtures("stored")
@@ -228,7 +229,7 @@ def test_what_is_shipped_is_of_the_catalogue() -> None:
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_shipped_file_is_of_this_version_and_arm_and_verified(name: str) -> None:
-    found = shelf.known_conditions(open_robot(name))
+    found = known_conditions(open_robot(name))
     assert found is not None, "stale: run tools/make_known.py"
     assert found.verified
     assert found.lowest == 0
@@ -239,14 +240,14 @@ def test_a_shipped_file_is_of_this_version_and_arm_and_verified(name: str) -> No
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", ANEW)
 def test_derived_anew_it_is_the_same(name: str) -> None:
-    same(shelf.shipped_conditions(name), conditions(open_robot(name), fresh=True, special=True))
+    same(shipped_conditions(name), conditions(open_robot(name), fresh=True, special=True))
 
 
 @pytest.mark.slow
 @pytest.mark.shipped
 def test_an_arm_is_answered_with_its_families_and_ranks_before_how_sure_that_is() -> None:
     for name in SHIPPED[::4]:
-        known = shelf.shipped_conditions(name)
+        known = shipped_conditions(name)
         answer, (first, *_) = known.answer, known.sections()
         sure = known.verdict.sentence
         assert (first.title, *first.lines) == ((answer, sure) if known.verdict.holds else (sure, answer))

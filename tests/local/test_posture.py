@@ -17,7 +17,8 @@ from rankdrop.local.directions import lost_directions
 from rankdrop.local.posture import fault, spine, start_posture
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.known import known_conditions, shipped
+from rankdrop.results.known import shipped
+from rankdrop.results.stored_conditions import known_conditions
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import resolve_task
 from rankdrop.verbs.deriving import posed_exactly

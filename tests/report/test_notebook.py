@@ -11,7 +11,8 @@ import pytest
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.report.page import arm_view
-from rankdrop.results.known import known_conditions, shipped
+from rankdrop.results.known import shipped
+from rankdrop.results.stored_conditions import known_conditions
 from rankdrop.robot.quantities import degrees_text
 from rankdrop.text.lost import lost_sentences
 

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from rankdrop.formula.equation import Equation, Term
-from rankdrop.results.known import shipped, shipped_conditions
+from rankdrop.results.known import shipped
+from rankdrop.results.stored_conditions import shipped_conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.quantities import degrees_text
 from rankdrop.text.latex import as_text

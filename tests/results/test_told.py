@@ -8,7 +8,8 @@ import pytest
 
 from rankdrop import analyze, conditions
 from rankdrop.families.record import with_exact
-from rankdrop.results.known import known_names, shipped, shipped_conditions
+from rankdrop.results.known import known_names, shipped
+from rankdrop.results.stored_conditions import shipped_conditions
 from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

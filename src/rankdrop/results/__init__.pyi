@@ -16,5 +16,5 @@ from .ideal_vs_actual import Idealised as Idealised
 from .ideal_vs_actual import Nearby as Nearby
 from .jacobian_in_frame import LinkJacobian as LinkJacobian
 from .known import known_analysis as known_analysis
-from .known import known_conditions as known_conditions
 from .known import known_families as known_families
+from .stored_conditions import known_conditions as known_conditions

@@ -40,4 +40,3 @@ class AspectSummary:
         if self.proven and self.at_least == self.at_most:
             return self.at_least
         return None
-

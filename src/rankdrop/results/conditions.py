@@ -166,8 +166,10 @@ class Conditions(Result):
             return lint(condition, pieces, whole.chain, work=Work(seconds / SLOWER, self.settings.seed))
         except OutOfTime as end:
             raise OptionError(
-                "time ran out before the condition was decided", got=f"{seconds:g} s",
-                mend="allow more time: seconds=…", typed="allow more time: --time-limit",
+                "time ran out before the condition was decided",
+                got=f"{seconds:g} s",
+                mend="allow more time: seconds=…",
+                typed="allow more time: --time-limit",
             ) from end
 
     def flags(self, q: ArrayLike) -> Flags:

@@ -7,9 +7,9 @@ from typing import Any, get_type_hints
 
 from rankdrop.codec import Record, restored
 from rankdrop.families.contradiction import Contradiction
+from rankdrop.families.not_derived import NotDerived
 from rankdrop.families.record import Derivation
 from rankdrop.results.names import name_from_dict
-from rankdrop.results.old_sentences import contradictions_of_sentences, reason_of_sentence
 
 _KINDS: dict[str, Any] = {name: kind for name, kind in get_type_hints(Contradiction).items() if name != "called"}
 """Entry that is a field of a contradiction as it stands -> its type."""
@@ -25,12 +25,20 @@ def derivation_from_dict(record: Record) -> Derivation:
     Raises:
         ValueError: an entry is missing, or is something else.
     """
-    reason = restored(str, record.get("reason", ""))
     return Derivation(
         **_fields(_ENTRIES, record),
-        reason=reason_of_sentence(reason),
+        reason=_reason(restored(str, record.get("reason", ""))),
         disagreements=_contradictions(record),
     )
+
+
+def _reason(sentence: str) -> NotDerived | None:
+    """Why nothing was derived; None for "", where the families were derived."""
+    if not sentence:
+        return None
+    from rankdrop.results.old_sentences import reason_of_sentence  # with all exact algebra
+
+    return reason_of_sentence(sentence)
 
 
 def _fields(kinds: Mapping[str, Any], record: Record) -> dict[str, Any]:
@@ -42,7 +50,12 @@ def _contradictions(record: Record) -> tuple[Contradiction, ...]:
     facts = record.get("contradictions")
     if facts is not None:
         return tuple(map(_contradiction, facts))
-    return contradictions_of_sentences(record.get("disagreements", ()))
+    sentences = record.get("disagreements", ())
+    if not sentences:
+        return ()
+    from rankdrop.results.old_sentences import contradictions_of_sentences  # with all exact algebra
+
+    return contradictions_of_sentences(sentences)
 
 
 def _contradiction(record: Record) -> Contradiction:

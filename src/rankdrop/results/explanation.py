@@ -277,9 +277,7 @@ def differences(far: Far, single: Sequence[JointEscape]) -> Iterator[Difference]
     """Two methods, two answers: on what a joint alone regains, and on how far."""
     for gain in single:
         if not gain.agrees:
-            yield Difference(
-                DifferenceKind.GAIN, number=gain.number, predicted=gain.gain, measured=gain.measured_gain
-            )
+            yield Difference(DifferenceKind.GAIN, number=gain.number, predicted=gain.gain, measured=gain.measured_gain)
     nearest, certificate = far.nearest, far.certificate
     if nearest is not None and certificate is not None and certificate.radius > nearest.distance * (1 + 1e-8):
         yield Difference(DifferenceKind.RADIUS, radius=certificate.radius, distance=nearest.distance)

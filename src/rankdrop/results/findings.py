@@ -212,9 +212,7 @@ def _pyarrow() -> tuple[Any, Any]:
     return pyarrow, parquet
 
 
-def _table(
-    robot: Robot, corank: int, start: Any, q: Array, sigma: Array, kept: Array, iterations: Any
-) -> bytes:
+def _table(robot: Robot, corank: int, start: Any, q: Array, sigma: Array, kept: Array, iterations: Any) -> bytes:
     arrow, parquet = _pyarrow()
     columns = [("start", start.astype(np.int64), "number of the start, from 1")]
     columns += [(f"q_{joint.name}_{joint.unit}", q[:, j], f"value of {joint.name}")

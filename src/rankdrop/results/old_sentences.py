@@ -170,9 +170,7 @@ def _whole(number: str) -> int:
 
 def _rank(groups: _Groups) -> Contradiction:
     family, rank, wrong, tested = groups
-    return Contradiction(
-        ContradictionKind.RANK, family=family, rank=int(rank), wrong=int(wrong), tested=int(tested)
-    )
+    return Contradiction(ContradictionKind.RANK, family=family, rank=int(rank), wrong=int(wrong), tested=int(tested))
 
 
 def _generic_rank(groups: _Groups) -> Contradiction:

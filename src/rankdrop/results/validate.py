@@ -13,7 +13,6 @@ import numpy as np
 
 from rankdrop.distance.share import Near, SlowShare
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.record import CorankSummary, Derivation, Family, Pin, SpeedDistances
 from rankdrop.kinematics import jacobian
@@ -334,6 +333,8 @@ def _check_exact(analysis: _Analysed, exact: Derivation) -> None:
     n = analysis.robot.n
     require((len(exact.shifts) in (0, n), "one shift for each joint", "$.exact.shifts", len(exact.shifts), n))
     if exact.derived:
+        from rankdrop.exact.arm.chain import exact_chain  # with all exact algebra
+
         # of this task in this frame
         at("$.robot.frame", lambda: exact_chain(analysis.robot, analysis.task, parts=True))
     differs = (exact.status == "differs") is bool(exact.disagreements)

@@ -21,7 +21,7 @@ from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count, degrees_text
 from rankdrop.sections import Section
 from rankdrop.task import Task
-from rankdrop.text.conditions import angles_text, condition_lines, shipped_line, values_in_degrees
+from rankdrop.text.conditions import angles_text, condition_lines, shipped_line
 from rankdrop.text.families import (
     exact_conditions,
     joints_named,
@@ -31,6 +31,7 @@ from rankdrop.text.families import (
     share_text,
     slow_line,
     symbols,
+    values_in_degrees,
     values_text,
     within,
 )
@@ -160,9 +161,7 @@ def _of_joints(robot: Robot, family: Family) -> str:
     return "; ".join(parts)
 
 
-def lost_section(
-    robot: Robot, task: Task, generic_rank: int, families: Sequence[Family]
-) -> Section | None:
+def lost_section(robot: Robot, task: Task, generic_rank: int, families: Sequence[Family]) -> Section | None:
     """What is lost on the families of the highest rank; None where there is none."""
     first = min((family.corank for family in families), default=0)
     mine = [family for family in families if family.corank == first]

@@ -15,7 +15,6 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from html import escape
 from itertools import chain
-from math import degrees
 from typing import Any
 
 from rankdrop.exact.arm.chain import Chain, exact_chain
@@ -36,7 +35,7 @@ from rankdrop.families.summary import (
     Verdict,
     summarised,
 )
-from rankdrop.formula.equation import pretty_angle, share_of_pi
+from rankdrop.formula.equation import pretty_angle
 from rankdrop.formula.notation import typeset
 from rankdrop.lists import flat_map
 from rankdrop.options import advised
@@ -44,7 +43,7 @@ from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Formula, Section, html
 from rankdrop.text.code import Code
-from rankdrop.text.families import share_text
+from rankdrop.text.families import share_text, values_in_degrees
 from rankdrop.text.lost import lost_line, lost_note, lost_sentences
 from rankdrop.text.special import family_label
 from rankdrop.text.structure import reason_text
@@ -328,20 +327,6 @@ def _witness(family: Family, robot: Robot) -> list[str]:
     if all(freedom.everywhere for freedom in family.lost_freedoms):
         return []
     return [Formula(f"witness: {witness_text(robot, family.witness)}")]
-
-
-def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str:
-    """ "0 or π", "−26.76° or 153.24°", "0.25 m"."""
-    if robot.variables[number - 1].unit != "rad":
-        return " or ".join(f"{value:.6g} m".replace("-", "−") for value in values)
-    return " or ".join(map(_in_degrees, values))
-
-
-def _in_degrees(value: float) -> str:
-    """ "π/2", "−26.76°"."""
-    if share_of_pi(value) is not None:
-        return pretty_angle(value)
-    return f"{degrees(value):.2f}°".replace("-", "−")
 
 
 def condition_lines(family: Family) -> list[str]:

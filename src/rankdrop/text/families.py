@@ -186,6 +186,20 @@ def joint_values(family: Family, number: int, kind: str) -> tuple[tuple[str, str
     return ((FREE if number in family.free else COUPLED, ""),)
 
 
+def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str:
+    """Values as "0 or π", "−26.76° or 153.24°", "0.25 m"."""
+    if robot.variables[number - 1].unit != "rad":
+        return " or ".join(f"{value:.6g} m".replace("-", "−") for value in values)
+    return " or ".join(map(_in_degrees, values))
+
+
+def _in_degrees(value: float) -> str:
+    """An angle as "π/2" or "−26.76°"."""
+    if share_of_pi(value) is not None:
+        return pretty_angle(value)
+    return f"{degrees(value):.2f}°".replace("-", "−")
+
+
 def share_text(part: int, whole: int) -> str:
     """A share in percent, rounded down so that 100 % means all; – for a share of nothing."""
     if whole:
@@ -466,9 +480,7 @@ def footnotes(robot: Robot, row: Family, outside: str, *, lost: bool) -> list[tu
     return notes
 
 
-def agreement(
-    derivation: Derivation | None, robot: Robot, families: Sequence[Family]
-) -> Iterator[tuple[str, bool]]:
+def agreement(derivation: Derivation | None, robot: Robot, families: Sequence[Family]) -> Iterator[tuple[str, bool]]:
     """Where the families of an analysis come from: sentences, and whether one says that a test contradicts them.
 
     Args:

@@ -10,8 +10,8 @@ from rankdrop.families.record import Family
 from rankdrop.results.known import shipped_conditions_record
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
-from rankdrop.text.conditions import values_in_degrees
 from rankdrop.text.families import symbols as joint_symbols
+from rankdrop.text.families import values_in_degrees
 from rankdrop.text.words import numbers
 
 LONGEST = 120

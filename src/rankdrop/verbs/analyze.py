@@ -36,7 +36,8 @@ from rankdrop.questions import AnalyzeOptions
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import known_aspects, known_conditions
+from rankdrop.results.known import known_aspects
+from rankdrop.results.stored_conditions import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
 from rankdrop.text.families import SPEEDS_INTERRUPTED, mistaken_text

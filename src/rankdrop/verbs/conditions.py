@@ -11,7 +11,7 @@ from rankdrop.kinematics import check_robot
 from rankdrop.options import takes
 from rankdrop.questions import ConditionsOptions
 from rankdrop.results.conditions import Conditions
-from rankdrop.results.known import known_conditions
+from rankdrop.results.stored_conditions import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import read_joints, read_lengths
 from rankdrop.task import Task

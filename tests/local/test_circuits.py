@@ -12,7 +12,7 @@ from reference import arms
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, blame, circuits_at, shared_circuits
+from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, blame, circuits_at, shared_circuits, to_blame
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
@@ -63,6 +63,22 @@ def test_planted_dependencies_are_found_as_brute_force_finds_them(rows: int, rng
         assert found == brute(columns)
         met |= {len(chosen) for chosen in found}
     assert met == set(range(1, rows + 2))
+
+
+@pytest.mark.parametrize("size", [2, 3, 4, 5, 6])
+def test_the_smallest_singular_value_decides_on_both_sides_of_the_tolerance(
+    size: int, rng: np.random.Generator
+) -> None:
+    """Columns of length 1 whose smallest σ is planted next to the tolerance, the others as large as they can be."""
+    for share in (0.5, 0.99, 1.01, 2.0):
+        tilted = rng.standard_normal(size)
+        tilted /= np.linalg.norm(tilted)
+        columns = np.linalg.qr(rng.standard_normal((6, size)))[0] @ (np.eye(size) - np.outer(tilted, tilted))
+        columns /= np.linalg.norm(columns, axis=0)
+        u, sigma, v = np.linalg.svd(columns, full_matrices=False)
+        planted = u * [*sigma[:-1], share * 1e-7] @ v
+        assert shared_circuits(planted[None], 1e-7) == brute(planted)
+        assert (len(shared_circuits(planted[None], 1e-7)) == 1) is (share < 1)
 
 
 @pytest.mark.parametrize("name", ["pa10", "puma", "scara", "planar3r"])
@@ -184,6 +200,25 @@ def test_blame_passes_over_what_follows_from_smaller_circuits() -> None:
     assert sets(found) == [(1, 3), (1, 5), (2, 4, 6)]
 
 
+def test_what_is_blamed_first_is_what_all_circuits_tell(rng: np.random.Generator) -> None:
+    """Sets are looked at until enough are found: the same as of all of them."""
+    for n, rank in ((7, 4), (9, 5), (10, 3)):
+        columns = rng.standard_normal((6, rank)) @ rng.integers(-1, 2, (rank, n))
+        usual = rng.standard_normal((8, 6, n))
+        usual[:, :, 1] = usual[:, :, 0]  # dependent everywhere
+        columns[:, 1] = columns[:, 0]
+        every = [chosen for chosen in shared_circuits(columns[None]) if chosen != (0, 1) and not len(chosen) > 6]
+        vectors: list[np.ndarray] = []
+        wanted = []
+        for chosen in every:
+            vector = np.zeros(n)
+            vector[list(chosen)] = np.linalg.svd(columns[:, chosen])[2][-1]
+            if len(wanted) < 3 and np.linalg.matrix_rank([*vectors, vector], tol=1e-6) > len(vectors):
+                vectors.append(vector)
+                wanted.append(chosen)
+        assert to_blame(columns[None], usual, 3) == wanted
+
+
 def test_what_a_task_of_fewer_rows_makes_dependent() -> None:
     planar = [revolute(Z, (0, 0, 0)), revolute(Z, (1, 0, 0))]
     home = np.eye(4)
@@ -232,6 +267,8 @@ def test_what_is_dependent_everywhere_is_not_blamed_for_what_is_lost_here(rng: n
 def test_twelve_joints_are_listed_and_more_than_the_cap_are_refused(rng: np.random.Generator) -> None:
     robot = arms.random_chain(rng, "rrrprrrrrrrr")
     assert len(circuits_at(robot, np.zeros(12), resolve_task("pose", robot))) == 792  # every seven of twelve
+    few = circuits_at(robot, np.zeros(12), resolve_task("pose", robot), most=5)
+    assert [circuit.numbers[-1] for circuit in few] == [7, 8, 9, 10, 11]
     long = arms.random_chain(rng, "r" * (LARGEST_CHAIN + 1))
     with pytest.raises(OptionError, match="too many joints"):
         circuits_at(long, np.zeros(long.n), resolve_task("pose", long))

@@ -7,7 +7,7 @@ screws one by one, GR look at runs of neighbours only; the circuits are all of t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations, groupby
@@ -26,8 +26,12 @@ from rankdrop.tolerances import DEPENDENT
 
 LARGEST_CHAIN = 20
 """Joints; with more of them the number of sets to look at is beyond a fraction of a second."""
+MOST_LISTED = 1000
+"""Circuits of one configuration that an explanation lists; a regular arm with 14 joints has 3,432."""
 
 _REGULAR = 8  # regular configurations that tell what is dependent everywhere
+_TOGETHER = 256  # sets that are tried at random configurations at once
+_ROUNDING = 1e-11  # of a determinant of at most 20 rows with entries up to 1
 _TIE = 1e-9  # coefficients closer than this share tie for the largest
 
 Sets = tuple[NDArray[np.intp], NDArray[np.intp]]
@@ -54,7 +58,9 @@ class Circuit:
     words: str
 
 
-def circuits_at(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPENDENT) -> tuple[Circuit, ...]:
+def circuits_at(
+    robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPENDENT, *, most: int | None = None
+) -> tuple[Circuit, ...]:
     """Every circuit at one configuration, small ones first, then by their numbers.
 
     Args:
@@ -62,6 +68,7 @@ def circuits_at(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPEN
         q: (n,) configuration [rad, m].
         task: rows that count; the circuits do not depend on its frame's axes or its length scale.
         tolerance: columns scaled to unit length are dependent where their smallest σ is at or below it [1].
+        most: so many of them, the first ones; None: all.
 
     Raises:
         ConfigurationError: q is not one configuration of this arm.
@@ -81,7 +88,7 @@ def circuits_at(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPEN
             allowed=f"at most {LARGEST_CHAIN}",
         )  # fmt: skip
     columns = task_jacobian(robot, configuration[None, :], task)
-    sets = shared_circuits(columns, tolerance)
+    sets = shared_circuits(columns, tolerance, most=most)
     usual = _unit_columns(task_jacobian(robot, structural_sample(robot, task, _REGULAR), task))
     scene = Scene(robot, configuration[None, :])
     generic = _dependent(usual, sets, tolerance)
@@ -155,37 +162,69 @@ def to_blame(columns: Array, generic: Array, corank: int) -> list[tuple[int, ...
     Returns:
         Tuples of indices from 0.
     """
-    sets = shared_circuits(columns)
-    usual = _dependent(_unit_columns(generic), sets, DEPENDENT)
-    special = [members for members, held in zip(sets, usual, strict=True) if not held]
-    vectors = (_dependency(columns[0], members) for members in special)
-    return [special[i] for i in _independent([], vectors, corank)]
+    special = _not_everywhere(columns, generic)
+    chosen: list[tuple[int, ...]] = []
+    vectors: list[Array] = []
+    while len(chosen) < corank:
+        members = next(special, None)
+        if members is None:
+            break
+        vector = _dependency(columns[0], members)
+        if _independent(vectors, [vector], 1):
+            chosen.append(members)
+            vectors.append(vector)
+    return chosen
 
 
-def shared_circuits(columns: Array, tolerance: float = DEPENDENT) -> list[tuple[int, ...]]:
+def _not_everywhere(columns: Array, generic: Array) -> Iterator[tuple[int, ...]]:
+    """Circuits that hold at every point and not at random configurations, small ones first."""
+    usual = _unit_columns(generic)
+    for members in _circuits_by_size(columns, DEPENDENT):
+        for begin in range(0, len(members), _TOGETHER):
+            some = members[begin : begin + _TOGETHER]
+            held = _all_dependent(usual, some, DEPENDENT)
+            yield from map(tuple, some[~held].tolist())
+
+
+def shared_circuits(
+    columns: Array, tolerance: float = DEPENDENT, *, most: int | None = None
+) -> list[tuple[int, ...]]:
     """Circuits that hold at every one of some points: smallest σ of the unit columns at or below the tolerance.
-
-    A set is looked at when none of the sets with one member less is dependent.
 
     Args:
         columns: (N, m, n) task Jacobians.
         tolerance: [1].
+        most: so many of them, the first ones; None: all.
 
     Returns:
         Tuples of indices from 0, small ones first.
     """
+    found: list[tuple[int, ...]] = []
+    for members in _circuits_by_size(columns, tolerance):
+        found += map(tuple, members[:most].tolist())
+        if most is not None and len(found) >= most:
+            return found[:most]
+    return found
+
+
+def _circuits_by_size(columns: Array, tolerance: float) -> Iterator[NDArray[np.intp]]:
+    """(B, size) the shared circuits of each size, from 1.
+
+    A set is looked at when none of the sets with one member less is dependent. One with more members than all columns
+    have rank is dependent: a matrix has no smaller singular values than one made of some of its columns.
+    """
     rows, n = columns.shape[1:]
     unit = _unit_columns(columns)
+    rank = int((sigma_of(unit) > tolerance).sum(axis=1).max())
     dependent = np.zeros(1 << n, dtype=bool)
-    found: list[tuple[int, ...]] = []
     for size in range(1, min(rows + 1, n) + 1):
         members, masks = _sets(n, size)
         inside = dependent[masks[:, None] ^ (1 << members)].any(axis=1)
         new = ~inside
-        new[new] = _all_dependent(unit, members[new], tolerance)
+        if size <= rank:
+            new[new] = _all_dependent(unit, members[new], tolerance)
         dependent[masks[inside | new]] = True
-        found += [tuple(chosen) for chosen in members[new].tolist()]
-    return found
+        yield members[new]
 
 
 @lru_cache(maxsize=256)
@@ -201,9 +240,23 @@ def _all_dependent(unit: Array, members: NDArray[np.intp], tolerance: float) -> 
     count, size = members.shape
     if size > rows or count == 0:
         return np.ones(count, dtype=bool)
-    parts = unit[:, :, members].transpose(0, 2, 1, 3).reshape(-1, rows, size)
-    sigma = sigma_of(parts)[:, -1]
-    return np.asarray((sigma.reshape(points, count) <= tolerance).all(axis=0))
+    result = _maybe_dependent(unit[0], members, tolerance)
+    few = members[result]
+    parts = unit[:, :, few].transpose(0, 2, 1, 3).reshape(-1, rows, size)
+    sigma = sigma_of(parts)[:, -1].reshape(points, len(few))
+    result[result] = (sigma <= tolerance).all(axis=0)
+    return result
+
+
+def _maybe_dependent(unit: Array, members: NDArray[np.intp], tolerance: float) -> NDArray[np.bool_]:
+    """(B,) false where columns (m, n) of length 1 are independent for sure.
+
+    The determinant of their inner products is Π σᵢ², and Σ σᵢ² = s: where the smallest σ is at most the tolerance, it
+    is at most tolerance² (s/(s − 1))^(s − 1) < e tolerance².
+    """
+    inner = unit.T @ unit
+    determinants = np.linalg.det(inner[members[:, :, None], members[:, None, :]])
+    return np.asarray(determinants <= np.e * tolerance**2 + _ROUNDING)
 
 
 def _dependent(unit: Array, sets: Sequence[tuple[int, ...]], tolerance: float) -> list[bool]:

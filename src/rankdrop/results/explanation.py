@@ -26,7 +26,7 @@ from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.families.record import Family, Incidence, families_at
 from rankdrop.families.searching import Outcome, refine
 from rankdrop.local.block import decompose
-from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, circuits_at, make_all
+from rankdrop.local.circuits import LARGEST_CHAIN, MOST_LISTED, Circuit, circuits_at, make_all
 from rankdrop.local.directions import (
     FRAMES,
     FramedDirections,
@@ -146,12 +146,12 @@ class Blame:
     """Which joints make the dependency.
 
     Attributes:
-        circuits: every inclusion-minimal dependent set of joint screws.
+        circuits: the inclusion-minimal dependent sets of joint screws, small ones first.
         smallest: those that are special to this configuration and carry the loss.
         ordered: GR's singular intervals of the chain.
         systems: screw systems (subalgebras) that hold sets of joints.
         always: why the arm is deficient everywhere; None where it is not.
-        complete: False where the chain is too long to list every circuit.
+        complete: False where circuits are too many to list, or the chain is too long to look for them.
         hunt: what Hunt's matrix of cofactors names, held against finite motion; None where nothing is lost.
     """
 
@@ -739,9 +739,9 @@ class Explanation(Result):
     def blame(self) -> Blame:
         """Which joints make the dependency at the focus."""
         robot, task = self.here.robot, self.here.task
-        q, corank, few = self.focus, self._corank, robot.n <= LARGEST_CHAIN
-        if few:
-            circuits = circuits_at(robot, q, task)
+        q, corank = self.focus, self._corank
+        if robot.n <= LARGEST_CHAIN:
+            circuits = circuits_at(robot, q, task, most=MOST_LISTED)
         else:
             circuits = ()
         return Blame(
@@ -750,7 +750,7 @@ class Explanation(Result):
             ordered=ordered_subsets(robot, q, task),
             systems=systems_at(robot, q),
             always=always_singular_reason(robot, task),
-            complete=few,
+            complete=robot.n <= LARGEST_CHAIN and len(circuits) < MOST_LISTED,
             hunt=hunt(robot, q, task, self.here.tolerances) if corank else None,
         )
 

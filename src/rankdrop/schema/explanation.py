@@ -73,7 +73,7 @@ BLAME = table(
     ordered=many(ORDERED),
     systems=many(SYSTEMS),
     always=(str | None, "why the arm is deficient everywhere"),
-    complete=(bool, "false: too many joints to list circuits"),
+    complete=(bool, "false: only the first 1,000 circuits are listed, of more than 20 joints none"),
     hunt=(optional(HUNT | None), "Hunt's matrix of cofactors; null where nothing is lost"),
 )
 WAY = table(
@@ -133,7 +133,7 @@ _ASKED: dict[str, Any] = {
     "sigma": (many(num("1", ge=0)), "descending; translation divided by the length scale", attrgetter("rank.sigma")),
 }
 _WAYS: dict[str, Any] = {
-    "circuits": (many(some(Positive)), "every inclusion-minimal dependent set of joints",
+    "circuits": (many(some(Positive)), "inclusion-minimal dependent sets of joints; all where `blame.complete`",
         lambda explanation: [circuit.numbers for circuit in explanation.blame.circuits]),
     "blame": (BLAME, "which joints make the dependency"),
     "escape": (ESCAPE, "how to get out"),

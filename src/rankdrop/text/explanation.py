@@ -262,7 +262,7 @@ def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:
     lines += [system.words for system in blame.systems if system.permanent or full]
     if blame.always:
         lines.append(f"deficient at every configuration: {blame.always}")
-    if not blame.complete:
+    if not blame.complete and not blame.circuits:
         lines.append("the chain is too long to list dependent sets of joints")
     if lines:
         yield Section("Joints to blame", _dependencies(explanation) if blame.smallest else "", tuple(lines))
@@ -273,7 +273,11 @@ def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:
 def _blame_tables(blame: Blame) -> Iterator[Section]:
     """Every circuit, the singular runs of joints, and Hunt's cofactors."""
     if blame.circuits:
-        yield Section("Every circuit", "dependent sets of joints without a smaller one inside",
+        if blame.complete:
+            heading = "Every circuit"
+        else:
+            heading = f"The first {len(blame.circuits):,} circuits"
+        yield Section(heading, "dependent sets of joints without a smaller one inside",
                       **_table(blame.circuits, _CIRCUITS), texts=(0, 1, 2, 3))  # fmt: skip
     if blame.ordered:
         yield Section("Singular runs of joints", "as Gallardo-Alvarado and Rico-Martínez look for them",

@@ -28,7 +28,7 @@ def without(items: Iterable[From], left_out: Iterable[From]) -> list[From]:
         >>> without([first, second], [second]) == [first]
         True
     """
-    gone = {id(one) for one in left_out}
+    gone = {id(item) for item in left_out}
     return [item for item in items if id(item) not in gone]
 
 
@@ -36,12 +36,12 @@ def smallest_sets(sets: Iterable[frozenset[From]]) -> list[frozenset[From]]:
     """The sets that contain none of the others.
 
     Example:
-        >>> [sorted(one) for one in smallest_sets([frozenset("ab"), frozenset("a"), frozenset("c")])]
+        >>> [sorted(members) for members in smallest_sets([frozenset("ab"), frozenset("a"), frozenset("c")])]
         [['a'], ['c']]
     """
     every = list(sets)
     kept = []
-    for one in every:
-        if not any(other < one for other in every):
-            kept.append(one)
+    for members in every:
+        if not any(other < members for other in every):
+            kept.append(members)
     return kept

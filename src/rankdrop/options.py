@@ -135,7 +135,8 @@ def takes(record: type[Options]) -> Callable[[Verb], Verb]:
     """Let `help()` and completion show the fields of the record as keywords of a verb that takes `**given`."""
 
     def documented(verb: Verb) -> Verb:
-        own = [one for one in signature(verb).parameters.values() if one.kind is not Parameter.VAR_KEYWORD]
+        taken = signature(verb).parameters.values()
+        own = [parameter for parameter in taken if parameter.kind is not Parameter.VAR_KEYWORD]
         keywords = [
             Parameter(field.name, Parameter.KEYWORD_ONLY, default=field.default, annotation=field.type)
             for field in fields(record)  # type: ignore[arg-type]
@@ -166,7 +167,7 @@ def _defaults(record: type) -> dict[str, Any]:
 
 def meta_of(hint: Any) -> Meta | None:
     """The metadata of a field's type, `Annotated[…] | None` included."""
-    return next((one for one in parts_of(hint) if isinstance(one, Meta)), None)
+    return next((part for part in parts_of(hint) if isinstance(part, Meta)), None)
 
 
 def plain_type(hint: Any) -> Any:
@@ -174,7 +175,7 @@ def plain_type(hint: Any) -> Any:
     if get_origin(hint) is Annotated:
         return plain_type(get_args(hint)[0])
     if get_origin(hint) in (Union, UnionType):
-        return plain_type(next(one for one in get_args(hint) if one is not NoneType))
+        return plain_type(next(member for member in get_args(hint) if member is not NoneType))
     return hint
 
 

@@ -101,19 +101,19 @@ class AspectCount:
     @property
     def at_least(self) -> int:
         """Proven lower bound."""
-        return sum(one.parts.at_least for one in self.each)
+        return sum(vector.parts.at_least for vector in self.each)
 
     @property
     def at_most(self) -> int | None:
         """Upper bound, proven where `proven` says so; None where nothing was counted."""
         if self.left is not None:
             return None
-        return sum(one.parts.at_most for one in self.each)
+        return sum(vector.parts.at_most for vector in self.each)
 
     @property
     def proven(self) -> bool:
         """Whether the upper bound is proven too."""
-        return self.left is None and all(one.parts.proven for one in self.each)
+        return self.left is None and all(vector.parts.proven for vector in self.each)
 
     @property
     def exact(self) -> bool:
@@ -123,7 +123,7 @@ class AspectCount:
     @property
     def signs_decide(self) -> bool:
         """Whether two configurations lie in one aspect if and only if all factors have equal signs: proven."""
-        return self.exact and all(one.parts.at_most <= 1 for one in self.each)
+        return self.exact and all(vector.parts.at_most <= 1 for vector in self.each)
 
 
 def walls_of(chain: Chain, work: Work) -> Signs | None:

@@ -79,15 +79,15 @@ def aspect_maps(count: AspectCount, signs: Signs | None) -> tuple[AspectMap, ...
         >>> from rankdrop.robot.open import open_robot
         >>> from rankdrop.task import resolve_task
         >>> arm = open_robot("ur5e")
-        >>> [(one.joints, len(one.regions)) for one in aspect_maps(*count_of_arm(arm, resolve_task(None, arm)))]
+        >>> [(chart.joints, len(chart.regions)) for chart in aspect_maps(*count_of_arm(arm, resolve_task(None, arm)))]
         [((2, 3, 4), 4), ((5,), 2)]
     """
     signs = _drawable(count, signs)
     ring, polynomials = signs.chain.ring, [polynomial_of(factor) for factor in signs.factors]
-    joints = {i: joints_of(ring, one) for i, one in enumerate(polynomials)}
+    joints = {i: joints_of(ring, polynomial) for i, polynomial in enumerate(polynomials)}
     if any(own & set(ring.prismatic) for own in joints.values()):
         raise OptionError("a condition depends on a slide: aspects are drawn in angles", where="aspects")
-    waves = [wave_of_factor(ring, signs.chain.numbers, [one])[0] for one in polynomials]
+    waves = [wave_of_factor(ring, signs.chain.numbers, [polynomial])[0] for polynomial in polynomials]
     groups, shifts = sharing(joints), np.asarray(signs.chain.shifts, dtype=np.float64)
     maps = []
     for group in groups:
@@ -156,7 +156,7 @@ def _positive(
     axes = [*((np.array(slices),) if slices else ()), *[middles] * len(across)]
     order = [*drawn[2:], *across]
     grid = np.meshgrid(*axes, indexing="ij")
-    values = dict(zip(order, (one.ravel() for one in grid), strict=True))
+    values = dict(zip(order, (axis.ravel() for axis in grid), strict=True))
     values |= {joint: np.full(grid[0].size, value) for joint, value in held}
     angles = {joint: value + shifts[joint - 1] for joint, value in values.items()}
     return np.asarray(wave.jets(angles)[0].reshape(grid[0].shape) > 0)
@@ -169,4 +169,4 @@ def _parts(count: AspectCount, group: tuple[int, ...], signs: tuple[int, ...], *
     """
     if not whole:
         return int(count.signs_decide)
-    return next(one.parts.at_least for one in count.each if tuple(one.signs[i] for i in group) == signs)
+    return next(vector.parts.at_least for vector in count.each if tuple(vector.signs[i] for i in group) == signs)

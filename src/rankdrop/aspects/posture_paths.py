@@ -164,7 +164,7 @@ class Postures(Result):
         """
         if not self.count.signs_decide or self.options.limits:  # the number is of joints that turn as they like
             return None
-        return next((one for one in self.solved if len(set(one.flags)) < len(one.flags)), None)
+        return next((sample for sample in self.solved if len(set(sample.flags)) < len(sample.flags)), None)
 
     @property
     def sentence(self) -> str:

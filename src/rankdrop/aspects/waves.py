@@ -130,8 +130,8 @@ def wave_of(ring: Ring, p: Polynomial, numbers: Mapping[str, float], unit: float
         total += abs(number)  # the amplitudes of sin^a θ cos^b θ have a sum of sizes of 1 at most
         parts: dict[tuple[int, ...], complex] = {(): complex(number)}
         for joint in present:
-            one = _single(powers[names.index(f"s{joint}")], powers[names.index(f"c{joint}")])
-            parts = {(*k, m): value * c for k, value in parts.items() for m, c in one.items()}
+            power = _single(powers[names.index(f"s{joint}")], powers[names.index(f"c{joint}")])
+            parts = {(*k, m): value * c for k, value in parts.items() for m, c in power.items()}
         for k, value in parts.items():
             sums[k] = sums.get(k, 0j) + value
     frequencies = np.array(list(sums), dtype=float).reshape(len(sums), len(present))

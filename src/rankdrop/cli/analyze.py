@@ -237,7 +237,7 @@ def _rows(
     roomy, tight = _family_table(robot, shown, gap=1), _family_table(robot, shown, gap=0)
     boundless = console.options.update(max_width=_BOUNDLESS)
     wide = lost and console.width - Measurement.get(console, boundless, roomy).maximum > _LOST_COLUMN
-    fitting = [one for one in (roomy, tight) if Measurement.get(console, boundless, one).minimum <= console.width]
+    fitting = [table for table in (roomy, tight) if Measurement.get(console, boundless, table).minimum <= console.width]
     if wide:
         yield _family_table(robot, shown, gap=1, lost=True)
     else:
@@ -261,11 +261,11 @@ def _grid(*sides: Literal["left", "right"], fixed: int) -> Table:
 def _family_table(robot: Robot, shown: Mapping[int, Family], *, gap: int, lost: bool = False) -> Table:
     rows = tuple(shown.values())
     table = Table(box=box.SIMPLE_HEAD, padding=(0, gap, 0, 0), pad_edge=False, show_edge=False)
-    every = [one for one in text.columns(robot, rows[0].corank) if lost or one.key != "lost"]
-    for one in every:
-        _add_column(table, one, rows)
+    every = [column for column in text.columns(robot, rows[0].corank) if lost or column.key != "lost"]
+    for column in every:
+        _add_column(table, column, rows)
     for index, row in shown.items():
-        table.add_row(*(str(index) if one.key == "id" else _cell(one, row) for one in every))
+        table.add_row(*(str(index) if column.key == "id" else _cell(column, row) for column in every))
     return table
 
 
@@ -290,10 +290,11 @@ def _cell(column: text.Column, row: Family) -> Text:
 def _family_list(robot: Robot, shown: Mapping[int, Family]) -> Table:
     grid = _grid("right", "left", fixed=1)
     for index, row in shown.items():
-        cells = {one.key: one for one in text.columns(robot, row.corank)}
+        cells = {column.key: column for column in text.columns(robot, row.corank)}
         line = Text.assemble(_cell(cells["name"], row), f": {text.asked(robot, row)}")
-        for number, one in enumerate(one for one in cells.values() if one.holds == text.NUMBER and one.key != "id"):
-            line.append(f"{', ' if number else '; '}{one.title} ").append_text(_cell(one, row))
+        numbers = [column for column in cells.values() if column.holds == text.NUMBER and column.key != "id"]
+        for number, column in enumerate(numbers):
+            line.append(f"{', ' if number else '; '}{column.title} ").append_text(_cell(column, row))
         grid.add_row(str(index), line)
     return grid
 

@@ -207,7 +207,7 @@ def jacobian(
         sections = found.sections()
         if options.full:
             return sections
-        return fitted(sections, cut=[one for one in sections if len(one.lines) > _FEW])
+        return fitted(sections, cut=[section for section in sections if len(section.lines) > _FEW])
 
     return Done(blocks, {"latex": found.latex, "json": found.to_dict}, holds=found.holds and not missing)
 

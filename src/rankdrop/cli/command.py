@@ -91,12 +91,12 @@ def command(function: Callable[..., Done | int]) -> Callable[..., int]:
     def run(*words: Any, **options: Any) -> int:
         bound = typed.bind(*words, **options)
         bound.apply_defaults()
-        records = [one for one in bound.arguments.values() if isinstance(one, Options)]
+        records = [record for record in bound.arguments.values() if isinstance(record, Options)]
         targets = list(chain.from_iterable(map(_targets_of, records)))
         check_targets({option: file for _, option, file, _ in targets},
                       {option: endings for _, option, _, endings in targets})  # fmt: skip
         if "report" in parameters:
-            with reporter(quiet=any(getattr(one, "quiet", False) for one in records)) as report:
+            with reporter(quiet=any(getattr(record, "quiet", False) for record in records)) as report:
                 done = function(*bound.args, **bound.kwargs, report=report)
         else:
             done = function(*bound.args, **bound.kwargs)
@@ -192,7 +192,7 @@ def derived(record: type[Options]) -> type[Options]:
     """
     every = hints(record)  # type: ignore[arg-type]  # a class is hashable
     declared = fields(record)  # type: ignore[arg-type]  # records of options are dataclasses
-    kept = {one.name: one.default for one in declared if one.default is not MISSING}
+    kept = {option.name: option.default for option in declared if option.default is not MISSING}
     own = {name: Annotated[_typed(hint), _parameter(hint, kept.get(name, MISSING))] for name, hint in every.items()}
 
     def make(_: type, **given: Any) -> Options:

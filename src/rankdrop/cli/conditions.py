@@ -66,7 +66,7 @@ class Question(Output):
     c: Annotated[str | None, option("Write the families as a C header", writes=())] = None
 
     def __bool__(self) -> bool:
-        return any(one is not None for one in (self.test, self.flags, self.start, self.end))
+        return any(option is not None for option in (self.test, self.flags, self.start, self.end))
 
     def check(self, robot: arms.Robot, chain: exact.Chain) -> None:
         """Refuse bad input before the derivation.
@@ -214,7 +214,8 @@ def _brief(
         cut = [left, *cut]
     notes = [text.assumed_line(found), text.more_line(None if found.anew else found.seconds)]
     blocks.append([note for note in notes if note])
-    return fitted(blocks, optional=[] if lost is None else [lost], cut=[one for one in cut if one.rows or one.lines])
+    long = [section for section in cut if section.rows or section.lines]
+    return fitted(blocks, optional=[] if lost is None else [lost], cut=long)
 
 
 def _tested(conditions: results.Conditions, condition: str) -> tuple[Section, results.Record | None, str]:

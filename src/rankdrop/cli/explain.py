@@ -204,7 +204,7 @@ def _sections(
         if output.full:
             return found.sections(parts=("summary", "nearest", "numbers"), full=True)
         short = found.sections(parts=("summary", "nearest"))
-        return fitted(short, cut=[one for one in short if one.rows])
+        return fitted(short, cut=[section for section in short if section.rows])
     if output.only == "escape":
         rest = ("lost", "blame", "numbers") if output.full else ("lost", "more")
         return found.sections(parts=("summary", "escape", *rest), full=output.full)
@@ -234,6 +234,6 @@ def _record(
 def _code(found: results.Explanation, only: str | None) -> int:
     if only is None:
         return EXIT[found.verdict]
-    out = any(one.order is not None for one in found.escape.single) or found.escape.best_direction.restores
+    out = any(way.order is not None for way in found.escape.single) or found.escape.best_direction.restores
     fine = not found.rank.corank or out if only == "escape" else found.far.nearest is not None or found.rank.corank
     return exits.FINE if fine else exits.UNEXPLAINED

@@ -507,10 +507,10 @@ def _given_start(check: paths.PathCheck) -> bool:
 
 
 def _of_several(model: Any, checked: list[dict[str, Any]], files: int, out: str | None) -> Done:
-    for one in checked:
-        for line in one["said"]:
+    for record in checked:
+        for line in record["said"]:
             say(line)
-    verdicts, complete = {one["verdict"] for one in checked}, len(checked) == files
+    verdicts, complete = {record["verdict"] for record in checked}, len(checked) == files
     note = f"interrupted: {len(checked)} of {files} files were checked; {kept(out)}"
     return Done(
         lambda: [text.many_section(checked)], {"json": lambda: paths.paths_to_dict(model, checked)},

@@ -225,16 +225,16 @@ def fitted(blocks: Sequence[Block], optional: Sequence[Section] = (), cut: Seque
             left out are counted below the others.
     """
     console = screen()
-    kept: list[Block] = [one if isinstance(one, Section) else list(one) for one in blocks]
+    kept: list[Block] = [block if isinstance(block, Section) else list(block) for block in blocks]
 
     def lines() -> int:
-        return sum(_height(console, one) for one in kept) + len(kept) - 1
+        return sum(_height(console, block) for block in kept) + len(kept) - 1
 
     for section in reversed(optional):
         if lines() > BRIEF:
-            kept = [one for one in kept if one is not section]
+            kept = [block for block in kept if block is not section]
     for section in reversed(cut):
-        place = next(i for i, one in enumerate(kept) if one is section)
+        place = next(i for i, block in enumerate(kept) if block is section)
         most = len(section.rows or section.lines)
         if lines() <= BRIEF:
             break

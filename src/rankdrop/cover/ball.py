@@ -89,7 +89,7 @@ class Certificate:
 @once
 def _views(robot: Robot, task: Task) -> tuple[tuple[_core.View, _core.EnclosureSettings], ...]:
     """What the core gets of each setting."""
-    return tuple((one.view(robot), one.told(LARGEST)) for one in settings_for(robot, task))
+    return tuple((setting.view(robot), setting.told(LARGEST)) for setting in settings_for(robot, task))
 
 
 def certified_radius(

@@ -225,7 +225,7 @@ class FamilyBoxes:
 
     def _coupled(self, family: Family, cells: Cells, rows: Rows, q: Array, radius: Array) -> Flags:
         """The same, pinned joints at one value each; once for all leaves that differ in other joints only."""
-        pinned = {one.number for one in family.pinned}
+        pinned = {pin.number for pin in family.pinned}
         joints = pinned.union(*(equation.joints for equation in family.equations))
         columns = [column for column, j in enumerate(self.place.tolist()) if j + 1 in joints]
         told = keys(cells[rows][:, columns], [self.cells[at] for at in columns])
@@ -281,7 +281,7 @@ def keys(cells: Cells, counts: Sequence[int]) -> NDArray[np.int64]:
         >>> keys(np.array([[1, 2], [3, 0]]), [4, 4]).tolist()
         [[6], [12]]
     """
-    if sum(one.bit_length() for one in counts) < 63:
+    if sum(count.bit_length() for count in counts) < 63:
         count = len(counts)
     else:
         count = len(counts) // 2

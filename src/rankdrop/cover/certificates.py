@@ -320,7 +320,8 @@ def _with_tolerance(
 ) -> tuple[Setting, float]:
     """The setting and the radius: every setting is tried with a fortieth of the budget, the best with all."""
     settings = settings_for_near_arms(robot, task)
-    tried = [free_radius(_Test(robot, one, task.rows, q, tolerance), at_most, evaluations // 40) for one in settings]
+    tests = [_Test(robot, setting, task.rows, q, tolerance) for setting in settings]
+    tried = [free_radius(test, at_most, evaluations // 40) for test in tests]
     best = settings[int(np.argmax(tried))]
     return best, free_radius(_Test(robot, best, task.rows, q, tolerance), at_most, evaluations)
 

@@ -237,7 +237,7 @@ def put_together(plan: Plan, batches: Mapping[int, Batch], stopped: str = "", ne
     for chunk in batches:
         finished[chunk * size : (chunk + 1) * size] = True
     ordered = [batches[chunk] for chunk in sorted(batches)]
-    tested, freed = sum(int(one[2]) for one in ordered), sum(int(one[3]) for one in ordered)
+    tested, freed = sum(int(batch[2]) for batch in ordered), sum(int(batch[3]) for batch in ordered)
     return Covering(plan, _join_trees(shape, finished, ordered), tested, freed, stopped, needed)
 
 
@@ -253,7 +253,7 @@ def _join_trees(shape: Shape, finished: NDArray[np.bool_], batches: list[Batch])
             pieces[part].append(masks[which == part])
         filled.append(sizes[:, 0] > 0)
     roots[finished] = np.concatenate(filled)
-    levels = [np.concatenate(one).astype(shape.kind) for one in pieces]
+    levels = [np.concatenate(masks).astype(shape.kind) for masks in pieces]
     return BitTree(shape, finished, roots, tuple(levels[:-1]), levels[-1])
 
 
@@ -477,13 +477,13 @@ def enclosed_trees(
     left = roots.masks != 0
     levels[0] = _Level(roots.masks[left], roots.tree[left])
 
-    sizes = np.stack([np.bincount(one.tree, minlength=len(numbers)) for one in levels], axis=1)
+    sizes = np.stack([np.bincount(level.tree, minlength=len(numbers)) for level in levels], axis=1)
     ends = np.cumsum(sizes, axis=0)
     ordered = []
     for tree in range(len(numbers)):
-        for part, one in enumerate(levels):
+        for part, level in enumerate(levels):
             until = ends[tree, part]
-            ordered.append(one.masks[until - sizes[tree, part] : until])
+            ordered.append(level.masks[until - sizes[tree, part] : until])
     return np.concatenate([np.zeros(0, shape.kind), *ordered]), sizes.astype(np.int32), halving.tested, 0
 
 
@@ -544,7 +544,7 @@ class _Halving:
 
 
 def _joined(pieces: tuple[_Level, ...]) -> _Level:
-    return _Level(np.concatenate([one.masks for one in pieces]), np.concatenate([one.tree for one in pieces]))
+    return _Level(np.concatenate([level.masks for level in pieces]), np.concatenate([level.tree for level in pieces]))
 
 
 def closer(

@@ -373,7 +373,7 @@ def viewed(robot: Robot, task: Task, corank: int = 1) -> Setting:
     Raises:
         OptionError: the arm or the task cannot be certified.
     """
-    settings = [replace(one, rank=one.rank - corank + 1) for one in settings_for(robot, task)]
+    settings = [replace(setting, rank=setting.rank - corank + 1) for setting in settings_for(robot, task)]
     q = sample(robot, task, _TRIED, seed=7)
     sizes = [float(np.median(enclose(robot, setting, q)[1])) for setting in settings]
     return settings[int(np.argmax(sizes))]

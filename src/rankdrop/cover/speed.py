@@ -140,10 +140,10 @@ class SpeedRegion:
             searches.append(beyond)
             if kept is not None:
                 kept = max(kept, beyond.kept)
-        slowest = max(searches, key=lambda one: one.slower or 0.0)
+        slowest = max(searches, key=lambda search: search.slower or 0.0)
         return SpeedDistance(
             family, number, self.robot.variables[j].name, values[nearest], near.end, kept, slowest.slower,
-            slowest.speed, sum(one.boxes for one in searches), any(one.spent for one in searches),
+            slowest.speed, sum(search.boxes for search in searches), any(search.spent for search in searches),
         )  # fmt: skip
 
     def distance_from(self, family: Family) -> SpeedDistance | None:

@@ -92,8 +92,8 @@ def with_lengths_of(robot: Robot, task: Task, nominal: Conditions | None) -> tup
     same = set(chain.letters) == set(first.letters) and np.array_equal(chain.shifts, first.shifts)
     if not same or [list(map(str, x)) for x in chain.columns] != [list(map(str, x)) for x in first.columns]:
         return None
-    own = [derived_in_units(one, robot, chain.numbers) for one in nominal.families]
-    return tuple(replace(one, exact=None) for one in own)  # what else is known exactly is of the nominal arm
+    own = [derived_in_units(family, robot, chain.numbers) for family in nominal.families]
+    return tuple(replace(family, exact=None) for family in own)  # what else is known exactly is of the nominal arm
 
 
 def families_of(
@@ -120,10 +120,10 @@ def families_of(
     while len(coranks) < rank and (not coranks or coranks[-1].summary.converged):
         coranks.append(_settled(sampling, len(coranks) + 1, known))
     rows: list[Family] = []
-    for one in coranks:
-        rows += [family_out_of_units(family, robot) for family in one.families]
+    for corank_rows in coranks:
+        rows += [family_out_of_units(family, robot) for family in corank_rows.families]
     settings = Settings(seed, starts, limits, float(task.scale(robot)), DEFAULT, VERSION)
-    return Analysis(robot, task, rank, settings, tuple(one.summary for one in coranks), tuple(rows))
+    return Analysis(robot, task, rank, settings, tuple(corank_rows.summary for corank_rows in coranks), tuple(rows))
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,7 @@ def _settled(sampling: _Sampling, corank: int, known: Sequence[Family] | None) -
     """Families of one corank: with the nominal conditions, or fitted where these leave something open."""
     tries: list[tuple[int, Sequence[Family] | None]] = [(1, None)]
     if known is not None:
-        here = [one for one in known if one.corank == corank]
+        here = [family for family in known if family.corank == corank]
         tries = [(1, here), (MORE[0], here)]
     for times, given in [*tries, *((times, None) for times in MORE)]:
         found = _sampled(sampling, corank, times, given)
@@ -167,7 +167,7 @@ def _sampled(sampling: _Sampling, corank: int, times: int, given: Sequence[Famil
         raise KeyboardInterrupt  # the core received Ctrl-C
     found = families(cloud, known=given, seed=seed, threads=1, fresh=sampling.fresh, near_misses=False)
     unreal = {family.id for family, _ in found.contradictions}
-    return replace(found, families=tuple(one for one in found.families if one.id not in unreal))
+    return replace(found, families=tuple(family for family in found.families if family.id not in unreal))
 
 
 def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:
@@ -226,7 +226,7 @@ def measured(
 def _families(_: Problem, known: Analysis, _asked: Any, _seed: int) -> Measured:
     return {
         "verdict": known.verdict.word, "sentence": known.verdict.sentence, "rank": known.generic_rank,
-        "families": [_family(one, known.robot, known.task) for one in known.families],
+        "families": [_family(family, known.robot, known.task) for family in known.families],
     }, {"families": len(known.families)}  # fmt: skip
 
 
@@ -265,7 +265,7 @@ def _aspects(problem: Problem, _: Any, _asked: Any, _seed: int) -> Measured:
 
 def _near(problem: Problem, known: Analysis, asked: Mapping[str, Any], seed: int) -> Measured:
     near = near_shares(known.families, problem, asked["within"], samples=asked["samples"], seed=seed)
-    entry = {"any": encode(NEAR_SHARE, near.any), "families": [encode(NEAR_SHARE, one) for one in near.families],
+    entry = {"any": encode(NEAR_SHARE, near.any), "families": [encode(NEAR_SHARE, share) for share in near.families],
              "samples": near.samples, "hits": bits_to_text(near.hits)}  # fmt: skip
     return {"near": entry}, {"near": near.any.share}
 
@@ -344,8 +344,8 @@ def _path(known: Analysis, name: str, given: Mapping[str, Any], *, limits: bool)
                              limits=limits, analysis=known)  # fmt: skip
     except RankdropError as error:  # the first pose is out of reach, say
         return {"name": name, "verdict": "not reached", "sigma": None, "distance": None, "q": None, "why": error.what}
-    least = min(judged.stretches, key=lambda one: one.closest.sigma)
-    near = min(one.closest.distance for one in judged.stretches)
+    least = min(judged.stretches, key=lambda stretch: stretch.closest.sigma)
+    near = min(stretch.closest.distance for stretch in judged.stretches)
     whole = judged.tool is None or judged.tool.complete
     return {
         "name": name,
@@ -378,7 +378,7 @@ def variants(plan: Record, chunk: int) -> bytes:
     The families of the nominal arm are derived once in each process.
     """
     drawing, task = Drawing(**plan["drawing"]), restored(Task, plan["task"])
-    places = [[Place(*one) for one in parameter] for parameter in plan["places"]]
+    places = [[Place(*place) for place in parameter] for parameter in plan["places"]]
     searched = any(plan["asks"][ask] is not None for ask in NEED_FAMILIES)
     if searched:
         nominal = _nominal(json.dumps([plan["drawing"], plan["task"]]))

@@ -59,12 +59,13 @@ class Designs(Result):
     @cached_property
     def failed(self) -> tuple[int, ...]:
         """Numbers of the variants with an error, from 0."""
-        return tuple(int(one["number"]) for one in self.records if one["error"] is not None)
+        return tuple(int(record["number"]) for record in self.records if record["error"] is not None)
 
     @cached_property
     def unverified(self) -> tuple[int, ...]:
         """Numbers of the variants whose families were asked for and do not hold, from 0."""
-        return tuple(int(one["number"]) for one in self.records if one.get("verdict", "verified") != "verified")
+        doubted = (record for record in self.records if record.get("verdict", "verified") != "verified")
+        return tuple(int(record["number"]) for record in doubted)
 
     @property
     def holds(self) -> bool:
@@ -79,7 +80,8 @@ class Designs(Result):
     @cached_property
     def changes(self) -> list[Change]:
         """What differs between neighbours."""
-        return changes(self.records, [one.name for one in self.parameters], neighbours(self.spec, self.records))
+        names = [parameter.name for parameter in self.parameters]
+        return changes(self.records, names, neighbours(self.spec, self.records))
 
     @cached_property
     def ranking(self) -> Ranking:
@@ -99,7 +101,7 @@ class Designs(Result):
         """
         if measure not in self.measures:
             raise OptionError("there is no such measure", got=measure, allowed=", ".join(self.measures))
-        return [one["measures"].get(measure) for one in self.records]
+        return [record["measures"].get(measure) for record in self.records]
 
     @property
     def sentence(self) -> str:
@@ -168,13 +170,13 @@ class SideBySide(Result):
 
     def best(self, measure: str) -> tuple[int, ...]:
         """The arms, from 0, that are best by one measure; those within the error of the best are too."""
-        records = [{**one, "error": None} for one in self.records]
+        records = [{**record, "error": None} for record in self.records]
         return tuple(rank(records, {measure: GOALS[measure]}).best)
 
     @property
     def doubtful(self) -> tuple[str, ...]:
         """The arms that could not be measured as a whole, or have families that are not verified."""
-        return tuple(name for name, one in zip(self.names, self.records, strict=True) if in_doubt(one))
+        return tuple(name for name, record in zip(self.names, self.records, strict=True) if in_doubt(record))
 
     def distinguished(self, measure: str) -> tuple[int, ...]:
         """The arms, from 0, that are best by a measure of which less or more is better; () where none stands out."""

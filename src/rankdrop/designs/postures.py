@@ -130,7 +130,7 @@ def slow_poses(
         None without rate limits, or for a task without translations.
     """
     q, sigma = Postures(problem, oriented=oriented).sought(targets, starts, seed)
-    kinds = [one for one in slowest_motions(problem.robot, q, problem.task) if one.unit == "m/s"]
+    kinds = [motion for motion in slowest_motions(problem.robot, q, problem.task) if motion.unit == "m/s"]
     if not kinds:
         return None
     there = np.isfinite(sigma)

@@ -221,7 +221,7 @@ def neighbours(spec: Spec, records: Sequence[Mapping[str, Any]]) -> list[tuple[i
     """
     count = len(records)
     if spec.kind == "grid":
-        grid = [len(one.values) for one in spec.parameters]
+        grid = [len(parameter.values) for parameter in spec.parameters]
         index = np.arange(count).reshape(grid)
         found = []
         for axis in range(len(grid)):
@@ -229,7 +229,7 @@ def neighbours(spec: Spec, records: Sequence[Mapping[str, Any]]) -> list[tuple[i
             after = np.take(index, range(1, grid[axis]), axis).reshape(-1)
             found += [(int(a), int(b)) for a, b in zip(before, after, strict=True)]
         return sorted(found)
-    unit = spec.in_unit_box(np.array([one["values"] for one in records]))
+    unit = spec.in_unit_box(np.array([record["values"] for record in records]))
     pairs = set()
     for i in range(count):
         away = np.linalg.norm(unit - unit[i], axis=1)
@@ -317,7 +317,7 @@ def rank(records: Sequence[Record], goals: Mapping[str, str]) -> Ranking:
         records: of the variants. One with an error, or without one of the measures, is not ranked.
         goals: measure -> "less" or "more".
     """
-    numbers = [number for number, one in enumerate(records) if goals and _is_complete(one, goals)]
+    numbers = [number for number, record in enumerate(records) if goals and _is_complete(record, goals)]
     compared = _Compared([records[number] for number in numbers], goals)
     every = np.arange(len(numbers))
     kept = np.concatenate([every[:0], *(rows[~compared.dominated(rows, every)] for rows in _blocks(every))])
@@ -334,12 +334,12 @@ class _Compared:
 
     def __init__(self, records: Sequence[Record], goals: Mapping[str, str]) -> None:
         self.records, self.goals = records, goals
-        self.spreads = {name: _stacked([deviations(one, name) for one in records]) for name in goals}
+        self.spreads = {name: _stacked([deviations(record, name) for record in records]) for name in goals}
         self.beyond = threshold(len(records), sum(bool(spread.shape[1]) for spread in self.spreads.values()))
 
     def better(self, name: str, rows: Rows, columns: Rows) -> NDArray[np.bool_]:
         """(R, C) whether each of `rows` is better than each of `columns` by more than the error."""
-        lower, upper = np.array([proven_bounds(one, name) for one in self.records]).T
+        lower, upper = np.array([proven_bounds(record, name) for record in self.records]).T
         if self.goals[name] == "less":
             low, high = (lower, upper)
         else:

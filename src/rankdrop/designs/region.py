@@ -184,22 +184,22 @@ class _Proof:
                 break
             best[i] = self.sought_again(_Worst(float(sigma[i]), places[i], q[i]))
             sigma[i] = best[i].sigma
-        least = min(best.values(), key=lambda one: one.sigma, default=None)
+        least = min(best.values(), key=lambda posture: posture.sigma, default=None)
         if least is not None and least.sigma < below:
             return least
         return None
 
-    def sought_again(self, one: _Worst) -> _Worst:
+    def sought_again(self, posture: _Worst) -> _Worst:
         """The best posture at a pose, by more starts."""
-        goal = poses_at(one.at[None], self.rpy)
+        goal = poses_at(posture.at[None], self.rpy)
         q, sigma = self.postures.sought(goal, _THOROUGH * self.starts, int(self.rng.integers(2**31)))
-        q = np.concatenate([q, one.q[None, None]], axis=1)
-        sigma = np.concatenate([sigma, [[one.sigma]]], axis=1)
+        q = np.concatenate([q, posture.q[None, None]], axis=1)
+        sigma = np.concatenate([sigma, [[posture.sigma]]], axis=1)
         q, sigma = _different(self.robot, q, sigma)
         for _ in range(2):
             q, sigma = self.postures.climbed(goal, q, sigma, self.rng)
         best = int(sigma[0].argmax())
-        return one._replace(sigma=float(sigma[0, best]), q=q[0, best])
+        return posture._replace(sigma=float(sigma[0, best]), q=q[0, best])
 
     def postures_at(self, places: Array, known: Array | None, depth: NDArray[np.intp]) -> tuple[Array, Array]:
         """(P, K, n) different postures at the poses, and (P, K) their σ, the largest first; −inf: there are no more.
@@ -420,7 +420,7 @@ class _Proof:
         parts = [(place[:, rows] / length, slope, np.repeat(bend[:, None], len(rows), 1))]
         for value, vector in self._directions(turned, goal[:3, :3]):
             parts.append((value, np.cross(omega, vector[:, None, :]).swapaxes(1, 2), np.repeat(angle[:, None], 3, 1)))
-        error, slope, rest = (np.concatenate(one, axis=1) for one in zip(*parts, strict=True))
+        error, slope, rest = (np.concatenate(parts_of_kind, axis=1) for parts_of_kind in zip(*parts, strict=True))
         return error, slope, rest * _OUTWARDS + _ROUNDING
 
     def _directions(self, here: Array, goal: Array) -> list[tuple[Array, Array]]:

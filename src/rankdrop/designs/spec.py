@@ -142,7 +142,9 @@ class Spec:
     @property
     def box(self) -> tuple[Array, Array]:
         """Lower and upper corner (p,) of the ranges of the parameters [m, rad]."""
-        return np.array([one.lower for one in self.parameters]), np.array([one.upper for one in self.parameters])
+        lower = np.array([parameter.lower for parameter in self.parameters])
+        upper = np.array([parameter.upper for parameter in self.parameters])
+        return lower, upper
 
     def in_unit_box(self, values: Array) -> Array:
         """(V, p) values as shares of their ranges, 0 … 1."""
@@ -314,7 +316,7 @@ def _three(value: Any, where: str, measure: str, allowed: str) -> list[float] | 
         isinstance(value, list) and len(value) == 3,
         OptionError(f"{_key(where)} is three numbers", where=where, got=repr(value), allowed=allowed),
     )
-    return [quantity(one, measure, where=where) for one in value]
+    return [quantity(entry, measure, where=where) for entry in value]
 
 
 def _files(value: Any, where: str) -> list[str]:
@@ -326,7 +328,7 @@ def _files(value: Any, where: str) -> list[str]:
 
 
 def _are_texts(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and all(isinstance(one, str) and one for one in value)
+    return isinstance(value, list) and bool(value) and all(isinstance(entry, str) and entry for entry in value)
 
 
 def _any(value: Any, where: str) -> Any:
@@ -418,14 +420,14 @@ def _parameters(table: Mapping[str, Any], drawing: Drawing) -> tuple[Parameter, 
     )
     parameters = tuple(_parameter(drawing, entry, f"parameters.{name}") for name, entry in table.items())
     taken: dict[tuple[str, str], str] = {}
-    for one in parameters:
-        for place in one.places:
-            other = taken.setdefault((place.part, place.key), one.name)
+    for parameter in parameters:
+        for place in parameter.places:
+            other = taken.setdefault((place.part, place.key), parameter.name)
             _require(
-                other == one.name,
+                other == parameter.name,
                 OptionError(
                     "two parameters set the same number",
-                    where=f"parameters.{one.name}",
+                    where=f"parameters.{parameter.name}",
                     got=f"{place.part}.{place.key}",
                     mend=f"leave it to {other}",
                 ),
@@ -492,7 +494,7 @@ def _values(given: Any, measure: str, where: str) -> tuple[float, ...]:
         isinstance(given, list) and len(given) > 0,
         OptionError("values is a list", where=where, got=repr(given), allowed="values = [0.3, 0.4]"),
     )
-    values = tuple(quantity(one, measure, where=where) for one in given)
+    values = tuple(quantity(entry, measure, where=where) for entry in given)
     _require(len(set(values)) == len(values), OptionError("a value is given twice", where=where, got=repr(given)))
     return values
 
@@ -519,21 +521,21 @@ def _sample(
     if kind == "list":
         rows = _variants(listed, parameters)
         return kind, len(rows), rows
-    for one in parameters:
-        where = f"parameters.{one.name}"
+    for parameter in parameters:
+        where = f"parameters.{parameter.name}"
         _require(
-            kind != "grid" or one.values != (),
+            kind != "grid" or parameter.values != (),
             OptionError("a grid needs the values", where=where, allowed="steps, or values"),
         )
         _require(
-            kind == "grid" or one.values == (),
+            kind == "grid" or parameter.values == (),
             OptionError(
                 f"a {kind} sample draws from a range", where=where, allowed="lower and upper, without steps or values"
             ),
         )
     if kind != "grid":
         return kind, _whole_number(table["variants"], "sample.variants", 1, MOST_VARIANTS), ()
-    count = prod(len(one.values) for one in parameters)
+    count = prod(len(parameter.values) for parameter in parameters)
     _require(
         count <= MOST_VARIANTS,
         OptionError("the grid has too many variants", where="parameters", got=count, allowed=MOST_VARIANTS),
@@ -542,7 +544,7 @@ def _sample(
 
 
 def _variants(listed: Any, parameters: tuple[Parameter, ...]) -> tuple[tuple[float, ...], ...]:
-    names = [one.name for one in parameters]
+    names = [parameter.name for parameter in parameters]
     _require(
         isinstance(listed, list) and 1 <= len(listed) <= MOST_VARIANTS,
         OptionError("variants is a list of tables", where="variants", allowed="[[variants]], one or more"),
@@ -558,9 +560,14 @@ def _variants(listed: Any, parameters: tuple[Parameter, ...]) -> tuple[tuple[flo
                 "a variant gives every parameter", where=f"variants[{index}]", got=got, allowed=", ".join(names)
             ),
         )
+    return tuple(_variant(entry, parameters, f"variants[{index}]") for index, entry in enumerate(listed))
+
+
+def _variant(entry: Mapping[str, Any], parameters: tuple[Parameter, ...], where: str) -> tuple[float, ...]:
+    """The values of one variant, in the order of the parameters."""
     return tuple(
-        tuple(quantity(entry[one.name], one.measure, where=f"variants[{index}].{one.name}") for one in parameters)
-        for index, entry in enumerate(listed)
+        quantity(entry[parameter.name], parameter.measure, where=f"{where}.{parameter.name}")
+        for parameter in parameters
     )
 
 

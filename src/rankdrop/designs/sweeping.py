@@ -93,7 +93,7 @@ def sweep(
         report=lambda done, total: tell("variants", min(done * SIZE, len(values)), len(values)),
     )  # fmt: skip
     records = sorted(
-        (json.loads(line) for _, content in made for line in content.splitlines()), key=lambda one: one["number"]
+        (json.loads(line) for _, content in made for line in content.splitlines()), key=lambda record: record["number"]
     )
     asked = read.asks.families
     if asked is not None and asked["exact"]:
@@ -197,7 +197,7 @@ def variants_of(spec: Spec) -> Array:
     if spec.kind == "list":
         return np.array(spec.listed, dtype=np.float64)
     if spec.kind == "grid":
-        axes = np.meshgrid(*(one.values for one in spec.parameters), indexing="ij")
+        axes = np.meshgrid(*(parameter.values for parameter in spec.parameters), indexing="ij")
         return np.stack([axis.reshape(-1) for axis in axes], axis=1)
     try:
         from scipy.stats import qmc
@@ -217,7 +217,7 @@ def order_of(spec: Spec, values: Array) -> list[int]:
     if spec.kind == "list":
         return list(range(len(values)))
     if spec.kind == "grid":
-        return _order_boustrophedon([len(one.values) for one in spec.parameters])
+        return _order_boustrophedon([len(parameter.values) for parameter in spec.parameters])
     unit = spec.in_unit_box(values)
     strips = max(1, round(sqrt(len(values) / 4)))
     strip = np.minimum((unit[:, 0] * strips).astype(int), strips - 1)
@@ -276,7 +276,7 @@ def compare(
     """
     head, asks = question_of(spec)
     drawings = _drawings(arms, as_written=head["as_written"])
-    robots = [one.nominal for one in drawings]
+    robots = [drawing.nominal for drawing in drawings]
     if head["length_scale"] is None:
         scale = max(reach(robot) for robot in robots)
     else:

@@ -75,7 +75,7 @@ def _pyarrow() -> tuple[Any, Any]:
 
 def _family_rows(records: Sequence[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
     for record in records:
-        shares = {one["id"]: one for one in record.get("near", {}).get("families", [])}
+        shares = {share["id"]: share for share in record.get("near", {}).get("families", [])}
         for family in record.get("families", []):
             yield {**family, "variant": record["number"] + 1, "share": shares.get(family["id"])}
 

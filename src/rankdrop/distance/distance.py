@@ -85,8 +85,8 @@ def _walked(family: Family, problem: Problem, centre: Array, box: Array, seed: i
     """
     system, scale, periodic = family.system, problem.scale, problem.robot.periodic
     middle = np.clip(centre, box[0], box[1])  # free joints of a q outside the limits go to the limit
-    first, later = _draws(seed, tuple(system.moves.tolist()), tuple(len(one.values) for one in family.pinned))
-    pinned = [(j := one.number - 1, _turns_by_way(one, middle[j], periodic[j], box[:, j])) for one in family.pinned]
+    first, later = _draws(seed, tuple(system.moves.tolist()), tuple(len(pin.values) for pin in family.pinned))
+    pinned = [(j := pin.number - 1, _turns_by_way(pin, middle[j], periodic[j], box[:, j])) for pin in family.pinned]
     bounded = bool(np.isfinite(box[:, system.moves]).any())
     # on more equations than are independent Newton stays where no residual gets smaller: these are walked alone too
     every, few = len(family.equations), problem.n - family.dimension
@@ -305,9 +305,9 @@ def _pinned_feet(pinned: Sequence[Pin], robot: Robot, q: Array, box: Array) -> A
     """(N, n) each pinned joint at its nearest value within the limits, nan where there is none; others in the limits.
     """
     feet, rows = np.minimum(np.maximum(q, box[0]), box[1]), np.arange(len(q))
-    for one in pinned:
-        j = one.number - 1
-        options = _turned(np.array(one.values), q[:, j], bool(robot.periodic[j]), box[:, j])
+    for pin in pinned:
+        j = pin.number - 1
+        options = _turned(np.array(pin.values), q[:, j], bool(robot.periodic[j]), box[:, j])
         far = np.abs(options - q[:, j, None])
         far[np.isnan(far)] = np.inf
         feet[:, j] = options[rows, far.argmin(axis=1)]
@@ -550,8 +550,8 @@ class Ruler:
     @cached_property
     def _set(self) -> SetDistance | None:
         """The singular set itself, where some family of corank 1 is not of pinned joints alone."""
-        first = [one for one in self.families if one.corank == 1]
-        walked = not first or any(not one.named or one.coupled or not one.pinned for one in first)
+        first = [family for family in self.families if family.corank == 1]
+        walked = not first or any(not family.named or family.coupled or not family.pinned for family in first)
         if not walked or not self._problem.generic_rank:
             return None
         return SetDistance(self._problem.robot, self._problem.task, self._box, self._seed, self._starts)
@@ -573,7 +573,9 @@ class Ruler:
         if not self._settings:
             return np.zeros(len(q))
         rows = np.ascontiguousarray(into_metres(self.robot, q))
-        radii = [enclose(self._problem.robot, one, rows, radius=LARGEST, threads=1)[1] for one in self._settings]
+        radii = [
+            enclose(self._problem.robot, setting, rows, radius=LARGEST, threads=1)[1] for setting in self._settings
+        ]
         return np.asarray(_BELOW * np.max(radii, axis=0))
 
     def measure(self, q: Array, *, along: bool = False, proven: bool = True) -> Distances:
@@ -675,4 +677,4 @@ class Ruler:
 
 def _is_long(family: Family) -> bool:
     coupled = bool(family.coupled or not family.pinned)
-    return coupled and sum(len(one.terms) for one in family.equations) > _LONG
+    return coupled and sum(len(equation.terms) for equation in family.equations) > _LONG

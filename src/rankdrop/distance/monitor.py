@@ -365,7 +365,7 @@ def tables_of(families: Sequence[Family], robot: Robot, task: Task) -> Tables:
     values: list[float] = []
     pins, at = [0], [0]
     for family in families:
-        held = {one.number for one in family.pinned}
+        held = {pin.number for pin in family.pinned}
         for equation in family.equations:
             if equation.n != robot.n:
                 raise OptionError(
@@ -374,9 +374,9 @@ def tables_of(families: Sequence[Family], robot: Robot, task: Task) -> Tables:
                 )  # fmt: skip
             coupled.append(int(not held.issuperset(equation.joints)))
         equations.append(len(coupled))
-        for one in family.pinned:
-            pinned.append(one.number - 1)
-            values += one.values
+        for pin in family.pinned:
+            pinned.append(pin.number - 1)
+            values += pin.values
             at.append(len(values))
         pins.append(len(pinned))
     return {
@@ -494,9 +494,9 @@ def _question(monitor: Monitor, made: Sequence[Setting]) -> dict[str, Value]:
     length, table = task.scale(monitor.robot), tables_of(monitor.watched, monitor.robot, task)
     points: list[float] = []
     reaches: list[float] = []
-    for one in made:
-        points += one.point
-        reaches += one.arm.tolist()
+    for body in made:
+        points += body.point
+        reaches += body.arm.tolist()
     bound_rows = list(made[0].rows) if made else []
     return {
         "rows": task.m, "axes": link_index(task.frame.axes, joints, "axes"),
@@ -504,8 +504,8 @@ def _question(monitor: Monitor, made: Sequence[Setting]) -> dict[str, Value]:
         "row": list(task.rows), "factor": [1.0 / length if row < 3 else 1.0 for row in task.rows],
         "families": len(families), "listed": len(monitor.families),
         "angles": len(table["shift"]), "terms": len(table["angle"]),
-        "equations": len(table["coupled"]), "ids": [one.id for one in monitor.families],
-        "names": [one.name for one in monitor.families], "number": monitor.numbers,
+        "equations": len(table["coupled"]), "ids": [family.id for family in monitor.families],
+        "names": [family.name for family in monitor.families], "number": monitor.numbers,
         "corank": table["corank"], "shift": table["shift"], "first_turn": table["turns"], "turning": table["turning"],
         "m": table["m"], "angle": table["angle"], "cosine": table["a"], "sine": table["b"], "powers": table["powers"],
         "first_term": table["terms"], "coupled": table["coupled"], "first_equation": table["equations"],
@@ -514,7 +514,8 @@ def _question(monitor: Monitor, made: Sequence[Setting]) -> dict[str, Value]:
         "generic_rank": monitor.generic_rank, **monitor.settings, "start": monitor.start, "stop": monitor.stop,
         "beyond": int(monitor.beyond), "rates": monitor.rates.tolist(),
         "bounds": len(made), "bound_rows": len(bound_rows), "bound_row": bound_rows,
-        "bound_link": [one.link for one in made], "bound_point": points, "bound_length": [one.length for one in made],
+        "bound_link": [body.link for body in made], "bound_point": points,
+        "bound_length": [body.length for body in made],
         "bound_reach": reaches,
         "bound_repeats": made[0].repeats if made else 1.0,
     }  # fmt: skip

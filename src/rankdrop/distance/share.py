@@ -165,7 +165,7 @@ def near_shares(
         met.append(NearShare(family.id, int(here.sum()), samples, bool(family.coupled)))
     if progress is not None:
         progress(len(named), len(named))
-    unsure = len(named) < len(families) or any(one.bound for one in met)
+    unsure = len(named) < len(families) or any(share.bound for share in met)
     shared = NearShare("", int(every.sum()), samples, unsure)
     slow, _ = slow_share(problem, samples=samples, seed=seed)
     return Near(within, samples, seed, limits, tuple(met), shared, slow, every)
@@ -203,9 +203,9 @@ def slow_share(
         kinds = slowest_motions(robot, q[first : first + _BLOCK], task)
         if not kinds:
             return None, np.zeros(0, dtype=np.bool_)
-        for one in kinds:
-            slow[first : first + _BLOCK] |= one.speed < (speed if one.unit == "m/s" else turn_speed)
-            bound |= not one.exact
+        for motion in kinds:
+            slow[first : first + _BLOCK] |= motion.speed < (speed if motion.unit == "m/s" else turn_speed)
+            bound |= not motion.exact
     return NearShare("", int(slow.sum()), samples, bound), slow
 
 

@@ -97,7 +97,7 @@ class SelfMotions:
     @property
     def weakest(self) -> LockedJoint:
         """The joint with the smallest share."""
-        return min((one for one in self.joints if one.share is not None), key=lambda one: one.share or 0.0)
+        return min((joint for joint in self.joints if joint.share is not None), key=lambda joint: joint.share or 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +194,7 @@ def _crucial(problem: Problem) -> tuple[int, ...]:
         return tuple(range(1, robot.n + 1))
     jacobian = task_jacobian(robot, structural_sample(robot, task, 16), task) * problem.scale
     without = [np.ascontiguousarray(np.delete(jacobian, j, axis=2)) for j in range(robot.n)]
-    least = [float(_core.svd(one, False)[:, full - 1].max()) for one in without]
+    least = [float(_core.svd(jacobian, False)[:, full - 1].max()) for jacobian in without]
     return tuple(j for j, sigma in enumerate(least, start=1) if sigma <= problem.tolerances.singular)
 
 
@@ -206,9 +206,12 @@ def _free(problem: Problem) -> Mask:
     for j in range(robot.n):
         moved = base.copy()
         moved[:, j] = other[:, j]
-        differ = [np.abs(worst_case(robot, moved, task, relative=one) - worst_case(robot, base, task, relative=one))
-                  for one in (False, True)]  # fmt: skip
-        free[j] = max(float(one.max()) for one in differ) < 1e-10
+        changes = []
+        for relative in (False, True):
+            before = worst_case(robot, base, task, relative=relative)
+            after = worst_case(robot, moved, task, relative=relative)
+            changes.append(float(np.abs(after - before).max()))
+        free[j] = max(changes) < 1e-10
     return free
 
 
@@ -237,8 +240,8 @@ def _climbed(
         pass
     if not found:
         return 0, starts[:0]
-    order = np.argsort(np.concatenate([one.value for one in found]), kind="stable")
-    return done, np.concatenate([one.q for one in found])[order]
+    order = np.argsort(np.concatenate([part.value for part in found]), kind="stable")
+    return done, np.concatenate([part.q for part in found])[order]
 
 
 def _polished(

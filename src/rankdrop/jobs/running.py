@@ -449,7 +449,7 @@ def _on_processes(job: Job, chunks: list[int], count: int) -> Generator[Made, No
     for chunk in chunks:
         todo.put(chunk)
     crew = [_Worker(job) for _ in range(count)]
-    threads = [threading.Thread(target=_serve, args=(one, todo, answers), daemon=True) for one in crew]
+    threads = [threading.Thread(target=_serve, args=(worker, todo, answers), daemon=True) for worker in crew]
     for thread in threads:
         thread.start()
     try:

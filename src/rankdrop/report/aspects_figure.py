@@ -36,23 +36,23 @@ def aspects_figure(found: Postures) -> Figure:
         MissingExtraError: matplotlib is not installed.
     """
     maps = aspect_maps(*count_of_arm(found.robot, found.task))
-    columns = max(len(one.slices) or 1 for one in maps)
-    heights = [_STRIP if one.cells.ndim == 1 else _SIDE for one in maps]
+    columns = max(len(chart.slices) or 1 for chart in maps)
+    heights = [_STRIP if chart.cells.ndim == 1 else _SIDE for chart in maps]
     drawn = new_figure((_PANEL * max(columns, 2) + 0.6, sum(heights) + 0.35 * len(maps)), "a figure of aspects")
     rows: Any = drawn.subfigures(len(maps), 1, height_ratios=heights, squeeze=False)[:, 0]
     first = 0
-    for one, row in zip(maps, rows, strict=True):
+    for chart, row in zip(maps, rows, strict=True):
         axes = row.subplots(1, columns, squeeze=False)[0]
         row.subplots_adjust(left=0.11, right=0.99, bottom=0.24, top=0.85, wspace=0.12)
-        tones = [COLOURS[(first + k) % len(COLOURS)] for k in range(len(one.regions))]
+        tones = [COLOURS[(first + k) % len(COLOURS)] for k in range(len(chart.regions))]
         for k, panel in enumerate(axes):
-            if k < max(len(one.slices), 1):
-                _draw_map(panel, found.robot, one, k, tones)
+            if k < max(len(chart.slices), 1):
+                _draw_map(panel, found.robot, chart, k, tones)
             else:
                 panel.set_axis_off()
-        _legend(axes[max(len(one.slices), 1) - 1], found, one, tones)
-        first += len(one.regions)
-    if any(one.slices for one in maps):
+        _legend(axes[max(len(chart.slices), 1) - 1], found, chart, tones)
+        first += len(chart.regions)
+    if any(chart.slices for chart in maps):
         drawn.text(0.02, 0.0, _SLICED, fontsize=6.5, va="top")
     drawn.suptitle(fill(aspects_number(found), _TITLE), fontsize=9, x=0.02, y=1.0, ha="left", va="bottom")
     return drawn

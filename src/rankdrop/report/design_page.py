@@ -33,7 +33,7 @@ def axes_of(designs: Designs, names: tuple[str, ...]) -> tuple[int, int]:
     Raises:
         OptionError: no such parameter, or not two of them.
     """
-    known = [one.name for one in designs.parameters]
+    known = [parameter.name for parameter in designs.parameters]
     for name in names:
         if name not in known:
             raise OptionError("there is no such parameter", where="over", got=name, allowed=", ".join(known))
@@ -59,8 +59,8 @@ def maps_of(designs: Designs, over: tuple[str, ...]) -> list[tuple[str, Array, t
             maps.append((f"{name} [%]", 100 * values) if percent else (name, values))
     if len(designs.structures) > 1:
         sets = np.full(len(designs.records), np.nan)
-        for number, one in enumerate(designs.structures, 1):
-            sets[list(one.variants)] = number
+        for number, structure in enumerate(designs.structures, 1):
+            sets[list(structure.variants)] = number
         maps.append(("set of families", sets))
     places, labels = _places(designs, over)
     single = len(places) == 1
@@ -74,7 +74,7 @@ def _places(designs: Designs, over: tuple[str, ...]) -> tuple[list[Array], list[
     """(V,) values of the one or two parameters of a map in degrees or metres, and the names of their axes."""
     places, labels = [], []
     for k in dict.fromkeys(axes_of(designs, over)):
-        values = np.array([one["values"][k] for one in designs.records])
+        values = np.array([record["values"][k] for record in designs.records])
         angle = designs.parameters[k].measure == "angle"
         places.append(np.degrees(values) if angle else values)
         labels.append(f"{designs.parameters[k].name} [{'°' if angle else 'm'}]")
@@ -138,7 +138,7 @@ def design_page(designs: Designs, over: tuple[str, ...] = ()) -> str:
     css, title = "good" if designs.holds else "bad", f"{escape(designs.robot)}: designs"
     facts = [
         ("variants", f"{len(designs.records):,} ({designs.spec.kind})"),
-        ("parameters", ", ".join(one.name for one in designs.parameters)),
+        ("parameters", ", ".join(parameter.name for parameter in designs.parameters)),
         ("task", f"{designs.spec.task.name}, σ with lengths divided by {designs.spec.task.length_scale:.4g} m"),
         ("better", ", ".join(f"{want} {name}" for name, want in designs.spec.goals.items()) or "nothing was said"),
     ]
@@ -195,7 +195,7 @@ def _tone(share: float) -> str:
 
 
 def _table(designs: Designs) -> str:
-    heads = ["variant", *(one.name for one in designs.parameters), *designs.measures, ""]
+    heads = ["variant", *(parameter.name for parameter in designs.parameters), *designs.measures, ""]
     rows, best = [], set(designs.pareto)
     for record in designs.records[:_LISTED]:
         note = record["error"] or ("Pareto-optimal" if record["number"] in best else "")

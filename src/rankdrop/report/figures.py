@@ -179,7 +179,7 @@ def words_apart(axes: Any, marks: ArmMarks, more: Sequence[Bar] = ()) -> list[An
     for i in order:
         number = marks.numbers[i]
         tries = _tries(picture, np.array(number.get_position_3d()), marks.others[i], marks.bodies[i])
-        at = next((one for one in tries if _free(one, half, picture.dot, covered, boxes)), tries[0])
+        at = next((place for place in tries if _free(place, half, picture.dot, covered, boxes)), tries[0])
         boxes.append(np.array([at - 2 * half, at + 2 * half]))
         x, y = figure.transFigure.inverted().transform(at)
         placed.append(figure.text(
@@ -193,8 +193,8 @@ def words_apart(axes: Any, marks: ArmMarks, more: Sequence[Bar] = ()) -> list[An
 def _words_of(axes: Any) -> list[Any]:
     """Boxes of the names of the axes and of the numbers along them."""
     edges = (axes.xaxis, axes.yaxis, axes.zaxis)
-    words = [one for axis in edges for one in (axis.label, *axis.get_ticklabels())]
-    return [one.get_window_extent() for one in words if one.get_text()]
+    words = [text for axis in edges for text in (axis.label, *axis.get_ticklabels())]
+    return [text.get_window_extent() for text in words if text.get_text()]
 
 
 def _grown(box: Any, by: float) -> Array:
@@ -271,11 +271,11 @@ def every_figure(content: Content) -> dict[str, Callable[[], Figure]]:
     titles, labels = content.titles, content.labels
     arms = {f"arm-{family.id}": partial(arm_figure, analysis, family, blamed)
             for family, blamed in zip(families, content.blamed, strict=True)}  # fmt: skip
-    slices = {f"slice-{one.family}": partial(slice_figure, robot, one, colours, labels) for one in content.slices}
-    solids = {f"solid-{one.family}": partial(solid_figure, robot, one, colours[one.family], labels[one.family])
-              for one in content.solids}  # fmt: skip
-    images = {f"image-{one}": partial(workspace_figure, section, one, colours[one], labels[one])
-              for one, points in section.images if len(points)}  # fmt: skip
+    slices = {f"slice-{piece.family}": partial(slice_figure, robot, piece, colours, labels) for piece in content.slices}
+    solids = {f"solid-{solid.family}": partial(solid_figure, robot, solid, colours[solid.family], labels[solid.family])
+              for solid in content.solids}  # fmt: skip
+    images = {f"image-{name}": partial(workspace_figure, section, name, colours[name], labels[name])
+              for name, points in section.images if len(points)}  # fmt: skip
     lines = {f"lines-{family.id}": partial(lines_figure, analysis, family, swept, titles[family.id])
              for family, swept in zip(families, content.sweeps, strict=True)}  # fmt: skip
     return {**arms, **slices, **solids, "workspace": partial(workspace_figure, section), **images, **lines}
@@ -288,9 +288,9 @@ def figure_names(content: Content, wanted: Sequence[str] = ()) -> list[str]:
         OptionError: one that is wanted does not exist for this arm.
     """
     names = {name: (name, name.split("-")[0]) for name in every_figure(content)}
-    for one in wanted:
-        if not any(one in known for known in names.values()):
-            raise OptionError("this arm has no such figure", where="figure", got=one, allowed=", ".join(names))
+    for name in wanted:
+        if not any(name in known for known in names.values()):
+            raise OptionError("this arm has no such figure", where="figure", got=name, allowed=", ".join(names))
     return [name for name, known in names.items() if not wanted or set(known) & set(wanted)]
 
 

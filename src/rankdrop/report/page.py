@@ -203,7 +203,7 @@ def _limits_box(robot: Robot) -> str:
 def _meshes_box(content: Content) -> str:
     if not content.meshes:
         return ""
-    count = sum(len(one.faces) for one in content.meshes)
+    count = sum(len(mesh.faces) for mesh in content.meshes)
     return (
         '<label class="small screen"><input type="checkbox" id="meshes" checked> links as the file draws them '
         f"(simplified, {count:,} triangles)</label>"
@@ -275,7 +275,7 @@ class ArmView:
         axes = link_poses(self.robot, self.q)[link_index(frame.axes, len(self.robot.joints), "axes"), :3, :3]
         turned = lost_directions(self.robot, self.q, self.task, corank).reshape(-1, 2, 3) @ axes.T
         blamed = blame(self.robot, self.q, self.task)
-        numbers = sorted(set(flat_map(lambda one: one.numbers, blamed)))
+        numbers = sorted(set(flat_map(lambda circuit: circuit.numbers, blamed)))
         return [{"v": v.tolist(), "w": w.tolist(), "faint": False} for v, w in turned], numbers
 
     def _repr_html_(self) -> str:

@@ -47,7 +47,8 @@ CHAIN = table(
     upper=num("joint") | None,
     velocity=num("joint/s") | None,
     frame=row(row(num("pose"), 4), 4),
-    link=(optional(str), "name of the link after the joint, where the file gives one", lambda one: one.link or UNSET),
+    link=(optional(str), "name of the link after the joint, where the file gives one",
+        lambda joint: joint.link or UNSET),
 )
 NEAR = table(
     "near",
@@ -68,8 +69,8 @@ def _of(index: int, name: str) -> Any:
 
 def _joints(arm: Any) -> list[dict[str, Any]]:
     return [
-        {"name": one.name, "number": number, "kind": str(one.kind), "lower": one.lower, "upper": one.upper}
-        for number, one in enumerate(arm[0].variables, start=1)
+        {"name": joint.name, "number": number, "kind": str(joint.kind), "lower": joint.lower, "upper": joint.upper}
+        for number, joint in enumerate(arm[0].variables, start=1)
     ]
 
 

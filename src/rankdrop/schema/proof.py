@@ -109,9 +109,16 @@ COVER_SETTINGS = table(
     version=str,
 )
 LEAF = table("leaf", halvings=(many(Count), "", attrgetter("covering.plan.depth")), width=num("distance"))
+
+
+def _cells_in_all(shape: Any) -> float:
+    """Boxes of the last level, free or not; they may be more than 2⁶³."""
+    return float(np.prod(shape.cells(shape.levels), dtype=np.float64))
+
+
 BOXES = table(
     "boxes",
-    all=(num("1"), "", lambda one: float(np.prod(one.tree.shape.cells(one.tree.shape.levels), dtype=np.float64))),
+    all=(num("1"), "", lambda covering: _cells_in_all(covering.tree.shape)),
     left=(Count, "", attrgetter("tree.leaves")),
     proven=(Count, "", attrgetter("tree.proven_leaves")),
     tested=Count,
@@ -132,35 +139,35 @@ _MOST_PLACES = 1000
 EXPLAINED = table(
     "explained",
     source=Literal["catalogue", "analysis", "made here"],
-    families=(many(EXPLAINED_FAMILIES), "", lambda one: [
+    families=(many(EXPLAINED_FAMILIES), "", lambda account: [
         {"id": family.id, "name": family.name, "boxes": int(count)}
-        for family, count in zip(one.families, one.explained, strict=True)
+        for family, count in zip(account.families, account.explained, strict=True)
     ]),
     freed=Count,
     diagonal=num("distance"),
-    places=(many(PLACES), "", lambda one: one.spots[:_MOST_PLACES]),
-    places_in_all=(Count, "", lambda one: len(one.spots)),
+    places=(many(PLACES), "", lambda account: account.spots[:_MOST_PLACES]),
+    places_in_all=(Count, "", lambda account: len(account.spots)),
 )
 COVER_FILE = file(
     "cover",
     "Written by `rankdrop cover --json`: boxes of the joint space that hold every singular configuration, and "
     "what known families explain of them. The boxes themselves are in the file of `--out`.",
-    robot=(ROBOT, "", lambda one: (one.robot, one.task, one.covering.plan.rank)),
+    robot=(ROBOT, "", lambda covered: (covered.robot, covered.task, covered.covering.plan.rank)),
     settings=(COVER_SETTINGS, "", attrgetter("covering.plan")),
     method=(Literal["split determinant", "enclosures"], "", attrgetter("covering.plan.method")),
     sentence=str,
     complete=(bool, "the whole joint space was covered; else nothing is said of the rest"),
-    stopped=(str | None, "", lambda one: one.covering.stopped or None),
+    stopped=(str | None, "", lambda covered: covered.covering.stopped or None),
     needed=(optional(Count), "enclosures that all of it takes, estimated from random ways down its tree; since 0.3",
-        lambda one: one.covering.needed or UNSET),
+        lambda covered: covered.covering.needed or UNSET),
     joints=(many(Positive), "", attrgetter("covering.plan.variables")),
     ranges=(many(row(num("joint"), 2)), "",
-        lambda one: list(zip(one.covering.plan.lower, one.covering.plan.upper, strict=True))),
-    leaf=(LEAF, "", lambda one: one),
+        lambda covered: list(zip(covered.covering.plan.lower, covered.covering.plan.upper, strict=True))),
+    leaf=(LEAF, "", lambda covered: covered),
     boxes=(BOXES, "all: boxes of the last level; left: not proven free; proven: to hold a singular configuration",
         attrgetter("covering")),
     free_share=(num("1", ge=0, le=1), "", attrgetter("covering.free_share")),
-    sha256=(str | None, "", lambda one: one.sha256 or None),
+    sha256=(str | None, "", lambda covered: covered.sha256 or None),
     explained=(EXPLAINED | None, "", attrgetter("account")),
 )
 VERIFIED_FILE = file(

@@ -248,7 +248,7 @@ class _Uploads(dict[str, Any]):
         self._say = say
 
     def __setitem__(self, key: str, state: Any) -> None:
-        told = [one["total_bytes"] for one in (*self.values(), state)]
+        told = [message["total_bytes"] for message in (*self.values(), state)]
         parts = state["part_count"]
         if not all(isinstance(size, int) and size >= 0 for size in (*told, parts)) or len(told) > MOST_CLIENTS:
             return

@@ -58,7 +58,7 @@ class Controls:
         self._said = ""  # the details, while they are of the configuration that is shown
         self.message = gui.add_html("")
         self.tabs = gui.add_tab_group()
-        self.titles = {one.id: family_title(self.robot, self.live.task, one) for one in self.live.families}
+        self.titles = {family.id: family_title(self.robot, self.live.task, family) for family in self.live.families}
         self.joints = tuple(f"{number} {joint.name}" for number, joint in enumerate(self.robot.variables, start=1))
         self._unit = [degrees(1.0) if joint.unit == "rad" else 1.0 for joint in self.robot.variables]
         self._handle = server.scene.add_transform_controls("/handle", scale=0.22 * self.live.size, visible=False)

@@ -149,7 +149,7 @@ def _blame_line(place: int, circuit: Circuit) -> str:
 def _lost_line(seen: Record) -> str:
     """What is lost in one frame: what it comes to first, where that can be said, then what every motion obeys."""
     exact = f"the tool can only move so that {escape(', '.join(seen['constraints']))}"
-    told = escape(", ".join(one for one in seen['short'] if one))
+    told = escape(", ".join(words for words in seen['short'] if words))
     return f"<span style='{_QUIET}'>in {escape(seen['axes'])}:</span> " + (
         f"{told}<br><span style='{_QUIET}'>{exact}</span>" if told else exact
     )

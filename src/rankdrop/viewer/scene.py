@@ -163,8 +163,8 @@ def axis_lines(body: Body, links: Array, variables: Sequence[int]) -> Array:
 
     One line for each of them, in their order; of a variable that moves several joints, the axis of the first.
     """
-    barrels = [next(one for one in body["joint"] if one.variable == variable) for variable in variables]
-    ends = [carried(links[one.link], np.stack([one.start, one.end])) for one in barrels]
+    barrels = [next(barrel for barrel in body["joint"] if barrel.variable == variable) for variable in variables]
+    ends = [carried(links[barrel.link], np.stack([barrel.start, barrel.end])) for barrel in barrels]
     lines = np.array(ends, dtype=np.float64).reshape(-1, 2, 3)
     middles = lines.mean(axis=1, keepdims=True)
     return np.asarray(middles + _AXIS * (lines - middles))
@@ -301,7 +301,7 @@ class Live:
         q = np.array(q, dtype=np.float64)
         seen = self.monitor.look_one(q)
         far = self.monitor.distances(q[None])
-        nearest, distance = (one[0] for one in far.nearest())
+        nearest, distance = (values[0] for values in far.nearest())
         links = link_poses(self.robot, q)
         own = float(np.linalg.norm(np.ptp(links[:, :3, 3], axis=0)))
         r = self.generic_rank

@@ -180,7 +180,7 @@ class Viewer:
         found = self.controls.found
         near = found is not None and now.verdict == "near" and np.abs(found.q - now.q).max() < 0.1
         circuits = now.blamed or (found.blame.smallest if found is not None and near else ())
-        self.stage.blame([one.numbers for one in circuits], now)
+        self.stage.blame([circuit.numbers for circuit in circuits], now)
         for part in (self.controls, self.path, self.share, self.slice):
             part.shown(now, source)
         if now.seen.corank or self.session.moving:
@@ -195,7 +195,7 @@ class Viewer:
         self._show_ghost(found)
         now = self.controls.now
         if now is not None and np.array_equal(now.q, found.q):
-            self.stage.blame([one.numbers for one in found.blame.smallest], now)
+            self.stage.blame([circuit.numbers for circuit in found.blame.smallest], now)
             if not self.session.moving:
                 self.stage.keep_in_view(found.q)
 

@@ -134,9 +134,9 @@ class Stage:
         self._capsules = self._add_bars("arm", "link")
         self._barrels = self._add_bars("arm", "joint")
         self._labels = [
-            scene.add_label(f"/arm/{one.link}/number{one.joint}", str(one.variable), position=(one.start + one.end) / 2,
-                            anchor="center-center", font_screen_scale=0.75)
-            for one in body["joint"]
+            scene.add_label(f"/arm/{barrel.link}/number{barrel.joint}", str(barrel.variable),
+                            position=(barrel.start + barrel.end) / 2, anchor="center-center", font_screen_scale=0.75)
+            for barrel in body["joint"]
         ]  # fmt: skip
         if body["rod"]:
             radius = 2 * body["rod"][0].radius
@@ -149,14 +149,14 @@ class Stage:
     def _add_bars(self, root: str, kind: str, share: float = 1.0, **look: Any) -> list[viser.MeshHandle]:
         """Meshes of the links or joints below a root of the scene; radii and joints are shortened to a share."""
         handles = []
-        for i, one in enumerate(self.live.body[kind]):
-            cut = (1 - share) / 2 * (one.end - one.start)
+        for i, bar in enumerate(self.live.body[kind]):
+            cut = (1 - share) / 2 * (bar.end - bar.start)
             if kind == "link":
-                ends = (one.start, one.end)
+                ends = (bar.start, bar.end)
             else:
-                ends = (one.start + cut, one.end - cut)
-            shape = (capsule_mesh if kind == "link" else barrel_mesh)(*ends, share * one.radius)
-            handles.append(self.server.scene.add_mesh_simple(f"/{root}/{one.link}/{kind}{i}", *shape, **look))
+                ends = (bar.start + cut, bar.end - cut)
+            shape = (capsule_mesh if kind == "link" else barrel_mesh)(*ends, share * bar.radius)
+            handles.append(self.server.scene.add_mesh_simple(f"/{root}/{bar.link}/{kind}{i}", *shape, **look))
         return handles
 
     def _add_marks(self) -> None:
@@ -237,8 +237,8 @@ class Stage:
             arm, self._joint = (_DARK_ARM, _DARK_JOINT)
         else:
             arm, self._joint = (_LIGHT_ARM, _LIGHT_JOINT)
-        for one in self._capsules:
-            one.color = arm
+        for capsule in self._capsules:
+            capsule.color = arm
         self._rods.colors = np.array(arm, dtype=np.uint8)
         if dark:
             self.grid.cell_color = (60, 60, 64)
@@ -263,8 +263,8 @@ class Stage:
         shown = shown and self.has_meshes
         for mesh in self._meshes:
             mesh.visible = shown
-        for one in [*self._capsules, *self._barrels]:
-            one.visible = not shown
+        for handle in [*self._capsules, *self._barrels]:
+            handle.visible = not shown
         self._rods.visible = bool(self.live.body["rod"]) and not shown
 
     def show_numbers(self, shown: bool) -> None:

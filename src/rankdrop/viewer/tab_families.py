@@ -233,14 +233,14 @@ class EscapeTab:
     def explained(self, found: Explanation) -> None:
         """Label the buttons with what they do from here."""
         out, r = found.escape, found.rank.generic_rank
-        for one in out.single:
-            usable = one.order is not None and one.within_limits and abs(one.step) > 0
-            way = f"{motion(one.step, found.robot.variables[one.number - 1].unit)} → σ{r} = {short(one.sigma_after, 2)}"
+        for way in out.single:
+            usable = way.order is not None and way.within_limits and abs(way.step) > 0
             if usable:
-                told = way
+                unit = found.robot.variables[way.number - 1].unit
+                told = f"{motion(way.step, unit)} → σ{r} = {short(way.sigma_after, 2)}"
             else:
-                told = _why_not(one, lost=bool(out.corank))
-            _label(self.ui.single[one.number - 1], f"joint {one.number} {one.joint}: {told}", usable)
+                told = _why_not(way, lost=bool(out.corank))
+            _label(self.ui.single[way.number - 1], f"joint {way.number} {way.joint}: {told}", usable)
         pair, name = out.best_pair, "best two joints"
         if pair is not None:
             name = _direction_label(f"joints {' and '.join(map(str, pair.numbers))}", pair, r)
@@ -260,9 +260,9 @@ class EscapeTab:
 
     def _move_joint(self, number: int) -> None:
         session = self.controls.session
-        one = next(one for one in self._now().single if one.number == number)
+        way = next(way for way in self._now().single if way.number == number)
         target = session.q
-        target[number - 1] += one.step
+        target[number - 1] += way.step
         session.go(target)
 
     def _along(self, which: str) -> None:
@@ -289,17 +289,17 @@ def _label(button: viser.GuiButtonHandle, text: str, usable: bool) -> None:
     button.disabled = not usable
 
 
-def _why_not(one: JointEscape, *, lost: bool) -> str:
-    if one.order is not None:
+def _why_not(way: JointEscape, *, lost: bool) -> str:
+    if way.order is not None:
         return "no room inside the limits"
-    if one.gain and lost:
-        return f"gains {one.gain} of the rank, not all"
+    if way.gain and lost:
+        return f"gains {way.gain} of the rank, not all"
     return "no help"
 
 
-def _direction_label(name: str, one: Direction, r: int) -> str:
-    if one.step > 0:
-        return f"{name} → σ{r} = {short(one.sigma_after, 2)}"
+def _direction_label(name: str, direction: Direction, r: int) -> str:
+    if direction.step > 0:
+        return f"{name} → σ{r} = {short(direction.sigma_after, 2)}"
     return f"{name}: no room inside the limits"
 
 
@@ -340,7 +340,7 @@ class SliceBox:
 
     def lines(self) -> Array:
         """(E, 2, 3) edges of the box, or of the square of two joints [m]."""
-        corners = [np.array(one, dtype=np.float64) for one in product((0, 1), repeat=len(self.joints))]
+        corners = [np.array(corner, dtype=np.float64) for corner in product((0, 1), repeat=len(self.joints))]
         edges = [[a, b] for i, a in enumerate(corners) for b in corners[i + 1 :] if np.abs(a - b).sum() == 1.0]
         return np.asarray(self.corner + self.edge * np.array(edges) @ AXES[: len(self.joints)])
 
@@ -410,7 +410,7 @@ class SliceTab:
                 self.controls.stage.keep_in_view(q, self._drawn[0].ends(self.controls.robot))
 
     def _draw(self, q: Array, starts: int | None) -> None:
-        joints = tuple(int(one.value.split()[0]) for one in self.ui.axes if one.value != _NONE)
+        joints = tuple(int(choice.value.split()[0]) for choice in self.ui.axes if choice.value != _NONE)
         starts = starts or STARTS[len(joints)]
         live, size, limits = self.controls.live, self.controls.stage.size, self.controls.session.limits
         points = in_slice(live.robot, live.task, q, joints, starts=starts, limits=limits)

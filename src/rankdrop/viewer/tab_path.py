@@ -307,7 +307,8 @@ class ShareTab:
         if not self.rows:
             self.controls.say("nothing is recorded yet")
             return
-        name = "".join(one if one.isalnum() or one in "-_" else "-" for one in self.controls.robot.name)
+        letters = self.controls.robot.name
+        name = "".join(letter if letter.isalnum() or letter in "-_" else "-" for letter in letters)
         content = path_csv(self.controls.robot, self.rows).encode()
         self.controls.server.send_file_download(f"{name}-session.csv", content)
 

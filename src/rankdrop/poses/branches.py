@@ -164,12 +164,12 @@ class InverseSolutions(Result):
     @property
     def inside(self) -> int:
         """How many solutions and self-motions have a place inside the joint limits."""
-        return sum(not one.beyond for one in self.branches) + sum(not one.beyond for one in self.continua)
+        return sum(not branch.beyond for branch in self.branches) + sum(not branch.beyond for branch in self.continua)
 
     @property
     def residual(self) -> float:
         """The largest of all."""
-        every = [one.residual for one in self.branches] + [one.residual for one in self.continua]
+        every = [branch.residual for branch in self.branches] + [branch.residual for branch in self.continua]
         return max(every, default=0.0)
 
     @property
@@ -420,12 +420,12 @@ class _Search:
     def parted(self) -> tuple[Array, tuple[Continuum, ...], bool]:
         """Isolated solutions (k, n), self-motions, and whether some were not followed."""
         isolated, pieces = self._by_freedom()
-        surface = max(pieces, key=lambda one: one.dimension, default=None)
+        surface = max(pieces, key=lambda piece: piece.dimension, default=None)
         if surface is not None and surface.dimension > 1:  # surfaces are not separated, nor what is connected with them
             q, dimension, singular = surface
             return isolated, (self._continuum(q, dimension, q[None], False, False, singular),), True
         found, more = self._followed(pieces)
-        found.sort(key=lambda one: (bool(one.beyond), not one.closed))
+        found.sort(key=lambda continuum: (bool(continuum.beyond), not continuum.closed))
         return isolated, tuple(found), more
 
     def _by_freedom(self) -> tuple[Array, list[_Piece]]:
@@ -437,7 +437,7 @@ class _Search:
         else:
             isolated.append(self.regular)
         for row, q in enumerate(self.singular):
-            if row >= _ENOUGH and any(one.dimension > 1 for one in pieces):
+            if row >= _ENOUGH and any(piece.dimension > 1 for piece in pieces):
                 break
             dimension = self._freedom(q)
             if dimension:
@@ -586,8 +586,8 @@ def _judged(search: _Search, q: Array) -> tuple[Branch, ...]:
                            search.residual(q[row : row + 1])))  # fmt: skip
     home = np.clip(np.zeros(robot.n), robot.lower, robot.upper)
 
-    def order(one: Branch) -> tuple[bool, float]:
-        return bool(one.beyond), round(float(np.linalg.norm((one.q - home) / search.scale)), 6)
+    def order(branch: Branch) -> tuple[bool, float]:
+        return bool(branch.beyond), round(float(np.linalg.norm((branch.q - home) / search.scale)), 6)
 
     return tuple(sorted(made, key=order))
 

@@ -309,11 +309,11 @@ def distinct(
     scale = joint_scale(robot, task)
     first = 0 if known is None else len(known)
     kept = [] if known is None else list(known)
-    for one in q:
+    for solution in q:
         if most is not None and len(kept) - first >= most:
             break
-        if not kept or np.linalg.norm(apart(robot, one, np.array(kept)) / scale, axis=1).min() > near:
-            kept.append(one)
+        if not kept or np.linalg.norm(apart(robot, solution, np.array(kept)) / scale, axis=1).min() > near:
+            kept.append(solution)
     return np.array(kept[first:]).reshape(-1, robot.n)
 
 

@@ -252,7 +252,7 @@ def analyze(
         task=replace(resolved, length_scale=resolved.scale(robot)),
         generic_rank=rank,
         settings=Settings(how.seed, starts, how.limits, float(resolved.scale(robot)), tolerances, VERSION),
-        coranks=tuple(one.summary for one in tables),
+        coranks=tuple(table.summary for table in tables),
         families=rows,
         complete=complete,
         unfinished=None if complete else len(tables) + 1,
@@ -266,7 +266,7 @@ def analyze(
 
 
 def _without_exact(families: Sequence[Family]) -> tuple[Family, ...]:
-    return tuple(replace(one, exact=None) for one in families)
+    return tuple(replace(family, exact=None) for family in families)
 
 
 def _near(problem: Problem, families: Sequence[Family], how: AnalyzeOptions, report: Progress) -> Near | None:
@@ -280,7 +280,7 @@ def _known(derived: Conditions | None, robot: Robot) -> list[Family] | None:
     """The derived families in the arm's own unit of length; None where nothing was derived."""
     if derived is None:
         return None
-    return [derived_in_units(one, robot) for one in derived.families]
+    return [derived_in_units(family, robot) for family in derived.families]
 
 
 def _starts(how: AnalyzeOptions, known: Sequence[Family] | None) -> int:
@@ -388,19 +388,23 @@ def _tables(
         )  # fmt: skip
         if not cloud.complete:
             raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
+        if known is None:
+            derived = None
+        else:
+            derived = [family for family in known if family.corank == corank]
         made = families(
-            cloud, known=None if known is None else [one for one in known if one.corank == corank], seed=how.seed,
-            threads=how.threads, progress=partial(report, f"corank {corank}: families"),
+            cloud, known=derived, seed=how.seed, threads=how.threads,
+            progress=partial(report, f"corank {corank}: families"),
         )  # fmt: skip
         yield made
-        if made.summary.converged == 0 and not any(one.corank > corank for one in known or ()):
+        if made.summary.converged == 0 and not any(family.corank > corank for family in known or ()):
             return
 
 
 def _mistakes(tables: Sequence[CorankFamilies]) -> tuple[str, ...]:
     return tuple(
-        mistaken_text(one.summary.corank, one.mistaken, min(one.mistaken, FOLLOWED), one.lowest, DIGITS)
-        for one in tables if one.mistaken
+        mistaken_text(table.summary.corank, table.mistaken, min(table.mistaken, FOLLOWED), table.lowest, DIGITS)
+        for table in tables if table.mistaken
     )  # fmt: skip
 
 

@@ -118,7 +118,7 @@ def cover(
     if source == "on the spot":
         made = analyze(robot, resolved, starts=_STARTS, limits=False, threads=how.threads)
         families, source = made.families, "made here"
-    families = tuple(one for one in families if one.corank >= found.plan.corank)
+    families = tuple(family for family in families if family.corank >= found.plan.corank)
     return Covered(robot, resolved, found, _account(found, robot, resolved, families, source, how.threads, tell))
 
 

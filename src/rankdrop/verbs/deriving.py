@@ -215,7 +215,7 @@ def _not_holding(assumptions: Sequence[Assumption]) -> list[Unfinished]:
 
 def posed_exactly(robot: Robot, task: Task, families: Sequence[Family]) -> tuple[Family, ...]:
     """Families with the witnesses that `analyze` shows: in good postures, see `rankdrop.families.posed`."""
-    return tuple(posed(robot, task, one, families) for one in families)
+    return tuple(posed(robot, task, family, families) for family in families)
 
 
 def _broken(chain: Chain, work: Work) -> tuple[DerivationRemark, ...]:
@@ -442,7 +442,7 @@ def _undivided(
         return ()
 
     def off_families(q: Array, corank: int) -> NDArray[np.int64]:
-        known = [_own_equations(chain, one) for one in families if one.corank >= corank]
+        known = [_own_equations(chain, family) for family in families if family.corank >= corank]
         return explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)[1]
 
     def followed(corank: int, q: Array) -> Array:

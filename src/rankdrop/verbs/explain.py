@@ -66,7 +66,7 @@ def explain(
     Example:
         >>> from rankdrop.robot.open import open_robot
         >>> found = explain(open_robot("puma560"), [0.3, 0.5, 0.4, 0.2, 0.0, 0.6])
-        >>> found.verdict, found.met[0].family.name, [one.number for one in found.escape.single if one.order]
+        >>> found.verdict, found.met[0].family.name, [joint.number for joint in found.escape.single if joint.order]
         ('singular', 'wrist: axes 4 and 6 aligned', [5])
     """
     check_robot(robot)

@@ -26,11 +26,12 @@ def tried_numerically(higher: Iterable[HigherCorank], seed: int) -> tuple[Higher
         higher: derivations of coranks above 1.
         seed: of the search.
     """
-    return tuple(_tried(one, seed) if one.derived.complete else one for one in higher)
+    return tuple(_tried(corank, seed) if corank.derived.complete else corank for corank in higher)
 
 
-def _tried(one: HigherCorank, seed: int) -> HigherCorank:
-    return replace(one, singular=_singular(one.derived, seed), regular=_regular(one.derived, seed))
+def _tried(corank: HigherCorank, seed: int) -> HigherCorank:
+    derived = corank.derived
+    return replace(corank, singular=_singular(derived, seed), regular=_regular(derived, seed))
 
 
 def _singular(derived: Derivation, seed: int) -> Check:

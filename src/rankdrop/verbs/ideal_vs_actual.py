@@ -68,21 +68,22 @@ def nearby(arm: Idealised, task: Task, families: Sequence[Family], *, seed: int 
         >>> from rankdrop.robot.open import open_robot
         >>> arm = idealised(open_robot("gen3_6dof"), read_tolerance("1.1mm"))
         >>> found = analyze(arm.ideal, starts=300, exact="off")
-        >>> [(one.id, one.sigma.median < 1e-3) for one in nearby(arm, found.task, found.of_corank(1))]
+        >>> [(near.id, near.sigma.median < 1e-3) for near in nearby(arm, found.task, found.of_corank(1))]
         [('k1.f1', True), ('k1.f2', True), ('k1.f3', True)]
     """
     plain_task = task_in_metres(replace(task, length_scale=task.scale(arm.ideal)), arm.ideal)
     real, model = in_metres(arm.real), in_metres(arm.ideal)
     rank = generic_rank(model, plain_task)
     return tuple(
-        _nearby(real, plain_task, rank, one, _points(arm.ideal, model, plain_task, one, seed), seed) for one in families
+        _nearby(real, plain_task, rank, family, _points(arm.ideal, model, plain_task, family, seed), seed)
+        for family in families
     )
 
 
 def _points(given: Robot, model: Robot, task: Task, family: Family, seed: int) -> Array:
     """(≤ POINTS, n) random configurations of `model`, the arm in metres, on a family of the arm as given."""
     power = -metre_exponent(given)
-    equations = tuple(rescaled(one, slides_of(given), power) for one in family.equations)
+    equations = tuple(rescaled(equation, slides_of(given), power) for equation in family.equations)
     found = np.empty((0, model.n))
     if equations:
         q, solved = System(equations).solve(sample(model, task, POINTS, seed))
@@ -97,8 +98,8 @@ def _nearby(real: Robot, task: Task, rank: int, family: Family, q: Array, seed: 
     kept = rank - family.corank
     sigma = singular_values(real, q, task)[:, kept]
     searched = min(SEARCHED, len(q))
-    found = [nearest_singularity(real, one, task, starts=_STARTS, seed=seed) for one in q[:searched]]
-    away = [one.distance for one in found if one is not None]
+    found = [nearest_singularity(real, start, task, starts=_STARTS, seed=seed) for start in q[:searched]]
+    away = [end.distance for end in found if end is not None]
     return Nearby(
         id=family.id, name=family.name, corank=family.corank, points=len(q), number=kept + 1, sigma=_spread(sigma),
         singular=int((sigma <= DEFAULT.singular).sum()), searched=searched, distance=_spread(away) if away else None,

@@ -57,7 +57,7 @@ def self_motions(
         >>> from rankdrop.task import resolve_task
         >>> arm = open_robot("planar3r")
         >>> found = self_motions(arm, np.array([0.3, 0.8, 0.9]), resolve_task("planar-position", arm))
-        >>> found.curves, [round(one.share, 2) for one in found.joints]
+        >>> found.curves, [round(joint.share, 2) for joint in found.joints]
         (1, [0.21, 0.46, 0.6])
     """
     aim, pose = Aim(robot, task), pose_of(robot, q)

@@ -68,7 +68,7 @@ def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None, 
         displaced_jacobian(check.robot, setting, tolerance, check.task.rows)  # refuses what it is not for
     control = check.curve.control
     points = np.concatenate([control[:, :-1].reshape(-1, control.shape[2]), control[-1:, -1]])
-    met = [one for one in check.stretches if one.verdict != FREE]
+    met = [stretch for stretch in check.stretches if stretch.verdict != FREE]
     square = check.robot.n == setting.rank == len(setting.rows)
     claim = {
         "verdict": CLEAR if not met else "met", "degree": check.curve.degree, "points": points.tolist(),
@@ -95,11 +95,11 @@ def _spans(curve: Curve, stretches: Iterable[Stretch], *, square: bool) -> list[
 
     spans: list[Record] = []
     at, last = [0, 0.0], [len(curve.control) - 1, 1.0]
-    for one in sorted(stretches, key=attrgetter("start")):
-        (start, end), (low, high) = map(spot, (one.start, one.end)), map(spot, one.bracket)
+    for stretch in sorted(stretches, key=attrgetter("start")):
+        (start, end), (low, high) = map(spot, (stretch.start, stretch.end)), map(spot, stretch.bracket)
         if at != start:
             spans.append({"from": at, "to": start, "kind": CLEAR})
-        if one.verdict == CROSSES and square and not one.lies and start <= low < high <= end:
+        if stretch.verdict == CROSSES and square and not stretch.lies and start <= low < high <= end:
             spans.append({"from": start, "to": end, "kind": CROSSING, "bracket": [low, high]})
         else:
             spans.append({"from": start, "to": end, "kind": OPEN})

@@ -203,7 +203,7 @@ def check_curve(
     stretches, violations = survey.stretches(parts), survey.violations()
     spent, kept, remarks = proof.evaluations, None, survey.remarks
     if options.min_distance > 0.0:
-        nearest = min((one.closest.distance for one in stretches), default=np.inf)
+        nearest = min((stretch.closest.distance for stretch in stretches), default=np.inf)
         kept = "violated" if nearest < options.min_distance else "not proven"
         if kept == "not proven" and proof.complete and not proof.slivers:
             from rankdrop.path.check.certificate import margin  # with the checker of proofs
@@ -216,7 +216,7 @@ def check_curve(
                 remarks += (("distance open", row + 1),)
     length, undecided, time, free = _shares(moved, proof.setting.scale, parts)
     if arm is not robot:
-        stretches = tuple(_in_own_units(one, robot) for one in stretches)
+        stretches = tuple(_in_own_units(stretch, robot) for stretch in stretches)
     return PathCheck(
         robot=robot, task=resolved, curve=path, rows=len(path.control) + 1, options=options, tolerances=tolerances,
         verdict=_verdict(parts, violations, kept, proof.complete), stretches=stretches, violations=violations,
@@ -249,7 +249,7 @@ def _verdict(
     parts: tuple[Stretch, ...], violations: tuple[Violation, ...], kept: str | None, complete: bool
 ) -> Verdict:
     """The worst of all that is known; what is not proven either way is undecided."""
-    kinds = {one.verdict for one in parts}
+    kinds = {part.verdict for part in parts}
     for violation in violations:
         if not violation.proven:
             kinds.add(UNDECIDED)
@@ -261,7 +261,7 @@ def _verdict(
         kinds.add(TOO_NEAR)
     if kept == "not proven" or not complete:
         kinds.add(UNDECIDED)
-    return next((one for one in Verdict if one in kinds), FREE)
+    return next((verdict for verdict in Verdict if verdict in kinds), FREE)
 
 
 def _shares(path: Curve, scale: Array, parts: tuple[Stretch, ...]) -> tuple[float, float, float | None, float]:
@@ -276,8 +276,8 @@ def _shares(path: Curve, scale: Array, parts: tuple[Stretch, ...]) -> tuple[floa
             k, share = path.spot(place)
             return float(values[k] + share * (values[k + 1] - values[k]))
 
-        chosen = [one for one in parts if one.verdict in verdicts]
-        return float(sum(value_at(one.end) - value_at(one.start) for one in chosen))
+        chosen = [part for part in parts if part.verdict in verdicts]
+        return float(sum(value_at(part.end) - value_at(part.start) for part in chosen))
 
     length, total = sum_of(until, UNDECIDED), float(until[-1])
     singular = sum_of(until, CROSSING, TOUCHING)
@@ -413,10 +413,10 @@ def _branches(
 def _not_free_taken(taken: Followed, check: PathCheck) -> float:
     """The pose, from 1, from which on the branch that was taken and checked is not free; 0 where it is free."""
     if check.crossings:
-        return min(float(_pose_at(taken, one.closest.place.position)) for one in check.crossings)
+        return min(float(_pose_at(taken, crossing.closest.place.position)) for crossing in check.crossings)
     if taken.passed:
-        return min(one.place for one in taken.passed)
-    if any(one.verdict == UNDECIDED for one in check.stretches):
+        return min(point.place for point in taken.passed)
+    if any(stretch.verdict == UNDECIDED for stretch in check.stretches):
         return 1.0
     return 0.0
 

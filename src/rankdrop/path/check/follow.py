@@ -433,10 +433,10 @@ class _Walk:
             return None, False, None
         found, folds = departures(self.aim, self.poses, place, now)
         found = self._straight_on(made, found)
-        for one in found:
-            step = self._leap(now, place, one)
-            if step is not None and (self._beyond(step[1]) < 0 or one is found[-1]):
-                self.passed.append(Passed(place + 1.0, one.rest))
+        for departure in found:
+            step = self._leap(now, place, departure)
+            if step is not None and (self._beyond(step[1]) < 0 or departure is found[-1]):
+                self.passed.append(Passed(place + 1.0, departure.rest))
                 return step, False, None
         if found or folds or sigma > _SINGULAR:
             return None, folds, None
@@ -455,12 +455,12 @@ class _Walk:
         if arriving is None or not found or found[0].rest:
             return found
         turned: list[tuple[float, Departure]] = []
-        for one in found:
-            leaving = (one.q - made.now) / self.aim.joints
+        for departure in found:
+            leaving = (departure.q - made.now) / self.aim.joints
             cosine = float(arriving @ leaving) / float(np.linalg.norm(leaving))
             corner = cosine < _STRAIGHT and made.place > int(made.place)
-            turned.append((cosine, replace(one, rest=corner)))
-        turned.sort(key=lambda one: -one[0])
+            turned.append((cosine, replace(departure, rest=corner)))
+        turned.sort(key=lambda pair: -pair[0])
         return [departure for _, departure in turned]
 
     def _spanned(

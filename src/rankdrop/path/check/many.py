@@ -58,14 +58,14 @@ def check_files(
         MissingExtraError: a scheduler, and Dask's distributed is not installed.
         ResultFileError: `out` holds another job (other files, or their bytes changed), or cannot be written.
     """
-    there, names = resolve_task(question.task, robot), [Path(one) for one in files]
+    there, names = resolve_task(question.task, robot), [Path(file) for file in files]
     plan = {
         "robot": robot_to_dict(robot, there, generic_rank(robot, there)),
         "length_scale": there.length_scale,
         "analysis": None if question.analysis is None else question.analysis.to_dict(),
         "options": plain(question.options),
         "reading": {"deg": question.deg, "topic": question.topic, "start": plain(question.start)},
-        "files": [[str(one), str(one.absolute()), _digest(one)] for one in names],
+        "files": [[str(file), str(file.absolute()), _digest(file)] for file in names],
     }
     job = Job("paths", "rankdrop.path.check.many:check_chunk", plan, len(names), len(names))
     quick = not workers and scheduler is None and sum(map(_size, names)) <= _HERE
@@ -83,8 +83,9 @@ def check_files(
         pass  # the table says how many of the files there are in it
     order = (_BAD, *VERDICTS)
 
-    def badness(one: Record) -> tuple[int, float, str]:
-        return order.index(one["verdict"]), inf if one["nearest_rad"] is None else one["nearest_rad"], one["file"]
+    def badness(record: Record) -> tuple[int, float, str]:
+        nearest = record["nearest_rad"]
+        return order.index(record["verdict"]), inf if nearest is None else nearest, record["file"]
 
     return sorted(done, key=badness)
 
@@ -126,8 +127,8 @@ def _decode_question(text: str) -> tuple[Robot, Task, Analysis | None]:
 
 
 def _record(check: PathCheck | ProgramCheck) -> Record:
-    near = min((one.closest.distance for one in check.stretches), default=inf)
-    met = sum(one.verdict in (CROSSING, TOUCHING) for one in check.stretches)
+    near = min((stretch.closest.distance for stretch in check.stretches), default=inf)
+    met = sum(stretch.verdict in (CROSSING, TOUCHING) for stretch in check.stretches)
     return {
         "verdict": check.verdict, "sentence": check.sentence, "rows": check.rows, "free_share": check.free_share,
         "met": met, "nearest_rad": plain(near), "name": _name(check),
@@ -140,7 +141,7 @@ def _name(check: PathCheck | ProgramCheck) -> str:
         return ""
     worst = check.stretches[0]
     for path in check.checks if isinstance(check, ProgramCheck) else (check,):
-        if any(one is worst for one in path.stretches):
+        if any(stretch is worst for stretch in path.stretches):
             return stretch_place(path, worst)
     return worst.name
 
@@ -155,8 +156,8 @@ def _digest(file: Path) -> str:
     """SHA-256 of what a file holds; "" where it cannot be read, which is an error when it is checked."""
     whole = sha256()
     try:
-        for one in _parts(file):
-            with one.open("rb") as stream:
+        for part in _parts(file):
+            with part.open("rb") as stream:
                 whole.update(file_digest(stream, "sha256").digest())
     except OSError:
         return ""
@@ -165,7 +166,7 @@ def _digest(file: Path) -> str:
 
 def _size(file: Path) -> int:
     try:
-        return sum(one.stat().st_size for one in _parts(file))
+        return sum(part.stat().st_size for part in _parts(file))
     except OSError:
         return 0
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum, auto
+from operator import itemgetter
 
 import numpy as np
 
@@ -162,7 +163,7 @@ def _smooth(move: _Move, q: Array, xi: Array, kernel: Array, room: float) -> Ite
                 bend = np.linalg.norm(gone - 2 * (half - q) / aim.joints)
                 if bend > _PROPORTIONAL * np.linalg.norm(gone) + 1e-9:
                     continue
-                if any(np.linalg.norm(gone - one) < 0.05 * step for one in known):
+                if any(np.linalg.norm(gone - other) < 0.05 * step for other in known):
                     continue
                 known.append(gone)
                 yield Departure(_place(move, w, room), end, False)
@@ -175,16 +176,16 @@ def _from_rest(move: _Move, q: Array, kernel: Array, room: float) -> tuple[list[
     count = kernel.shape[1]
     ways = [np.eye(count)[i] for i in range(count)]
     if count > 1:
-        ways += [one / np.linalg.norm(one) for one in np.random.default_rng(0).normal(size=(_DIRECTIONS, count))]
+        ways += [way / np.linalg.norm(way) for way in np.random.default_rng(0).normal(size=(_DIRECTIONS, count))]
     found: list[tuple[float, Departure]] = []
     leads = []
-    for one in ways:
-        for way in (one, -one):
+    for direction in ways:
+        for way in (direction, -direction):
             lead, w, end = _lead(move, q, kernel, way, room)
             leads.append(lead)
             if end is not None:
                 found.append((w, Departure(_place(move, w, room), end, True)))
-    found.sort(key=lambda one: round(-one[0], 9))
+    found.sort(key=lambda pair: round(-pair[0], 9))
     folds = not found and _Lead.UNKNOWN not in leads and _Lead.BACK in leads
     return [departure for _, departure in found], folds
 
@@ -262,10 +263,10 @@ def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: boo
     move = _Move(aim, poses, k, place)
     if _local(aim, q)[2].shape[1] != 1:
         return None
-    candidates = [_first_turn(move, q, sign, limits=limits) for sign in (1.0, -1.0)]
-    for _, end in sorted((one for one in candidates if one is not None), key=lambda one: one[0]):
+    turns = [_first_turn(move, q, sign, limits=limits) for sign in (1.0, -1.0)]
+    for _, end in sorted((turn for turn in turns if turn is not None), key=itemgetter(0)):
         found, _ = departures(aim, poses, place, end)
-        if any(not one.rest for one in found):
+        if any(not departure.rest for departure in found):
             return end
     return None
 

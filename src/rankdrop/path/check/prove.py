@@ -247,7 +247,7 @@ class Proof:
     def give_up(self, pieces: Pieces, *, narrow: bool) -> None:
         """Leave pieces open."""
         ends = zip(pieces.stretch.tolist(), pieces.start.tolist(), pieces.end.tolist(), strict=True)
-        self.rest += [(*one, narrow) for one in ends]
+        self.rest += [(*span, narrow) for span in ends]
 
 
 def prove(
@@ -286,7 +286,7 @@ def prove(
                 continue
             work.give_up(found[1], narrow=True)
             kept.append(found[0].halved())
-        columns = (np.concatenate([getattr(one, name) for one in kept] or [getattr(pieces, name)[:0]])
+        columns = (np.concatenate([getattr(part, name) for part in kept] or [getattr(pieces, name)[:0]])
                    for name in Pieces.__dataclass_fields__)  # fmt: skip
         pieces = Pieces(*columns)
     return work
@@ -297,7 +297,7 @@ def chosen(robot: Robot, settings: tuple[Setting, ...], path: Curve) -> Setting:
     at = np.unique(np.linspace(0, len(path.control) - 1, _LOOKS).astype(np.int64))
     q = np.ascontiguousarray(path.at(at, np.full(len(at), 0.5)))
     radii = [enclose(robot, setting, q, radius=np.pi)[1] for setting in settings]
-    return settings[int(np.argmax([np.log(np.maximum(one, 1e-6)).mean() for one in radii]))]
+    return settings[int(np.argmax([np.log(np.maximum(radius, 1e-6)).mean() for radius in radii]))]
 
 
 def stretches_left(path: Curve, free: Callable[[Array, Array], Mask]) -> Index:

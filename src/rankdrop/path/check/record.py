@@ -239,7 +239,8 @@ class PathCheck(Result):
     @property
     def clear(self) -> bool:
         """Proven free of singularities, and the distance asked for proven to be kept, whatever joint limits say."""
-        met = any(one.verdict != FREE for one in self.stretches) or (self.tool is not None and bool(self.tool.passed))
+        passed = self.tool is not None and bool(self.tool.passed)
+        met = passed or any(stretch.verdict != FREE for stretch in self.stretches)
         return self.complete and not met and self.margin in (None, "kept") and (self.tool is None or self.tool.complete)
 
     @property
@@ -250,7 +251,7 @@ class PathCheck(Result):
     @property
     def crossings(self) -> tuple[Stretch, ...]:
         """Where it reaches singularities, crossing or touching, in order along the path."""
-        met = (one for one in self.stretches if one.verdict in (CROSSING, TOUCHING))
+        met = (stretch for stretch in self.stretches if stretch.verdict in (CROSSING, TOUCHING))
         return tuple(sorted(met, key=attrgetter("start")))
 
     @property

@@ -104,17 +104,17 @@ def _of_stretches(check: PathCheck, count: int) -> tuple[list[str], Any]:
     """Worst verdict, and least speed factor, between each row and the next."""
     worst = np.full(count, len(VERDICTS))
     factor = np.full(count, np.nan)
-    for one in check.stretches:
-        first = one.start.row - 1
-        if one.end.share > 0.0 or one.end.row == one.start.row:
-            last = one.end.row - 1
+    for stretch in check.stretches:
+        first = stretch.start.row - 1
+        if stretch.end.share > 0.0 or stretch.end.row == stretch.start.row:
+            last = stretch.end.row - 1
         else:
-            last = one.end.row - 2
-        if one.end.row >= count:
+            last = stretch.end.row - 2
+        if stretch.end.row >= count:
             last = count - 1  # the last row has no way on: it is the end of this stretch
         rows = slice(min(first, count - 1), last + 1)
-        worst[rows] = np.minimum(worst[rows], VERDICTS.index(one.verdict))
-        factor[rows] = np.fmin(factor[rows], one.speed_factor)
+        worst[rows] = np.minimum(worst[rows], VERDICTS.index(stretch.verdict))
+        factor[rows] = np.fmin(factor[rows], stretch.speed_factor)
     return [VERDICTS[k] for k in worst.tolist()], factor
 
 

@@ -47,15 +47,15 @@ def far_turns(robot: Robot, path: Curve) -> tuple[FarTurn, ...]:
         lasts = np.diff(path.times)
     clock = np.concatenate([[0.0], np.cumsum(lasts)])
     found: list[FarTurn] = []
-    for joint in np.flatnonzero([one.unit == "rad" for one in robot.variables]).tolist():
+    for joint in np.flatnonzero([variable.unit == "rad" for variable in robot.variables]).tolist():
         rate = steps[:, joint] / lasts
         for first, last in _runs(rate, steps[:, joint]):
             first, last = _fast(rate, first, last)
             angle = float(steps[first:last, joint].sum())
             if abs(angle) >= FAR and clock[last] - clock[first] <= _SHORT * clock[-1]:
                 found.append(FarTurn(joint + 1, angle, path.place((first, 0.0)), path.place((last - 1, 1.0))))
-    largest = sorted(found, key=lambda one: -abs(one.angle))[:_MOST]
-    return tuple(sorted(largest, key=lambda one: one.start))
+    largest = sorted(found, key=lambda turn: -abs(turn.angle))[:_MOST]
+    return tuple(sorted(largest, key=lambda turn: turn.start))
 
 
 def jump(robot: Robot, rows: Array) -> tuple[int, int, float, float] | None:
@@ -70,7 +70,7 @@ def jump(robot: Robot, rows: Array) -> tuple[int, int, float, float] | None:
     Returns:
         Number of the joint (from 1), number of the row after the step (from 1), and both angles [rad].
     """
-    turning = np.array([one.unit == "rad" for one in robot.variables])
+    turning = np.array([variable.unit == "rad" for variable in robot.variables])
     if len(rows) < 2 or not turning.any():
         return None
     steps = np.where(turning, np.abs(np.diff(rows, axis=0)), 0.0)

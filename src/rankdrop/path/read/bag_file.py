@@ -66,8 +66,8 @@ def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = 
         files = list(path.iterdir())
     else:
         files = [path]
-    size = sum(one.stat().st_size for one in files)
-    packed = sum(one.suffix.lower() == ".zstd" for one in files)
+    size = sum(file.stat().st_size for file in files)
+    packed = sum(file.suffix.lower() == ".zstd" for file in files)
     if packed:
         scratch = (_SCRATCH + _RATIO * size) // packed
     else:
@@ -93,11 +93,11 @@ def bag_rows(name: str, joints: list[str], topic: str | None) -> bytes:
     with _reading(name), reader as bag:
         chosen = _topic(list(bag.connections), name, topic)
         where = f"{name}, topic {chosen[0].topic}"
-        for one in chosen:
-            if one.digest and one.digest != digest(one.msgtype):
-                raise TrajectoryError("this is another version of the type", where=where, got=one.msgtype,
+        for connection in chosen:
+            if connection.digest and connection.digest != digest(connection.msgtype):
+                raise TrajectoryError("this is another version of the type", where=where, got=connection.msgtype,
                                       allowed="the fields of ROS's own message")  # fmt: skip
-        promised, number, rows = sum(one.msgcount for one in chosen), 0, _Rows(where, joints)
+        promised, number, rows = sum(connection.msgcount for connection in chosen), 0, _Rows(where, joints)
         with _reading(where):
             for connection, stamp, data in bag.messages(connections=chosen):
                 number += 1
@@ -196,9 +196,9 @@ def _topic(connections: list[Any], name: str, topic: str | None) -> list[Any]:
     """
     found: dict[str, list[Any]] = {}
     types: dict[str, set[str]] = {}
-    for one in sorted(connections, key=attrgetter("topic")):
-        found.setdefault(one.topic, []).append(one)
-        types.setdefault(one.topic, set()).add(one.msgtype)
+    for connection in sorted(connections, key=attrgetter("topic")):
+        found.setdefault(connection.topic, []).append(connection)
+        types.setdefault(connection.topic, set()).add(connection.msgtype)
     listed = [f"{key} ({_KINDS.get(some[0].msgtype, some[0].msgtype)})" for key, some in found.items()]
     every = ", ".join(listed[:_LISTED]) + (f" and {len(listed) - _LISTED} more" if len(listed) > _LISTED else "")
     if topic is None:
@@ -269,11 +269,11 @@ class _Rows:
         else:
             names = message.name
         self.others.update(set(names) - set(self.wanted))
-        missing = [one for one in self.wanted if one not in names]
+        missing = [joint for joint in self.wanted if joint not in names]
         if len(missing) == len(self.wanted):
             self.passed += 1
             return
-        if missing or any(names.count(one) > 1 for one in self.wanted):
+        if missing or any(names.count(joint) > 1 for joint in self.wanted):
             raise TrajectoryError(
                 f"the message lacks joints: {', '.join(missing)}" if missing else "a joint is named twice", where=at,
                 got=", ".join(names), allowed=", ".join(self.wanted),
@@ -285,7 +285,7 @@ class _Rows:
 
     def _take_state(self, message: Any, names: Sequence[str], recorded: int, at: str) -> None:
         """The row of a JointState."""
-        places, header = [names.index(one) for one in self.wanted], _nanoseconds(message.header.stamp)
+        places, header = [names.index(joint) for joint in self.wanted], _nanoseconds(message.header.stamp)
         q = self._values(places, len(names), message.position, at, "position")
         speed = np.asarray(message.velocity, dtype=np.float64)
         if len(speed) == len(names) and bool(np.isfinite(speed[places]).all()):
@@ -296,7 +296,7 @@ class _Rows:
 
     def _take_plan(self, message: Any, names: Sequence[str], recorded: int, at: str) -> None:
         """The rows of a JointTrajectory, one for each of its points."""
-        places, header = [names.index(one) for one in self.wanted], _nanoseconds(message.header.stamp)
+        places, header = [names.index(joint) for joint in self.wanted], _nanoseconds(message.header.stamp)
         values = partial(self._values, places, len(names))
         self.starts.append(len(self.rows))
         for number, point in enumerate(message.points, start=1):
@@ -365,7 +365,7 @@ class _Rows:
         begins = set(self.starts)
         for k, start in enumerate(starts):
             if k in begins:
-                kept = [one for one in kept if when[one] < start]
+                kept = [row for row in kept if when[row] < start]
             kept.append(k)
         return kept
 

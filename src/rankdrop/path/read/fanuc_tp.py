@@ -128,13 +128,13 @@ class _Position:
 
 def _target(values: dict[str, float | None], where: str) -> Target | Reason:
     joints = [values[key] for key in _JOINTS if key in values]
-    known = [one for one in joints if one is not None]
+    known = [value for value in joints if value is not None]
     if joints:
         if len(known) == len(joints):
             return joint_target(known, where)
         return Reason.INCOMPLETE
     place = [values.get(key) for key in _PLACE]
-    found = [one for one in place if one is not None]
+    found = [value for value in place if value is not None]
     if len(found) == len(_PLACE):
         return angle_target(found, where)
     return Reason.INCOMPLETE

@@ -124,7 +124,7 @@ class Poses:
 
 def trajectories_in(folder: Path) -> list[Path]:
     """Files of these endings, and folders of ROS 2 recordings, sorted."""
-    inside = (one for one in folder.iterdir() if is_bag(one) or (one.suffix.lower() in ENDINGS and one.is_file()))
+    inside = (path for path in folder.iterdir() if is_bag(path) or (path.suffix.lower() in ENDINGS and path.is_file()))
     return sorted(inside)
 
 
@@ -329,9 +329,9 @@ def _infos(archive: ZipFile, where: str) -> dict[str, ZipInfo]:
     if len(listed) > MOST_MEMBERS:
         raise TrajectoryError("the archive has too many arrays", where=where, got=len(listed),
                               allowed=f"at most {MOST_MEMBERS:,}")  # fmt: skip
-    infos = {one.filename.removesuffix(".npy"): one for one in listed}
+    infos = {member.filename.removesuffix(".npy"): member for member in listed}
     if len(infos) < len(listed):
-        counts = Counter(one.filename.removesuffix(".npy") for one in listed)
+        counts = Counter(member.filename.removesuffix(".npy") for member in listed)
         raise TrajectoryError("two arrays of the archive have the same name",
                               where=f"{where}, {counts.most_common(1)[0][0]}", mend="name each array once")  # fmt: skip
     return infos
@@ -430,7 +430,7 @@ def _names_and_points(text: str, name: str, *, yaml: bool) -> tuple[list[str], l
         raise TrajectoryError("joint_names is no list", where=name)
     if not isinstance(points, list) or not points:
         raise TrajectoryError("the trajectory has no points", where=name)
-    if not all(isinstance(one, str) for one in names):
+    if not all(isinstance(joint, str) for joint in names):
         raise TrajectoryError("joint_names is no list of texts", where=name, got=reprlib.repr(names))
     return names, points
 
@@ -705,7 +705,7 @@ def _matrices(values: Array, turn: tuple[str, ...], place: Callable[[int], str])
 
 def loaded_poses(text: str, name: str, *, yaml: bool) -> Any:
     """The first document with poses; None where there is none."""
-    return next((one for one in documents(text, name, yaml=yaml) if list_in(one) is not None), None)
+    return next((document for document in documents(text, name, yaml=yaml) if list_in(document) is not None), None)
 
 
 def list_in(found: Any) -> list[Any] | None:
@@ -789,8 +789,8 @@ def _numbers(value: Any, keys: Any, where: str, what: str) -> list[float]:
     if not isinstance(listed, list) or len(listed) != len(keys):
         raise TrajectoryError(f"the {what} has not {len(keys)} numbers", where=where, got=reprlib.repr(value),
                               allowed=", ".join(keys))  # fmt: skip
-    for one in listed:
-        if not is_double(one) or not isfinite(one):
+    for value in listed:
+        if not is_double(value) or not isfinite(value):
             raise TrajectoryError(f"the {what} has a value that is no finite number", where=where,
-                                  got=reprlib.repr(one))  # fmt: skip
-    return [float(one) for one in listed]
+                                  got=reprlib.repr(value))  # fmt: skip
+    return [float(value) for value in listed]

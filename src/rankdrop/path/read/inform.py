@@ -79,7 +79,7 @@ def _target(text: str, kind: str, where: str, *, rectangular: bool) -> Target | 
     if kind not in _FRAMED:
         return Reason.EXPRESSION
     values = [number(part) for part in text.split(",")]
-    known = [one for one in values[:6] if one is not None]
+    known = [value for value in values[:6] if value is not None]
     if len(known) == 6:
         return angle_target(known, where)
     return Reason.INCOMPLETE

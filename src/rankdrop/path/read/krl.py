@@ -106,7 +106,7 @@ class _Reader:
             kind = _MOVES[word]
             target, after = _target(rest, self.names, where)
             speed = self.state.of(kind, after, self.names)
-            blend = any(one in after.upper() for one in _BLENDS)
+            blend = any(word in after.upper() for word in _BLENDS)
             self.listing.move(count, line, kind, in_base(target, self.state.base), speed, blend=blend)
         elif word == "$BASE" and not _is_label(rest):
             self.state.base = _frame(rest, self.names, where)
@@ -190,8 +190,8 @@ class _State:
         else:
             speed = self.line
         _, found, settings = after.upper().partition("WITH ")
-        for one in parts_of(settings) if found else []:
-            key, _, value = ("".join(part.split()) for part in one.partition("="))
+        for setting in parts_of(settings) if found else []:
+            key, _, value = ("".join(part.split()) for part in setting.partition("="))
             if key == "$VEL.CP":
                 speed = replace(speed, linear=positive(names.number(value.split("C_")[0])))
         return speed

@@ -27,7 +27,8 @@ def read_program(path: str | Path) -> Program:
     file, name = Path(path), str(path)
     text, ending = _text(file), file.suffix.lower()
     if ending == ".src":
-        beside = next((one for one in (file.with_suffix(".dat"), file.with_suffix(".DAT")) if one.is_file()), None)
+        data = (file.with_suffix(".dat"), file.with_suffix(".DAT"))
+        beside = next((path for path in data if path.is_file()), None)
         program = krl.read(text, name, "" if beside is None else _text(beside))
     else:
         program = _READERS[ending](text, name)

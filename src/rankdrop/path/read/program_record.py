@@ -177,12 +177,12 @@ class Program:
     @property
     def moves(self) -> tuple[Move, ...]:
         """The moves that were read."""
-        return tuple(one for one in self.items if isinstance(one, Move))
+        return tuple(item for item in self.items if isinstance(item, Move))
 
     @property
     def skipped(self) -> tuple[Skipped, ...]:
         """The lines that were not."""
-        return tuple(one for one in self.items if isinstance(one, Skipped))
+        return tuple(item for item in self.items if isinstance(item, Skipped))
 
 
 @dataclass
@@ -378,7 +378,7 @@ def flat(values: object, count: int) -> list[float] | None:
     """A list of exactly so many numbers; None for everything else."""
     if not isinstance(values, list) or len(values) != count:
         return None
-    found = [one for one in values if isinstance(one, float)]
+    found = [value for value in values if isinstance(value, float)]
     if len(found) == count:
         return found
     return None
@@ -402,7 +402,7 @@ def angle_target(values: list[float], where: str, posture: Posture | None = None
     """
     in_range(values[:3], LARGEST_LENGTH, where, "length")
     in_range(values[3:], LARGEST_ANGLE, where, "angle")
-    x, y, z = (MILLIMETRE * one for one in values[:3])
+    x, y, z = (MILLIMETRE * value for value in values[:3])
     roll, pitch, yaw = map(radians, values[3:])
     return Target(pose=from_xyz_rpy((x, y, z), (roll, pitch, yaw)), posture=posture or Posture())
 
@@ -434,9 +434,10 @@ def in_range(values: list[float], most: float, where: str, measure: str) -> None
     Raises:
         TrajectoryError: one is.
     """
-    for one in values:
-        if abs(one) > most:
-            raise TrajectoryError("the value is too large", where=where, got=f"{one:g}", allowed=allowed_range(measure))
+    for value in values:
+        if abs(value) > most:
+            raise TrajectoryError("the value is too large", where=where, got=f"{value:g}",
+                                  allowed=allowed_range(measure))  # fmt: skip
 
 
 def positive(value: float | None, factor: float = 1.0) -> float | None:

@@ -67,24 +67,24 @@ def read(text: str, name: str) -> Program:
     """
     names, listing = Names(), Listing(name)
     statements = list(_statements(text, name))
-    for count, one in statements:
-        _declare(names, one, f"{name}, line {count}")
+    for count, statement in statements:
+        _declare(names, statement, f"{name}, line {count}")
     routines = 0
-    for count, one in statements:
-        word, rest = _first_word(one)
+    for count, statement in statements:
+        word, rest = _first_word(statement)
         if word is None:
             continue
         move = _move_of(word)
         if word in _ROUTINES:
             routines += 1
             if routines > 1:
-                listing.skip(count, one, Reason.ROUTINE)
+                listing.skip(count, statement, Reason.ROUTINE)
         elif move is not None:
-            _move(listing, names, count, one, rest, absolute=move == "MOVEABSJ", kind=_MOVES[move])
+            _move(listing, names, count, statement, rest, absolute=move == "MOVEABSJ", kind=_MOVES[move])
         else:
-            reason = _why_skipped(word, one)
+            reason = _why_skipped(word, statement)
             if reason is not None:
-                listing.skip(count, one, reason)
+                listing.skip(count, statement, reason)
     return Program(name, Language.RAPID, tuple(listing.items))
 
 
@@ -125,7 +125,7 @@ def _why_skipped(word: str, statement: str) -> Reason | None:
 def _move_of(word: str) -> str | None:
     """MoveJ, MoveL or MoveAbsJ, also with an output (MoveLDO); None for other instructions."""
     every = [word, *(word.removesuffix(end) for end in _SUFFIXED)]
-    return next((one for one in every if one in _MOVES), None)
+    return next((instruction for instruction in every if instruction in _MOVES), None)
 
 
 def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
@@ -137,8 +137,8 @@ def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
         if plain.startswith("%%%") or not plain:
             continue
         *whole, rest = parts_of(plain, ";", brackets=False)
-        for one in whole:
-            yield begun if kept else count, " ".join([*kept, one])
+        for statement in whole:
+            yield begun if kept else count, " ".join([*kept, statement])
             kept, size = [], 0
         first = _WORD.match(rest)
         if first is not None and not kept and first[0].upper() in _BLOCKS:
@@ -199,13 +199,14 @@ def _target(values: list[object], where: str) -> Target | Reason:
         raise TrajectoryError("the quaternion is not of length one", where=where, got=f"{turn}",
                               allowed="q1, q2, q3, q4 of length 1, the real part first")  # fmt: skip
     rotation = turned_by(np.array([[x, y, z, w]]), lambda row: where)[0]
-    return turned_target([MILLIMETRE * one for one in place], rotation, where, Posture(quarters=_quarters(posture)))
+    metres = [MILLIMETRE * coordinate for coordinate in place]
+    return turned_target(metres, rotation, where, Posture(quarters=_quarters(posture)))
 
 
 def _quarters(configuration: list[float]) -> tuple[int, int, int] | None:
     """Quarters of a turn of axes 1, 4 and 6, the first three of a confdata; None where one is no such number (9E9)."""
     first, fourth, sixth = configuration[:3]
-    if all(abs(one) < 100 and one == int(one) for one in (first, fourth, sixth)):
+    if all(abs(quarters) < 100 and quarters == int(quarters) for quarters in (first, fourth, sixth)):
         return int(first), int(fourth), int(sixth)
     return None
 
@@ -256,7 +257,7 @@ def _goal(text: str, names: Names, where: str) -> Target | Reason:
 def _switched(part: str) -> tuple[str, dict[str, str]]:
     """An argument, and the optional ones behind it: v100\\V:=50 -> ("v100", {"v": "50"})."""
     value, *switches = parts_of(part, "\\")
-    keys = (one.partition(":=") for one in switches)
+    keys = (switch.partition(":=") for switch in switches)
     return value.strip(), {key.strip().lower(): text.strip() for key, _, text in keys}
 
 

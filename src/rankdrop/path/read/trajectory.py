@@ -295,7 +295,7 @@ def refuse_degrees(read: Trajectory, robot: Robot, file: Path) -> None:
         TrajectoryError: with the first row that has such an angle.
     """
     array = file.suffix.lower() in (".npy", ".npz")
-    turns = np.array([one.unit == "rad" for one in robot.variables])
+    turns = np.array([variable.unit == "rad" for variable in robot.variables])
     if array:
         turns &= np.isfinite(robot.lower) | np.isfinite(robot.upper)
     beyond = (np.abs(read.q) > MOST_TURNS) & turns
@@ -481,9 +481,9 @@ def names_of(text: str, where: str) -> list[str]:
 
 def delimiter_of(line: str) -> str:
     """What separates columns. Beside semicolons or tabs a cell may have one comma, that of its decimals."""
-    for one in ";\t":
-        if one in line and line.count(",") <= line.count(one) + 1:
-            return one
+    for mark in ";\t":
+        if mark in line and line.count(",") <= line.count(mark) + 1:
+            return mark
     return max(",;\t", key=line.count)
 
 
@@ -611,7 +611,7 @@ def _joint_columns(table: Table, robot: Robot) -> Known:
         if index is None:
             return None
         if not 0 <= index < robot.n:
-            place = [name_and_unit(one)[0] for one in table.head].index(word)
+            place = [name_and_unit(head)[0] for head in table.head].index(word)
             raise TrajectoryError("there is no such joint", where=f"{table.where}, column {place + 1}", got=repr(word),
                                   allowed=joint_names(robot))  # fmt: skip
         return index, "angle" if robot.variables[index].unit == "rad" else "length"

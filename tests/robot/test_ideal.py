@@ -211,6 +211,14 @@ def test_designed_offsets_are_not_near() -> None:
     assert near_ideal(wrist(twist=radians(1.0))) is None
 
 
+def test_a_long_arm_is_near_by_hundreds_of_millimetres() -> None:
+    rows = [(20 * a, twist, 20 * d, 0) for a, twist, d, _ in ([0, pi / 2, 0.3, 0], [0.4, 0, 0, 0], [0, pi / 2, 0, 0],
+            [0, -pi / 2, 0.4, 0], [0, pi / 2, 0.007, 0], [0, 0, 0.1, 0])]  # fmt: skip
+    near = near_ideal(from_dh(rows, convention="standard"))
+    assert near is not None
+    assert near.text == "this arm is within 140 mm of one with a spherical wrist"
+
+
 def test_more_than_two_gains_are_counted() -> None:
     near = near_ideal(open_robot("gen3"))
     assert near is not None

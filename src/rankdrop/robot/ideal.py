@@ -71,7 +71,8 @@ class Near:
     def text(self) -> str:
         """One line, without the command: "this arm is within 0.3 mm, 0.06° of one with a spherical wrist"."""
         if self.length:
-            parts = [f"{self.length * 1e3:.2g} mm"]
+            millimetres = float(f"{self.length * 1e3:.2g}")
+            parts = [f"{millimetres:g} mm"]
         else:
             parts = []
         if self.angle:

@@ -64,6 +64,7 @@ _WORDED = {
     "ScrewSystem": "rankdrop.text.screw_systems", "AlwaysSingular": "rankdrop.text.screw_systems",
     "Unfinished": "rankdrop.text.unfinished", "NotDerived": "rankdrop.text.unfinished",
     "Determinants": "rankdrop.text.determinants", "MinorsLeft": "rankdrop.text.determinants",
+    "Minor": "rankdrop.text.determinants",
     "Contradiction": "rankdrop.text.contradictions",
     "DerivationRemark": "rankdrop.text.remarks",
     "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",

@@ -70,7 +70,7 @@ def test_they_are_the_determinants_of_the_numeric_jacobian(name: str, task: str 
     chain = exact_chain(robot, task)
     found = determinants_of(chain, Work())
     q = sample(robot, resolve_task(task, robot), 5, 3)
-    whole = [one for one in found.minors if len(one.rows) == min(chain.n, chain.task.m) and not one.about]
+    whole = [one for one in found.minors if len(one.rows) == min(chain.n, chain.task.m) and not one.block]
     assert whole
     place = {ROWS[r]: i for i, r in enumerate(chain.task.rows)}
     metres = replace(chain.task, length_scale=1.0)
@@ -156,7 +156,7 @@ def test_code_gives_the_same_numbers(tmp_path) -> None:
 def test_a_minor_is_named_by_what_it_takes(of: MinorOf, name: str, mark: str) -> None:
     ring = exact_chain(open_robot("planar2r")).ring
     one = Value(ring, ring.trig.constant(1), None)
-    minor = Minor(of, (1, 3), ("vx", "wz"), "", one, (0.0, 0.0), "J11")
+    minor = Minor(of, (1, 3), ("vx", "wz"), one, (0.0, 0.0), "J11")
     assert (minor.name, minor.mark) == (name, mark)
 
 

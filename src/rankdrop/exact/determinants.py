@@ -54,7 +54,6 @@ from rankdrop.exact.arm.structure import (
     POSITION,
     BlockForm,
     block_form,
-    listed,
     structure_of,
 )
 from rankdrop.exact.conjunctions import values_of
@@ -422,19 +421,25 @@ class Minor:
         of: the rows and columns that are taken.
         joints: of its columns, numbered from 1, in order.
         rows: of the task, out of vx … wz, in order.
-        about: where its rows are taken, where that is not said for all.
         value: the determinant.
         shifts: θ = q + shift, per joint: code is in the joint variables q [rad].
         matrix: of a block: "J", "J11" or "J22".
+        block: name of the block of "J11" and "J22", as `Block.name`; "" of all others.
     """
 
     of: MinorOf
     joints: tuple[int, ...]
     rows: tuple[str, ...]
-    about: str
     value: Value
     shifts: tuple[float, ...]
     matrix: str = "J"
+    block: str = ""
+
+    @property
+    def about(self) -> str:
+        """Rows and joints of a block in words; "" of all others, of which `Determinants.meaning` gives them."""
+        about: str = words_of(self).about_minor(self)
+        return about
 
     @property
     def name(self) -> str:
@@ -503,22 +508,60 @@ class MinorsLeft:
         return words
 
 
+class RowAxes(Enum):
+    """The axes in which the rows of minors are taken.
+
+    EVERY_LINK: any, a minor is the same number in the axes of every link. TASK: those of the task. LINK: the frame of
+    one link, where all six rows are there. SHORT: axes in which the rows are short.
+    """
+
+    EVERY_LINK = auto()
+    TASK = auto()
+    LINK = auto()
+    SHORT = auto()
+
+
 @dataclass(frozen=True, eq=False)
 class Determinants:
-    """What there is to say of the determinants of an arm.
+    """The determinant of an arm, or the minors that all vanish where it is singular.
 
     Attributes:
-        product: how the determinant follows from the minors: "det J = −det J11 det J22"; "" where there is one, or
-            none.
-        meaning: what the minors are, and where the rank drops, in a sentence.
+        of: the rows and columns that each minor takes; of BLOCK there is one determinant, and two of blocks with it
+            where `form` is given.
+        rows: of the task, out of vx … wz, in order.
+        joints: number of the arm's joint variables.
+        axes: in which the rows are taken.
+        link: number of the link in the frame of which they are where `axes` is LINK; else 0.
+        form: the block triangular Jacobian, with its reference point; None where there is none.
+        sign: det J = sign · det J11 det J22, where `form` is given.
         minors: the determinant or the minors, those that vanish everywhere too; of blocks first, det J last.
         left: minors that were not computed within the limit on work.
     """
 
-    product: str
-    meaning: str
+    of: MinorOf
+    rows: tuple[str, ...]
+    joints: int
+    axes: RowAxes
     minors: tuple[Minor, ...]
     left: tuple[MinorsLeft, ...] = ()
+    link: int = 0
+    form: BlockForm | None = None
+    sign: int = 1
+
+    @property
+    def product(self) -> str:
+        """The determinant as product of those of its blocks: "det J = −det J11 det J22"; "" where it has none."""
+        if self.form is None:
+            return ""
+        if self.sign < 0:
+            return "det J = −det J11 det J22"
+        return "det J = det J11 det J22"
+
+    @property
+    def meaning(self) -> str:
+        """The minors and where the rank drops, in a sentence."""
+        meaning: str = words_of(self).meaning_of_minors(self)
+        return meaning
 
     def lines(self, most: int | None = FOLDED) -> tuple[str, ...]:
         """In text.
@@ -571,10 +614,12 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
         except OutOfTime:
             left.append(MinorsLeft(of, joints, words))
             continue
-        minors.append(Minor(of, joints, words, "", value, shifts))
+        minors.append(Minor(of, joints, words, value, shifts))
     if len(chosen) > MOST:
         left.append(MinorsLeft(number=len(chosen) - MOST))
-    return Determinants("", _meaning(chain), tuple(minors), tuple(left))
+    axes = _axes(chain)
+    link = chain.frame if axes is RowAxes.LINK else 0
+    return Determinants(chosen[0][0], _row_names(chain), chain.n, axes, tuple(minors), tuple(left), link)
 
 
 def _value(ring: Ring, p: Polynomial, work: Work) -> Value:
@@ -616,51 +661,41 @@ def maximal_minors(chain: Chain) -> Iterator[MinorChoice]:
             yield MinorOf.ROWS, joints, kept
 
 
-def _meaning(chain: Chain) -> str:
-    n, rows = chain.n, chain.task.rows
-    told = ", ".join(ROWS[r] for r in rows)
-    everywhere = rows in (POSE, POSITION, ORIENTATION)
-    if everywhere:
-        axes = "the same number in the axes of every link"
-    else:
-        axes = "in the axes of the task"
-    if n == len(rows):
-        return f"rows {told}, joints 1 to {n}: {axes}"
-    if n > len(rows):
-        screws = len(rows) == 6 and not chain.coupled
-        if screws:
-            column = "$j = (v; ω) is the screw of joint j"
-        else:
-            column = f"Jj is column j of J, rows {told}"
-        return f"{column}: the rank drops where all of these minors vanish; {axes}"
-    if rows == POSE:
-        where = f"rows in the frame of link {chain.frame}"
-    else:
-        where = "rows in axes in which they are short"
-    return f"each minor is made of as many rows as there are joints, {where}: the rank drops where all of them vanish"
+def _axes(chain: Chain) -> RowAxes:
+    """The axes in which the rows of the minors are."""
+    rows = chain.task.rows
+    if chain.n < len(rows):
+        if rows == POSE:
+            return RowAxes.LINK
+        return RowAxes.SHORT
+    if rows in (POSE, POSITION, ORIENTATION):
+        return RowAxes.EVERY_LINK
+    return RowAxes.TASK
+
+
+def _row_names(chain: Chain) -> tuple[str, ...]:
+    """Rows of the task, out of vx … wz."""
+    return tuple(ROWS[row] for row in chain.task.rows)
 
 
 def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
     """det J11 and det J22 of the blocks, and det J with the sign of their product."""
-    ring, rows, shifts = chain.ring, chain.task.rows, tuple(map(float, chain.whole_shifts))
+    ring, rows, shifts = chain.ring, _row_names(chain), tuple(map(float, chain.whole_shifts))
     minors = []
     for matrix, block in zip(("J11", "J22"), split.blocks, strict=True):
-        told = f"{matrix}, {block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}"
         value = Value(ring, block.determinant, block.factors)
-        minors.append(Minor(MinorOf.BLOCK, block.joints, block.rows, told, value, shifts, matrix))
+        minors.append(Minor(MinorOf.BLOCK, block.joints, block.rows, value, shifts, matrix, block.name))
     whole = ring.determinant(submatrix(split.form.columns, range(chain.n), range(len(rows))))
     joints = tuple(range(1, chain.n + 1))
     whole = whole * _sign(chain, whole, joints)
     value = Value(ring, whole, ring.factor(whole))
-    minors.append(Minor(MinorOf.BLOCK, joints, tuple(ROWS[r] for r in rows), "", value, shifts))
+    minors.append(Minor(MinorOf.BLOCK, joints, rows, value, shifts))
     together = ring.reduce(split.blocks[0].determinant * split.blocks[1].determinant)
-    sign = "" if whole == together else "−"
-    point = words_of(split.form).point_text(split.form)
-    meaning = (
-        f"rows {', '.join(ROWS[r] for r in rows)}, joints 1 to {chain.n}, reference point: {point}; the determinant is "
-        "the same at the tip"
-    )
-    return Determinants(f"det J = {sign}det J11 det J22", meaning, tuple(minors))
+    if whole == together:
+        sign = 1
+    else:
+        sign = -1
+    return Determinants(MinorOf.BLOCK, rows, chain.n, _axes(chain), tuple(minors), form=split.form, sign=sign)
 
 
 POINTS = 3

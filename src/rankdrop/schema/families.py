@@ -11,7 +11,7 @@ from msgspec import UNSET, UnsetType
 
 from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
 from rankdrop.distance.share import Near, SlowShare
-from rankdrop.exact.determinants import Determinants, Minor
+from rankdrop.exact.determinants import Minor
 from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
 from rankdrop.exact.lint import Difference, Example
 from rankdrop.exact.signs import Between, Crossing, Flags
@@ -398,8 +398,14 @@ MINORS = table(
 )
 DETERMINANTS = table(
     "determinants",
-    of=Determinants,
-    minors=many(MINORS),
+    product=(
+        str,
+        'how the determinant follows from the minors: "det J = −det J11 det J22"; "" where there is one, or none.',
+    ),
+    meaning=(str, "what the minors are, and where the rank drops, in a sentence."),
+    minors=(
+        many(MINORS), "the determinant or the minors, those that vanish everywhere too; of blocks first, det J last."
+    ),
     left=(optional(many(str)), "what was not done within the limit on work.", lambda found: list(map(str, found.left))),
 )
 CONDITIONS_FAMILY = table(

@@ -1,9 +1,26 @@
-"""The determinants of an arm as lines of text, and those that were not computed."""
+"""The determinants of an arm as lines of text: what the minors are, each minor, and those that were not computed."""
 
 from __future__ import annotations
 
-from rankdrop.exact.determinants import Determinants, Minor, MinorOf, MinorsLeft, minor_name
+from rankdrop.exact.arm.structure import listed
+from rankdrop.exact.determinants import Determinants, Minor, MinorOf, MinorsLeft, RowAxes, minor_name
 from rankdrop.sections import Formula
+from rankdrop.text.structure import point_text
+
+_AXES = {
+    RowAxes.EVERY_LINK: "the same number in the axes of every link",
+    RowAxes.TASK: "in the axes of the task",
+    RowAxes.LINK: "rows in the frame of link {link}",
+    RowAxes.SHORT: "rows in axes in which they are short",
+}
+_MEANINGS = {
+    MinorOf.BLOCK: "rows {rows}, joints 1 to {joints}: {axes}",
+    MinorOf.SCREWS: "$j = (v; ω) is the screw of joint j: the rank drops where all of these minors vanish; {axes}",
+    MinorOf.COLUMNS: "Jj is column j of J, rows {rows}: the rank drops where all of these minors vanish; {axes}",
+    MinorOf.ROWS: "each minor is made of as many rows as there are joints, {axes}: the rank drops where all of them "
+    "vanish",
+}
+"""What the minors are, and where the rank drops."""
 
 
 def lines(determinants: Determinants, most: int | None) -> tuple[str, ...]:
@@ -20,6 +37,30 @@ def lines(determinants: Determinants, most: int | None) -> tuple[str, ...]:
         found.append(Formula(f"{_name(determinants, minor)} = {minor.value.text(most)}"))
     found += (f"not done: {left}" for left in determinants.left)
     return tuple(found)
+
+
+def meaning_of_minors(determinants: Determinants) -> str:
+    """What the minors are, in which axes, and where the rank drops.
+
+    Example:
+        >>> meaning_of_minors(Determinants(MinorOf.BLOCK, ("vx", "vy"), 2, RowAxes.TASK, ()))
+        'rows vx, vy, joints 1 to 2: in the axes of the task'
+    """
+    rows, form = ", ".join(determinants.rows), determinants.form
+    if form is not None:
+        return (
+            f"rows {rows}, joints 1 to {determinants.joints}, reference point: {point_text(form)}; the determinant is "
+            "the same at the tip"
+        )
+    axes = _AXES[determinants.axes].format(link=determinants.link)
+    return _MEANINGS[determinants.of].format(rows=rows, joints=determinants.joints, axes=axes)
+
+
+def about_minor(minor: Minor) -> str:
+    """Rows and joints of a block: "J11, arm: rows vx, vy, vz of joints 1, 2, 3"; "" of another minor."""
+    if not minor.block:
+        return ""
+    return f"{minor.matrix}, {minor.block}: rows {', '.join(minor.rows)} of joints {listed(minor.joints)}"
 
 
 def minors_left_words(left: MinorsLeft) -> str:

@@ -65,6 +65,7 @@ _WORDED = {
     "Unfinished": "rankdrop.text.unfinished", "NotDerived": "rankdrop.text.unfinished",
     "Determinants": "rankdrop.text.determinants", "MinorsLeft": "rankdrop.text.determinants",
     "Minor": "rankdrop.text.determinants",
+    "Search": "rankdrop.text.searches", "Unseen": "rankdrop.text.searches",
     "Contradiction": "rankdrop.text.contradictions",
     "DerivationRemark": "rankdrop.text.remarks",
     "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",

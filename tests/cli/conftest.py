@@ -14,7 +14,7 @@ import pytest
 
 from rankdrop.cli import main
 from rankdrop.families.lost import LostFreedom
-from rankdrop.families.record import Check, CorankSummary, Family, Pin, Unseen
+from rankdrop.families.record import Check, CorankSummary, Estimator, Family, Pin, Unseen
 from rankdrop.families.row import vanishing_on
 from rankdrop.formula.equation import Equation, Term
 from rankdrop.results.analysis import Analysis, Settings
@@ -105,10 +105,10 @@ def made_up(*rows: Family, explained: int = 1000, complete: bool = True) -> Anal
     """An analysis of the PA-10 with the rows given: for what is shown, not for what is true."""
     robot = open_robot("pa10")
     task = resolve_task(None, robot, length_scale=1.4)
-    unseen = Unseen(0.0, 0.003, "Good–Turing: 0 of 8 pieces found once in 1000 points; rule of three")
+    unseen = Unseen(0.0, 0.003, Estimator.GOOD_TURING, once=0, pieces=8, number=1000)
     coranks = (
         CorankSummary(1, 5, 10_000, 9_999, 1, 0, 0.0053, Check(1000, explained), 0, unseen),
-        CorankSummary(2, 4, 10_000, 0, 10_000, 0, 0.3273, Check(0, 0), 0, Unseen(1.0, 1.0, "no point was found")),
+        CorankSummary(2, 4, 10_000, 0, 10_000, 0, 0.3273, Check(0, 0), 0, Unseen(1.0, 1.0, Estimator.NO_POINT)),
     )
     return Analysis(
         robot, task, 6, Settings(0, 10_000, False, 1.4, DEFAULT, "0.1.0"), coranks, rows,

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rankdrop.families.record import Estimator, Unseen
 from rankdrop.families.searching import binomial_upper, none_found, unseen
+from rankdrop.results.old_sentences import unseen_of_sentence
 
 
 def test_without_singletons_it_is_the_rule_of_three():
@@ -46,3 +48,13 @@ def test_bound_holds_at_least_nineteen_times_in_twenty(rng):
         counts = rng.multinomial(150, weights)
         inside += unseen(counts.tolist()).upper >= weights[counts == 0].sum()
     assert inside >= 0.95 * 300
+
+
+@pytest.mark.parametrize(
+    "result",
+    [unseen([500, 300]), unseen([90, 1, 2, 0]), unseen([]), none_found(2000),
+     Unseen(0.5, 0.7, Estimator.STORED, text="Good–Turing: 0 of 5 pieces found once in 10 points, by hand"),
+     Unseen(0.5, 0.7, Estimator.STORED, text=f"none of {'9' * 5000} starts converged; rule of three on the starts")],
+)  # fmt: skip
+def test_a_file_that_has_the_estimate_in_words_is_read_as_counts(result: Unseen) -> None:
+    assert unseen_of_sentence(result.how, result.estimate, result.upper) == result

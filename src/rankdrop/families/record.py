@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -224,19 +225,43 @@ class SpeedDistances:
     others: tuple[str, ...]
 
 
+class Estimator(StrEnum):
+    """How the share of unseen sets was estimated: from the pieces of points, or where no start converged; or a sentence
+    of a file that states neither."""
+
+    NO_POINT = "no point"
+    GOOD_TURING = "Good–Turing"
+    NO_START = "no start"
+    STORED = "old sentence"
+
+
 @dataclass(frozen=True, slots=True)
 class Unseen:
-    """Share of the search's convergence mass that lies on sets that no point has met.
+    """Share of the search's convergence mass that lies on sets without a point.
 
     Attributes:
         estimate: Good–Turing.
-        upper: upper bound at 95 % confidence.
-        how: the estimator in words, with the counts it used.
+        upper: upper bound at 95 % confidence; where `once` is 0, or no start converged, by the rule of three.
+        estimator: how both were estimated.
+        once: number of pieces with one point.
+        pieces: number of pieces with points.
+        number: of points on these pieces; of starts where none converged.
+        text: of the estimator STORED, the sentence.
     """
 
     estimate: float
     upper: float
-    how: str
+    estimator: Estimator
+    once: int = 0
+    pieces: int = 0
+    number: int = 0
+    text: str = ""
+
+    @property
+    def how(self) -> str:
+        """The estimator in words, with the counts it used."""
+        how: str = words_of(self).unseen_words(self)
+        return how
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,7 @@ no start is drawn to is beyond any such estimate.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cached_property
@@ -40,7 +40,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import drawn
-from rankdrop.families.record import Unseen
+from rankdrop.families.record import Estimator, Unseen
 from rankdrop.kinematics import chain_of, check_robot, configurations, task_view, whole_number
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.local.minimax import brought_down, stays_up
@@ -48,7 +48,7 @@ from rankdrop.options import takes
 from rankdrop.problem import Problem, into_one_turn
 from rankdrop.questions import SearchOptions
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import Section, html
+from rankdrop.sections import Section, html, words_of
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, TIE, Tolerances
 from rankdrop.units import in_units, into_units, out_of_units, task_in_units
@@ -217,9 +217,8 @@ class Search:
 
     def _repr_html_(self) -> str:
         """For notebooks: what became of the starts."""
-        counts = [(outcome_word(outcome), self.count(outcome)) for outcome in Outcome]
-        smallest = self.smallest_near_miss
-        return html([search_overview(self.robot, self.corank, counts, smallest, self.method, self.seed)])
+        sections: tuple[Section, ...] = words_of(self).sections_of(self)
+        return html(sections)
 
     def residual(self) -> float:
         """Largest σ[rank] over the converged starts, evaluated anew; 0.0 where there is none."""
@@ -534,38 +533,6 @@ def descend_to_minimum(problem: Problem, q: Array) -> tuple[Array, Array]:
     return found[0], found[1]
 
 
-def outcome_word(outcome: Outcome) -> str:
-    """For people: "near miss", "stuck on a crease"."""
-    if outcome is Outcome.CREASE:
-        return "stuck on a crease"
-    return outcome.name.lower().replace("_", " ")
-
-
-def search_overview(
-    robot: Robot, corank: int, counts: Sequence[tuple[str, int]], smallest: float | None, method: str, seed: int
-) -> Section:
-    """What became of the starts of one search.
-
-    Args:
-        robot: the arm.
-        corank: what was searched for.
-        counts: (outcome, how many starts).
-        smallest: smallest σ of a nonzero local minimum; None where there was none.
-        method, seed: how.
-    """
-    if smallest is None:
-        near = ""
-    else:
-        near = f"smallest near miss σ = {smallest:.4g}, not singular"
-    return Section(
-        f"{robot.name}: search for corank {corank}",
-        f"method {method}, seed {seed}",
-        columns=("outcome", "starts"),
-        rows=tuple((name, f"{count:,}") for name, count in counts if count),
-        after=(near,) if near else (),
-    )
-
-
 NORMAL = 1.645  # one-sided 95 % point of the normal distribution
 
 
@@ -581,17 +548,16 @@ def unseen(counts: Iterable[int]) -> Unseen:
     met = [int(count) for count in counts if count > 0]
     total = sum(met)
     if not total:
-        return Unseen(1.0, 1.0, "no point was found")
+        return Unseen(1.0, 1.0, Estimator.NO_POINT)
     once, twice = met.count(1), met.count(2)
     estimate = once / total
     upper = min(1.0, estimate + hypot(binomial_upper(once, total) - estimate, NORMAL * sqrt(2 * twice) / total))
-    how = f"Good–Turing: {once} of {len(met)} pieces found once in {total} points"
-    return Unseen(estimate, upper, how if once else f"{how}; rule of three")
+    return Unseen(estimate, upper, Estimator.GOOD_TURING, once, len(met), total)
 
 
 def none_found(starts: int) -> Unseen:
     """When no start converged: the share of starts that would is below the rule-of-three bound."""
-    return Unseen(0.0, binomial_upper(0, starts), f"none of {starts} starts converged; rule of three on the starts")
+    return Unseen(0.0, binomial_upper(0, starts), Estimator.NO_START, number=starts)
 
 
 def binomial_upper(successes: int, trials: int, confidence: float = 0.95) -> float:

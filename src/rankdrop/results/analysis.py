@@ -29,6 +29,7 @@ from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.contradictions import derivation_from_dict
 from rankdrop.results.names import name_of
 from rankdrop.results.old_files import conditions_of_derivation, exact_from_dict, freedoms_of_sentences
+from rankdrop.results.old_sentences import unseen_of_sentence
 from rankdrop.results.settings import Residual as Residual
 from rankdrop.results.settings import Settings as Settings
 from rankdrop.results.validate import at, check_analysis
@@ -269,9 +270,17 @@ def _check(record: Record, agree: str) -> Record:
 
 def corank_from_dict(record: Record) -> CorankSummary:
     """The summary of a record made by `SUMMARY`."""
-    completeness = _check(record["completeness"], "explained")
-    summary: CorankSummary = restored(CorankSummary, record | {"completeness": completeness})
-    return summary
+    entries = record | {"completeness": _check(record["completeness"], "explained")}
+    given = {name: restored(kind, entries[name]) for name, kind in _summary_types().items() if name != "unseen"}
+    unseen = record["unseen"]
+    estimate, upper = float(unseen["estimate"]), float(unseen["upper"])
+    return CorankSummary(**given, unseen=unseen_of_sentence(unseen["how"], estimate, upper))
+
+
+@cache
+def _summary_types() -> dict[str, Any]:
+    """Field of the summary of a corank -> its type."""
+    return get_type_hints(CorankSummary)
 
 
 @cache

@@ -55,7 +55,12 @@ SHARE = table(
     tested=(Count, "independent singular configurations of exactly this corank"),
     explained=(Count, "how many of them satisfy a row", attrgetter("agree")),
 )
-UNSEEN = table("unseen", of=Unseen, estimate=num("1", ge=0, le=1), upper=num("1", ge=0, le=1))
+UNSEEN = table(
+    "unseen", of=Unseen, estimate=(num("1", ge=0, le=1), "Good–Turing."),
+    upper=(num("1", ge=0, le=1), "upper bound at 95 % confidence."),
+    how=(str, "the estimator in words, with the counts it used."),
+    estimator=None, once=None, pieces=None, number=None, text=None,
+)  # fmt: skip
 SUMMARY = table(
     "summary", of=CorankSummary, corank=whole(ge=1, le=6), rank=whole(ge=0, le=5), starts=Count, converged=Count,
     near_misses=Count, slow=Count, smallest_near_miss=num("1") | None, completeness=SHARE, higher=Count,

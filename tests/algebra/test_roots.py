@@ -13,29 +13,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rankdrop.algebra import field, polynomial
+from rankdrop.algebra import factoring, field
+from rankdrop.algebra.factoring import factor
 from rankdrop.algebra.field import Point, roots_at, value_at
-from rankdrop.algebra.polynomial import (
+from rankdrop.algebra.gcd import _Images, gcd, image_modulo, quotient
+from rankdrop.algebra.polynomial import Equality, flint, is_number, norm, primitive, reciprocal, reduced_roots
+from rankdrop.algebra.ring import Ring, numeric_terms
+from rankdrop.algebra.roots import (
     PRIMES,
     ROOTS,
-    Equality,
-    factor,
-    flint,
-    gcd,
-    is_number,
-    norm,
+    embeddings,
     primes_with,
-    primitive,
-    quotient,
-    reciprocal,
-    reduced_roots,
     residues_of_roots,
     root_values,
     roots_of,
     sums_over_roots,
     surd,
 )
-from rankdrop.algebra.ring import Ring, numeric_terms
 from rankdrop.algebra.solving import Solved
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
@@ -209,7 +203,7 @@ def long_polynomial(seed: int, terms: int = 60):
 
 def test_slices_prove_a_long_polynomial_irreducible(monkeypatch: pytest.MonkeyPatch) -> None:
     """No norm is factored for it: that takes some twenty times as long."""
-    monkeypatch.setattr(polynomial, "_split", None)
+    monkeypatch.setattr(factoring, "_split", None)
     f = long_polynomial(1)
     assert factor(f) == [(primitive(f), 1)]
 
@@ -220,20 +214,20 @@ def test_slices_find_no_product_irreducible(place: int) -> None:
     x, y, a, w = RING.t[1], RING.t[2], RING.letter_half["a"], RING.letter_half["sqrt2"]
     factors = (x + w, y - 3 * w, a**2 + w, x * y + a * w)
     f = reduced_roots(long_polynomial(2, 20) * factors[place])
-    assert not polynomial._slices_irreducible(f)
+    assert not factoring._slices_irreducible(f)
     assert len(factor(f)) == 2
 
 
 def test_a_long_polynomial_without_roots_is_irreducible_on_slices_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """The factors of one minor of a general arm of seven joints take flint 11 s; of one that is alike 0.1 s."""
     calls: list[int] = []
-    slices = polynomial._slices_irreducible
+    slices = factoring._slices_irreducible
 
     def counted(f: Any) -> bool:
         calls.append(len(f))
         return slices(f)
 
-    monkeypatch.setattr(polynomial, "_slices_irreducible", counted)
+    monkeypatch.setattr(factoring, "_slices_irreducible", counted)
     x, y, a = RING.t[1], RING.t[2], RING.letter_half["a"]
     f = (x + 2 * y + 3 * a + 1) ** 15 + x * y + 7
     assert factor(f) == [(primitive(f), 1)]
@@ -245,9 +239,9 @@ def test_a_long_polynomial_without_roots_is_irreducible_on_slices_first(monkeypa
 def test_a_factor_that_is_a_number_modulo_the_primes_is_no_number() -> None:
     """Its slices have lower degrees than it, and are not taken."""
     x, y, a, w = RING.t[1], RING.t[2], RING.letter_half["a"], RING.letter_half["sqrt2"]
-    large = prod(polynomial._SMALL)
+    large = prod(factoring._SMALL)
     f = reduced_roots((x * y + a * w + 1) * (large * (x + y + a) + 1))
-    assert not polynomial._slices_irreducible(f)
+    assert not factoring._slices_irreducible(f)
     assert len(factor(f)) == 2
 
 
@@ -258,21 +252,21 @@ def test_variables_that_divide_a_polynomial_are_factors_and_roots_are_not() -> N
 
 
 def test_images_read_once_are_those_of_the_polynomial() -> None:
-    f = long_polynomial(3) * polynomial.flint().fmpq(2, 15)
-    images = polynomial._Images(f)
+    f = long_polynomial(3) * flint().fmpq(2, 15)
+    images = _Images(f)
     for prime in primes_with(ROOTS)[:2]:
-        for roots in polynomial._embeddings(ROOTS, prime):
-            assert images.at(roots, prime) == polynomial.image_modulo(f, roots, prime)
+        for roots in embeddings(ROOTS, prime):
+            assert images.at(roots, prime) == image_modulo(f, roots, prime)
 
 
 def test_values_before_and_after_an_image_is_made_are_the_same() -> None:
-    f = long_polynomial(4) * polynomial.flint().fmpq(3, 7)
+    f = long_polynomial(4) * flint().fmpq(3, 7)
     for prime in primes_with(ROOTS)[:2]:
         point = Point({name: 5 + place for place, name in enumerate(RING.names)}, prime)
         point.update(roots_at(RING, prime))
         values = {value_at(RING, f, point) for _ in range(field._SEEN)}
         assert isinstance(RING.images[id(f), prime], int)
-        image = polynomial.image_modulo(f, point, prime)
+        image = image_modulo(f, point, prime)
         assert {*values, value_at(RING, f, point)} == {int(image(*[0] * len(RING.names)))}
         assert not isinstance(RING.images[id(f), prime], int)
 

@@ -9,8 +9,10 @@ import pytest
 import rankdrop.algebra.polynomial as algebra
 import rankdrop.exact.tree as tree_module
 import rankdrop.verbs.deriving as deriving
+from rankdrop.algebra.factoring import factor
+from rankdrop.algebra.gcd import gcd, quotient
 from rankdrop.algebra.halt import OutOfTime
-from rankdrop.algebra.polynomial import factor, gcd, norm, quotient, watched
+from rankdrop.algebra.polynomial import norm, watched
 from rankdrop.algebra.ring import Ring
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze

@@ -11,8 +11,8 @@ import pytest
 from rankdrop.algebra import ring, zeroset
 from rankdrop.algebra.decompose import with_points
 from rankdrop.algebra.field import PRIMES, P, roots
-from rankdrop.algebra.polynomial import FURTHER
 from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.roots import FURTHER
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.families.record import exact_of

@@ -14,8 +14,9 @@ pytest.importorskip("flint")
 from reference.structured import H, arm, lost, structured
 
 from rankdrop.algebra.field import P
-from rankdrop.algebra.polynomial import PRIMES, flint
+from rankdrop.algebra.polynomial import flint
 from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.roots import PRIMES
 from rankdrop.algebra.solving import Solved
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet

@@ -15,19 +15,10 @@ from dataclasses import replace
 from itertools import combinations, islice
 from typing import NamedTuple
 
+from rankdrop.algebra.factoring import factor
 from rankdrop.algebra.field import Point, residue, roots_at, solvable_in_space, value_at
-from rankdrop.algebra.polynomial import (
-    COS_SIN,
-    Atom,
-    Polynomial,
-    coefficients,
-    divides,
-    factor,
-    gcd,
-    primitive,
-    used,
-    used_by,
-)
+from rankdrop.algebra.gcd import divides, gcd
+from rankdrop.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, primitive, used, used_by
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.solving import (
     Solved,

@@ -15,22 +15,9 @@ from math import lcm, prod
 from typing import Any
 
 from rankdrop.algebra.matrix import entries
-from rankdrop.algebra.polynomial import (
-    COS_SIN,
-    PRIMES,
-    ROOTS,
-    TANGENT,
-    Atom,
-    Number,
-    Polynomial,
-    Surd,
-    flint,
-    residues_of_roots,
-    roots_of,
-    used,
-    used_by,
-)
+from rankdrop.algebra.polynomial import COS_SIN, TANGENT, Atom, Polynomial, flint, used, used_by
 from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.roots import PRIMES, ROOTS, Number, Surd, residues_of_roots, roots_of
 from rankdrop.algebra.work import tick
 
 P = PRIMES[0]

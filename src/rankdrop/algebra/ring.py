@@ -22,28 +22,24 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.algebra.factoring import factor
 from rankdrop.algebra.halt import Halt, HaltKind, TooLong
 from rankdrop.algebra.polynomial import (
     COS_SIN,
     TANGENT,
     Atom,
     Factors,
-    Number,
     Polynomial,
-    Surd,
     coefficient,
     coefficients,
-    factor,
     flint,
     order,
-    primes_with,
     primitive,
     reduced_roots,
     roots_in,
-    sums_over_roots,
     used,
-    with_inner,
 )
+from rankdrop.algebra.roots import Number, Surd, primes_with, sums_over_roots, with_inner
 from rankdrop.algebra.work import tick
 from rankdrop.robot.model import Array
 

@@ -18,25 +18,23 @@ from itertools import chain, combinations, permutations
 from math import prod
 
 from rankdrop.algebra.field import dense, plane_size, reduced, residue, roots, solvable_in_space
+from rankdrop.algebra.gcd import image_modulo
 from rankdrop.algebra.halt import Halt, HaltKind, TooLong
 from rankdrop.algebra.polynomial import (
-    PRIMES,
     Atom,
     Polynomial,
     coefficient,
     coefficients,
     flint,
-    image_modulo,
     norm,
-    primes_with,
     primitive,
     reduced_roots,
-    residues_of_roots,
     roots_in,
     used,
     used_by,
 )
 from rankdrop.algebra.ring import Form, Ring
+from rankdrop.algebra.roots import PRIMES, primes_with, residues_of_roots
 from rankdrop.algebra.work import Work, tick
 
 _HUGE = 20_000_000  # products of terms: a second or two

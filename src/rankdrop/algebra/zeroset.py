@@ -33,8 +33,9 @@ from rankdrop.algebra.field import (
     value_at,
     zeros_in_space,
 )
-from rankdrop.algebra.polynomial import FURTHER, ROOTS, TANGENT, Atom, Number, Polynomial, primes_with, used, used_by
+from rankdrop.algebra.polynomial import TANGENT, Atom, Polynomial, used, used_by
 from rankdrop.algebra.ring import Form, Ring
+from rankdrop.algebra.roots import FURTHER, ROOTS, Number, primes_with
 from rankdrop.algebra.solving import Solved
 from rankdrop.lists import without
 

@@ -11,19 +11,11 @@ from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
 
+from rankdrop.algebra.factoring import factor
 from rankdrop.algebra.field import residue
-from rankdrop.algebra.polynomial import (
-    ROOTS,
-    WRITTEN,
-    Polynomial,
-    approximation,
-    factor,
-    flint,
-    is_number,
-    primitive,
-    roots_in,
-)
+from rankdrop.algebra.polynomial import Polynomial, flint, is_number, primitive, roots_in
 from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.roots import ROOTS, WRITTEN, approximation
 from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, merge, tidy

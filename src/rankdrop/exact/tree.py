@@ -36,9 +36,11 @@ from math import prod
 
 from rankdrop.algebra.decompose import cut, meet, pinned, with_points, zero_where
 from rankdrop.algebra.field import P, rank, residues, roots_at, value_at
+from rankdrop.algebra.gcd import image_modulo
 from rankdrop.algebra.matrix import each_entry, entries, submatrix
-from rankdrop.algebra.polynomial import ROOTS, Atom, Polynomial, flint, image_modulo, primitive
+from rankdrop.algebra.polynomial import Atom, Polynomial, flint, primitive
 from rankdrop.algebra.ring import Form, Ring, Terms, replace_angles
+from rankdrop.algebra.roots import ROOTS
 from rankdrop.algebra.work import OutOfTime, TooLong, Work, halt_of, spent, tick, watched
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain

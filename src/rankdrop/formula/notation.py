@@ -28,8 +28,9 @@ from math import comb, gcd, lcm, pi
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
-from rankdrop.algebra.polynomial import ROOTS, WRITTEN, Polynomial, approximation, flint, rational_square, reduced_roots
+from rankdrop.algebra.polynomial import Polynomial, flint, reduced_roots
 from rankdrop.algebra.ring import Form, Ring
+from rankdrop.algebra.roots import ROOTS, WRITTEN, approximation, rational_square
 from rankdrop.formula.equation import pretty_angle, share_of_pi
 
 

@@ -28,7 +28,6 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from rankdrop.algebra.polynomial import (
-    ROOTS,
     SIMPLE,
     Atom,
     Factors,
@@ -38,10 +37,10 @@ from rankdrop.algebra.polynomial import (
     primitive,
     reciprocal,
     reduced_roots,
-    sums_over_roots,
     used,
 )
 from rankdrop.algebra.ring import Form, Ring, polynomial_of
+from rankdrop.algebra.roots import ROOTS, sums_over_roots
 from rankdrop.errors import OptionError
 from rankdrop.formula.equation import Equation, Term, normalised
 from rankdrop.formula.notation import (

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations, groupby
+from math import e
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -256,7 +257,7 @@ def _maybe_dependent(unit: Array, members: NDArray[np.intp], tolerance: float) -
     """
     inner = unit.T @ unit
     determinants = np.linalg.det(inner[members[:, :, None], members[:, None, :]])
-    return np.asarray(determinants <= np.e * tolerance**2 + _ROUNDING)
+    return np.asarray(determinants <= e * tolerance**2 + _ROUNDING)
 
 
 def _dependent(unit: Array, sets: Sequence[tuple[int, ...]], tolerance: float) -> list[bool]:

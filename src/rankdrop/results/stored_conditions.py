@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.algebra.polynomial import Polynomial, flint, root_values, with_inner
+from rankdrop.algebra.polynomial import Polynomial, flint
 from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.roots import root_values, with_inner
 from rankdrop.codec import Record, plain, restored
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import ring_of

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rankdrop.algebra.halt import Halt, HaltKind
-from rankdrop.algebra.polynomial import PRIMES
+from rankdrop.algebra.roots import PRIMES
 from rankdrop.families.not_derived import NotDerived, NotDerivedKind
 from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.options import advised

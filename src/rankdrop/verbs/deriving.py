@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.algebra.halt import Halt, HaltKind
-from rankdrop.algebra.polynomial import PRIMES
+from rankdrop.algebra.roots import PRIMES
 from rankdrop.algebra.work import GRACE, SLOWER, OutOfTime, Work, halt_of
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain

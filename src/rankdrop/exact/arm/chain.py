@@ -14,18 +14,9 @@ from functools import cached_property
 import numpy as np
 
 from rankdrop.algebra.matrix import count_terms, each_entry, with_rows
-from rankdrop.algebra.polynomial import (
-    ROOTS,
-    Number,
-    Polynomial,
-    flint,
-    is_number,
-    primitive,
-    reciprocal,
-    root_values,
-    roots_of,
-)
+from rankdrop.algebra.polynomial import Polynomial, flint, is_number, primitive, reciprocal
 from rankdrop.algebra.ring import Ring
+from rankdrop.algebra.roots import ROOTS, Number, root_values, roots_of
 from rankdrop.algebra.work import OutOfTime
 from rankdrop.errors import RobotError, TaskError
 from rankdrop.exact.arm.geometry import (

@@ -19,7 +19,7 @@ from math import acos, atan2, degrees, pi, radians, remainder, tan
 
 import numpy as np
 
-from rankdrop.algebra.polynomial import ROOTS, Number, surd
+from rankdrop.algebra.roots import ROOTS, Number, surd
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.exact.arm.parts import parts_of
 from rankdrop.lists import flat_map

@@ -14,11 +14,12 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.path.check.turns import far_turns
 from rankdrop.path.curve import curve
-from rankdrop.path.mend.bumps import least_motion, step, tool_off
+from rankdrop.path.mend.bumps import CLEARANCE, least_motion, step, tool_off
 from rankdrop.path.mend.remedies import LOCAL, Mending, Remedy, mend_path
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
 
 MIDDLE = {"irb120": (0, -40, 20, 20, 30, 10), "ur5e": (0, -80, 90, -60, 30, 0), "puma560": (0, -40, 40, 20, 30, 10)}
 DEPTH, LASTS = 1.3, 0.65  # of the wrist [°], and how long it stays there [s]
@@ -229,10 +230,25 @@ def test_a_detour_of_two_rows_keeps_the_tool_between_them() -> None:
 
 
 @pytest.mark.slow
+def test_a_detour_is_no_larger_than_its_clearance_needs() -> None:
+    """UR5e: axis 4 is level, axis 6 turns with the tool, and joint 5 is the angle between both. At a small length scale
+    the tip stays in its place and axis 4 with it, and the least detour is a turn by the clearance that is kept.
+    """
+    robot = open_robot("ur5e")
+    q, t = crossing("ur5e", 400)
+    task = resolve_task("pose", robot, length_scale=0.02)
+    best = mend_path(rankdrop.check_path(robot, q, t, task=task), kinds=("detour",)).best
+    assert best is not None
+    assert best.off[0] < 1e-5
+    assert best.off[1] == pytest.approx(0.9 * CLEARANCE, rel=0.05)
+
+
+@pytest.mark.slow
 def test_a_detour_says_which_joint_turns_how_far() -> None:
     _, _, best = led_around("irb120")
+    assert best.off[1] < 1e-4  # the tool moves aside, which is the smaller change here, and does not turn
     turned = {turn.joint: np.degrees(abs(turn.angle)) for turn in best.turns}
-    assert turned[4] == pytest.approx(180.0, abs=5.0)
+    assert turned[4] == pytest.approx(180.0, abs=8.0)
     assert "joint 4 turns 1" in str(mend_text(best))
 
 

@@ -15,7 +15,7 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.path.check.check import check_poses
 from rankdrop.path.check.record import PathCheck
-from rankdrop.path.mend.detours import Hindrance
+from rankdrop.path.mend.detours import Hindrance, lost_motions
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, Window
 from rankdrop.path.mend.remedies import LOCAL, mend_path
 from rankdrop.robot.model import Array
@@ -57,7 +57,7 @@ def test_no_tool_motion_of_the_same_size_goes_farther_along_the_lost_direction()
         other = rng.normal(size=(500, 6)) * np.repeat(10.0 ** rng.uniform(-2.0, 2.0, (500, 2)), 3, axis=1)
         other = np.concatenate([other, lost[None]])
         other /= (np.linalg.norm(other[:, :3], axis=1) + np.linalg.norm(other[:, 3:], axis=1))[:, None]
-        way = work.motions(q)[0]
+        way = lost_motions(work.aim, work.tool.rank, q)[0]
         assert np.linalg.norm(way[:3]) + np.linalg.norm(way[3:]) == pytest.approx(1.0)
         assert lost @ way >= (other @ lost).max() - 1e-12
         gains.append(lost @ way / (other[-1] @ lost))

@@ -1,13 +1,14 @@
 """Local changes of the tool's path: led around a singularity that the joints would cross to the other side.
 
 A joint path that goes from one side of a singularity to the other crosses it whatever is done to it nearby. The tool
-can go on all the same: it is moved by ε B(t) along u, the direction that is lost at the crossing,
+can go on all the same: it is moved along u, the direction that is lost at the crossing,
 
-    T′(t) = exp(ε B(t) û) T(t),   u the left singular vector of σ_r at the crossing,
+    T′(t) = exp(ε B(t) w) T(t),   u the left singular vector of σ_r at the crossing,
 
-with B as in `path.mend.bumps`, and the joints follow on the branch that they are on. At a wrist they turn half around
-while the tool passes by; at the edge of reach they stay bent. After the window the tool is on its old path, and the
-arm on another branch of the inverse kinematics, up to the next crossing, where it may come back.
+with B as in `path.mend.bumps` and w the way or the turn of u with the larger share, or else the other one; the least ε
+is taken that leaves room. The joints follow on the branch that they are on. At a wrist they turn half around while the
+tool passes by; at the edge of reach they stay bent. After the window the tool is on its old path, and the arm on
+another branch of the inverse kinematics, up to the next crossing, where it may come back.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ _RAMP = 0.3  # shortest ramp of a path in time [s]
 _SLOPE = 0.1  # … and of a path without times [rad]
 _FINEST, _USUAL = 1e-2, 0.5  # sizes that are tried: shares of the clearance, at an edge of reach and else …
 _WIDENED, _GROWING = 8.0, 2.0  # … up to so many times the bound, each so many times the one before
-_LOOKS = 100  # places of a window at first, besides the rows
+_FINER, _TRIES = 1.02, 6  # … made smaller until the room is about what is kept; smaller sizes that are tried
+_SHARE = 1e-3  # along the lost direction of a way or a turn that is tried, at least
+_LOOKS = 101  # places of a window at first, close together near the crossing, besides the rows
 _NEARER = 0.9  # share of the clearance that is kept where the joints follow
 _BACK = 1e-6  # a configuration so near to the old path is on it again [rad]
 
@@ -63,6 +66,24 @@ class Detour:
     q: Array
     off: tuple[float, float]
     rest: tuple[Array, Array] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Where the tool is moved.
+
+    Attributes:
+        ends: (4,) of the clock: where the ramps begin, where they end, and the same on the way back.
+        low, high: its ends, places counted in stretches from 0.
+        middle: the crossing.
+        start: (n,) configuration at its beginning; None: the one of the old path.
+    """
+
+    ends: tuple[float, float, float, float]
+    low: float
+    high: float
+    middle: float
+    start: Array | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +141,23 @@ def moved_along(aim: Aim, poses: Array, twist: Array) -> Array:
         out[:, :3, :3] = turn @ here
     out[:, :3, 3] += shift + (here - out[:, :3, :3]) @ aim.point
     return out
+
+
+def lost_motions(aim: Aim, rank: int, q: Array) -> list[Array]:
+    """Tool motions (m,) of size 1: the way and the turn along the lost direction û, the larger share û·w first.
+
+    û is the left singular vector of σ_r at q (n,). A size is a sum, |w_v| + |w_ω|: a way alone, or a turn alone, has
+    the largest share. The branch goes on along w only where its shares along û before the singularity, and along û′
+    after it, half a turn of two joints on, have opposite signs: û·w û′·w < 0. Where that is so for w = û, it is so for
+    its way, or for its turn.
+    """
+    left = np.linalg.svd(aim.jacobian(q[None])[0])[0]
+    lost = left[:, rank - 1]
+    ways = np.array([row < 3 for row in aim.rows])
+    parts = [np.where(ways, lost, 0.0), np.where(ways, 0.0, lost)]
+    parts.sort(key=lambda part: -float(np.linalg.norm(part)))
+    sizes = [float(np.linalg.norm(part)) for part in parts]
+    return [part / size for part, size in zip(parts, sizes, strict=True) if size > _SHARE]
 
 
 @dataclass(eq=False)
@@ -180,42 +218,76 @@ class Detourer:
         self, core: Core, ends: tuple[float, float, float, float], low: float, high: float, start: Array | None,
         clearance: float,
     ) -> Detour | NoDetour:  # fmt: skip
-        """The detour around one crossing, of the least size at which the joints follow.
+        """The detour around one crossing along the larger share of the lost direction, or else along the other."""
+        window = Window(ends, low, high, core.stretches[0].closest.place.position - 1.0, start)
+        first, *others = self._motions(core)
+        made = self._led_along(first, core, window, clearance)
+        for motion in others:
+            if isinstance(made, Detour):
+                break
+            other = self._led_along(motion, core, window, clearance)
+            if isinstance(other, Detour):
+                made = other
+        return made
 
-        Of both ways along the lost direction the one that comes back to the old path where the arm has left it. Rates
-        go as 1/ε; where they break limits a new time law keeps them.
+    def _led_along(self, motion: Array, core: Core, window: Window, clearance: float) -> Detour | NoDetour:
+        """The detour along a tool motion (m,) of size 1, of the least size at which the joints follow.
+
+        Of both ways along it the one that comes back to the old path where the arm has left it. Rates go as 1/ε; where
+        they break limits a new time law keeps them.
         """
-        bumper = self.bumper
-        lost = self._lost(core)
-        if start is None:
-            begin = bumper.at(np.array([low]))[0]
-        else:
-            begin = start
         limited = False
-        ways = [lost, -lost]
+        ways, before = [motion, -motion], 0.0
         for size in self._sizes(clearance):
-            looks = [(way, *self._look(ends, low, high, begin, size * way)) for way in ways]
+            looks = [(way, *self._look(window, size * way)) for way in ways]
             held = [found.reason == "limit" for _, _, found in looks]  # larger ones turn the joints as far
             limited |= any(held)
             ways = [way for way, stops in zip(ways, held, strict=True) if not stops]
             clear = [one for one in looks if self._clear(one[1], one[2], clearance)]
             if not clear:
+                before = size
                 continue
             if size > self.bound * (1 + 1e-9):
                 return NoDetour(core, Hindrance.TOOL, size)
-            clear.sort(key=lambda one: start is not None and not self._same(high, one[2].q[-1]))
-            for _, moved, _ in clear:
-                made = self._made(moved, low, high, begin, clearance)
-                if made is not None:
-                    return made
+            clear.sort(key=lambda one: window.start is not None and not self._same(window.high, one[2].q[-1]))
+            for way, moved, found in clear:
+                paths = self._smaller(window, way, (before, size), found, clearance)
+                for path in (*reversed(paths), moved):
+                    made = self._made(path, window, clearance)
+                    if made is not None:
+                        return made
+            before = size
         return NoDetour(core, Hindrance.LIMIT if limited else Hindrance.TOOL)
 
-    def _lost(self, core: Core) -> Array:
-        """(m,) the task direction that is lost at a crossing, in the axes of `Aim`."""
+    def _smaller(
+        self, window: Window, way: Array, sizes: tuple[float, float], found: Followed, clearance: float
+    ) -> list[MovedTool]:
+        """Tool paths moved along a way by ever smaller sizes that are enough, from the larger of two that is, to the
+        smaller one that is not. The room at size ε grows as ε, or at an edge of reach as √ε: both guesses are enough.
+        """
+        paths: list[MovedTool] = []
+        too_small, enough = sizes
+        wanted = _FINER * _NEARER * clearance
+        room = float(self.bumper.tool.room(found.q).min())
+        for _ in range(_TRIES):
+            if room <= _FINER * wanted:
+                break
+            guess = enough * wanted / room
+            if guess <= too_small:
+                guess = float(np.sqrt(too_small * enough))
+            moved, found = self._look(window, guess * way)
+            if self._clear(moved, found, clearance):
+                paths.append(moved)
+                enough, room = guess, float(moved.room(found.q).min())
+            else:
+                too_small = guess
+        return paths
+
+    def _motions(self, core: Core) -> list[Array]:
+        """Tool motions along the direction that is lost at a crossing, in the axes of `Aim`."""
         bumper = self.bumper
         place = core.stretches[0].closest.place.position - 1.0
-        jacobian = bumper.tool.aim.jacobian(bumper.at(np.array([place])))[0]
-        return np.asarray(np.linalg.svd(jacobian)[0][:, bumper.tool.rank - 1])
+        return lost_motions(bumper.tool.aim, bumper.tool.rank, bumper.at(np.array([place]))[0])
 
     def _clear(self, moved: MovedTool, found: Followed, clearance: float) -> bool:
         return found.complete and float(moved.room(found.q).min()) >= _NEARER * clearance
@@ -241,19 +313,26 @@ class Detourer:
             return None
         return full - ahead, full, back, back + behind
 
-    def _look(
-        self, ends: tuple[float, float, float, float], low: float, high: float, start: Array, twist: Array
-    ) -> tuple[MovedTool, Followed]:
-        """The joints along the moved tool, at the rows and some places between."""
-        bumper = self.bumper
+    def _look(self, window: Window, twist: Array) -> tuple[MovedTool, Followed]:
+        """The joints along the moved tool, at the rows and some places between, most near the crossing."""
+        bumper, low, high = self.bumper, window.low, window.high
         rows = np.arange(np.ceil(low), np.floor(high) + 1)
-        place = np.unique(np.concatenate([[low], rows, np.linspace(low, high, _LOOKS), [high]]))
+        u = np.linspace(-1.0, 1.0, _LOOKS)
+        close = window.middle + np.where(u < 0.0, window.middle - low, high - window.middle) * np.sign(u) * u * u
+        place = np.unique(np.concatenate([rows, close.clip(low, high), [low, high]]))
         plain = {name: getattr(bumper.tool, name) for name in ToolPath.__dataclass_fields__}
-        moved = MovedTool(**plain, twist=twist, ends=ends, clock=bumper.clock).at_places(place)
-        return moved, moved.followed(start)
+        moved = MovedTool(**plain, twist=twist, ends=window.ends, clock=bumper.clock).at_places(place)
+        return moved, moved.followed(self._begin(window))
 
-    def _made(self, moved: MovedTool, low: float, high: float, start: Array, clearance: float) -> Detour | None:
+    def _begin(self, window: Window) -> Array:
+        """(n,) the configuration at the beginning of a window."""
+        if window.start is None:
+            return np.asarray(self.bumper.at(np.array([window.low]))[0])
+        return window.start
+
+    def _made(self, moved: MovedTool, window: Window, clearance: float) -> Detour | None:
         """A detour at rows so close that the tool stays on its way between them; None where it comes too near."""
+        start = self._begin(window)
 
         def run(path: ToolPath) -> Followed:
             return path.followed(start)
@@ -262,7 +341,7 @@ class Detourer:
         if not found.complete or float(fine.room(found.q).min()) < _NEARER * clearance:
             return None
         off = self._off(fine.place, found.q)
-        return Detour(low, high, fine.place, found.q, off)
+        return Detour(window.low, window.high, fine.place, found.q, off)
 
     def _off(self, place: Array, q: Array) -> tuple[float, float]:
         """How far the tool leaves the old path at rows, and in the middle between two: [m], [rad]."""

@@ -24,7 +24,7 @@ from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import Curve, Place
 from rankdrop.path.mend.bumps import step
 from rankdrop.path.mend.candidates import ToolPath
-from rankdrop.path.mend.detours import Hindrance, moved_along
+from rankdrop.path.mend.detours import Hindrance, lost_motions, moved_along
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.poses.inverse import Aim
 from rankdrop.problem import Mask
@@ -40,7 +40,6 @@ _NEARER = 0.9  # share of the clearance that is kept
 _BESIDE = 15.0  # times the clearance: a joint that reaches its limit after coming so near turned because of that
 _SHORTEST = 0.02  # half of a core at least, by the clock
 _INSTANT = 1e-9  # rows nearer in time are one [s]
-_SHARE = 1e-3  # along the lost direction of a way or a turn that is tried, at least
 _MET = 0.05  # share of the clearance below which a path counts as at the singularity
 _ROWS = 40  # of a window at least
 _MOST = 12  # windows
@@ -230,7 +229,8 @@ class PoseDetourer:
         spans = self._spans(places[: end + 1], last_clear, place)
         if not spans:
             return Blocked(place, Hindrance.END)
-        larger, *smaller = self.motions(run.q[clear[-1]])  # nearer, two joints may have begun to turn half around
+        before = run.q[clear[-1]]  # nearer, two joints may have begun to turn half around
+        larger, *smaller = lost_motions(self.aim, self.tool.rank, before)
         made = self._led_along(larger, spans, places, run.q, place)
         for motion in smaller:
             if not isinstance(made, Blocked):
@@ -276,25 +276,6 @@ class PoseDetourer:
             if span is not None:
                 spans.append(span)
         return spans
-
-    def _lost_direction(self, q: Array) -> Array:
-        """(m,) the direction û that is lost at a configuration: the left singular vector of σ_r."""
-        left = np.linalg.svd(self.aim.jacobian(q[None])[0])[0]
-        return np.asarray(left[:, self.tool.rank - 1])
-
-    def motions(self, q: Array) -> list[Array]:
-        """Tool motions (m,) of size 1: the way and the turn along the lost direction û, the larger share û·w first.
-
-        A size is a sum, |w_v| + |w_ω|: a way alone, or a turn alone, has the largest share. The branch goes on along w
-        only where its shares along û before the singularity, and along û′ after it, half a turn of two joints on, have
-        opposite signs: û·w û′·w < 0. Where that is so for w = û, it is so for its way, or for its turn.
-        """
-        lost = self._lost_direction(q)
-        ways = np.array([row < 3 for row in self.task.rows])
-        parts = [np.where(ways, lost, 0.0), np.where(ways, 0.0, lost)]
-        parts.sort(key=lambda part: -float(np.linalg.norm(part)))
-        sizes = [float(np.linalg.norm(part)) for part in parts]
-        return [part / size for part, size in zip(parts, sizes, strict=True) if size > _SHARE]
 
     def _limited(self, place: float, spans: list[Span], q: Array, lost: Array, sizes: Array) -> Blocked:
         """Why no window does: the joint that would have to go least beyond its limit, where one would do without."""

@@ -105,7 +105,7 @@ def test_the_way_lost_before_the_joints_turn_leads_around(monkeypatch: pytest.Mo
     """
     _, t, check = checked("ur10e")
     work = PoseDetourer(check, float(np.radians(2.0)), CLEARANCE)
-    way, turn = work.motions(np.radians([-1, -69, 87, -78, 0.1, 4]))
+    way, turn = lost_motions(work.aim, work.tool.rank, np.radians([-1, -69, 87, -78, 0.1, 4]))
     assert not way[3:].any()
     assert not turn[:3].any()
     (window,) = _windows(work)
@@ -115,7 +115,8 @@ def test_the_way_lost_before_the_joints_turn_leads_around(monkeypatch: pytest.Mo
     assert singular_values(check.robot, made.q, check.task)[:, 5].min() > 1e-4
     assert (made.times[0], made.times[-1]) == (t[0], t[-1])
     again = PoseDetourer(check, float(np.radians(2.0)), CLEARANCE)
-    monkeypatch.setattr(again, "motions", lambda q: [np.array([0.0, 0.0, 0.0, 0.867, -0.015, 0.498]), way])
+    motions = [np.array([0.0, 0.0, 0.0, 0.867, -0.015, 0.498]), way]
+    monkeypatch.setattr("rankdrop.path.mend.pose_detours.lost_motions", lambda aim, rank, q: motions)
     tried: list[object] = []
     led = again._led_along
     monkeypatch.setattr(again, "_led_along", lambda *arguments: tried.append(led(*arguments)) or tried[-1])

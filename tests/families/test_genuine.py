@@ -15,7 +15,7 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BODY, resolve_task
-from rankdrop.text.conditions import of_conditions
+from rankdrop.text.claims import of_conditions
 from rankdrop.units import in_units, task_in_units
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions

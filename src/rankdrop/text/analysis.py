@@ -6,7 +6,7 @@ from rankdrop.results.analysis import Analysis
 from rankdrop.sections import Section
 from rankdrop.text.aspects import aspects_line
 from rankdrop.text.brief import speed_section
-from rankdrop.text.conditions import of_analysis, opening, summary_of_analysis
+from rankdrop.text.claims import of_analysis, opening, summary_of_analysis
 from rankdrop.text.families import inside_limits, overview
 from rankdrop.text.latex import latex_tables
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rankdrop.algebra.halt import Halt, HaltKind
 from rankdrop.algebra.roots import PRIMES
 from rankdrop.families.not_derived import NotDerived, NotDerivedKind
@@ -161,3 +163,12 @@ def _without_points(unfinished: Unfinished) -> str:
         f"{sets} ({shortest}) could not be derived: roots of numbers that stand in the conditions exist modulo none of "
         f"the {len(PRIMES)} primes by which ranks are taken. Whether the rank drops inside is not known{advice}"
     )
+
+
+def why_lowest(conditions: Any) -> str:
+    """Why coranks above the last one were not derived."""
+    last = conditions.generic_rank - conditions.lowest
+    asked = conditions.settings.coranks
+    if conditions.undivided and (asked is None or asked > last):
+        return "were not derived separately, and lie on families and cases of lower corank"
+    return "were not asked for"

@@ -112,7 +112,7 @@ FOREIGN = {
 }  # fmt: skip
 """Modules that take texts apart which are no sentences of the package, and whose or what these are."""
 OWN = {
-    "formula/notation.py": 6, "formula/writing.py": 1, "text/code.py": 6,
+    "formula/notation.py": 6, "formula/shortest.py": 1, "text/code.py": 6,
     "text/conditions.py": 2, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
 }  # fmt: skip
 """Module -> places that take a sentence or a name apart that the package itself made: to be fewer, never more."""

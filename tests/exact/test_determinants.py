@@ -15,7 +15,7 @@ from rankdrop.codec import encode
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.determinants import Minor, MinorOf, determinants_of
 from rankdrop.formula.notation import Python
-from rankdrop.formula.writing import Value
+from rankdrop.formula.value import Value
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
 from rankdrop.robot.open import open_robot

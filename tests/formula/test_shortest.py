@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.formula.notation import Product, Sum, Symbol, Text, Wave, fourier, half_of, product, total, wave
-from rankdrop.formula.writing import gathered, length, shortest
+from rankdrop.formula.shortest import gathered, length, shortest
 
 
 def same(form, f, ring) -> bool:

@@ -18,7 +18,9 @@ from rankdrop.exact.letters import letters_text
 from rankdrop.families.record import exact_of
 from rankdrop.formula.notation import SUPERSCRIPT, C, Python, half_of
 from rankdrop.formula.reading import read
-from rankdrop.formula.writing import Condition, Quotient, Value, ratio
+from rankdrop.formula.shortest import ratio
+from rankdrop.formula.value import Quotient, Value
+from rankdrop.formula.writing import Condition
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions

@@ -60,7 +60,8 @@ from rankdrop.exact.conjunctions import values_of
 from rankdrop.exact.method_reason import Parting, PartingKind
 from rankdrop.exact.signs import look, merged
 from rankdrop.families.name import ArmPart, FamilyName
-from rankdrop.formula.writing import FOLDED, Quotient, Value, atoms_text
+from rankdrop.formula.value import FOLDED, Quotient, Value
+from rankdrop.formula.writing import atoms_text
 from rankdrop.kinematics import task_jacobian
 from rankdrop.lists import flat_map
 from rankdrop.local.axes import Scene

@@ -35,7 +35,8 @@ from rankdrop.exact.lint import round_points
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import name_family
 from rankdrop.formula.notation import Text, Wave
-from rankdrop.formula.writing import ratio, text_of
+from rankdrop.formula.shortest import ratio
+from rankdrop.formula.writing import text_of
 from rankdrop.kinematics import one_configuration
 from rankdrop.lists import flat_map
 from rankdrop.local.block import generic_rank, singular_values

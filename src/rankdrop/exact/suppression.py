@@ -28,7 +28,7 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic, triples
 from rankdrop.exact.stratum import Product, Stratum, atoms_on, factor_on_stratum, joined, vanishes
-from rankdrop.formula.writing import Value
+from rankdrop.formula.value import Value
 from rankdrop.lists import flat_map
 
 Columns = Sequence[Sequence[Polynomial]]

@@ -884,3 +884,10 @@ def _part(waiting: list[str]) -> str:
     if waiting:
         waiting.pop()
     return f"<mrow>{inside}</mrow>"
+
+
+def in_parts(notation: Python, parts: Mapping[int, int]) -> Python:
+    """A notation for forms in which the angles of some joints are parts of their own."""
+    if parts:
+        return replace(notation, divisors=parts)
+    return notation

@@ -14,7 +14,7 @@ from rankdrop.codec import Result
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.determinants import ClosedInverse
 from rankdrop.formula.notation import Python
-from rankdrop.formula.writing import FOLDED
+from rankdrop.formula.value import FOLDED
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, words_of
 from rankdrop.task import Task

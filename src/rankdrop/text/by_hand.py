@@ -19,15 +19,9 @@ from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.suppression import Case, Dependence, Proof, Suppression
 from rankdrop.exact.tree import Tree
 from rankdrop.formula.notation import Step, Text, fourier
-from rankdrop.formula.writing import (
-    Condition,
-    Value,
-    atoms_text,
-    condition_text,
-    count_alternatives,
-    single_angles,
-    text_of,
-)
+from rankdrop.formula.shortest import single_angles
+from rankdrop.formula.value import Value
+from rankdrop.formula.writing import Condition, atoms_text, condition_text, count_alternatives, text_of
 from rankdrop.lists import flat_map
 from rankdrop.sections import Formula
 from rankdrop.task import ROWS

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from rankdrop.formula.notation import Latex, latex_name
-from rankdrop.formula.writing import form_of, text_of
+from rankdrop.formula.shortest import form_of
+from rankdrop.formula.writing import text_of
 from rankdrop.results.jacobian_in_frame import Agreement, CheckKind, LinkJacobian, Numbers, regular
 from rankdrop.robot.model import Array
 from rankdrop.sections import Section

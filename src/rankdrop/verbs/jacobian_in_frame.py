@@ -17,7 +17,8 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import first_and_last
 from rankdrop.exact.arm.structure import check_frame, frame_jacobian, sizes
 from rankdrop.exact.determinants import ClosedInverse, closed_inverse
-from rankdrop.formula.writing import Quotient, number_at, single_angles
+from rankdrop.formula.shortest import single_angles
+from rankdrop.formula.value import Quotient, number_at
 from rankdrop.kinematics import check_robot, jacobian, one_configuration, pose
 from rankdrop.local.block import sample
 from rankdrop.results.jacobian_in_frame import Agreement, CheckKind, LinkJacobian, Numbers, regular

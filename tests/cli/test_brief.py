@@ -19,9 +19,12 @@ from rankdrop.cli import exits, main
 from rankdrop.cli.terminal import BRIEF, fitted, print_blocks
 from rankdrop.families.record import Check
 from rankdrop.families.summary import Evidence, FamilySummary, RankSummary
+from rankdrop.named_tasks import WORLD_ALIGNED
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import known_names, shipped
+from rankdrop.robot.open import open_robot
 from rankdrop.sections import Section
+from rankdrop.task import Task
 from rankdrop.text import opening
 
 WIDTH = 80
@@ -123,6 +126,15 @@ def ranked(rank: int, families: int, combinations: int, **names: int) -> RankSum
 )  # fmt: skip
 def test_families_are_counted_by_rank(ranks: tuple[RankSummary, ...], said: str) -> None:
     assert opening(FamilySummary("arm", 6, ranks, Evidence.TESTED, 10)) == said
+
+
+def test_an_arm_that_moves_no_row_of_the_task_is_singular_everywhere() -> None:
+    arm = open_robot("planar3r")
+    lifted = Task("lift", (2,), WORLD_ALIGNED)
+    told = "planar3r is singular everywhere: it moves no row of this task."
+    assert rankdrop.analyze(arm, lifted, starts=10).answer == told
+    assert rankdrop.conditions(arm, lifted, points=0).answer == told
+    assert rankdrop.analyze(arm, lifted, starts=10).verdict.sentence == "Verified by exact derivation."
 
 
 def test_a_summary_says_how_the_families_were_verified() -> None:

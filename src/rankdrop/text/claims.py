@@ -66,6 +66,8 @@ def opening(summary: FamilySummary) -> str:
     """What an arm has: "ur5e has 9 families of singularities: shoulder, elbow, wrist (rank 5); 5 combinations (rank 4);
     1 (rank 3)."
     """
+    if summary.generic_rank == 0:
+        return f"{summary.arm} is singular everywhere: it moves no row of this task."
     if not summary.ranks:
         if summary.evidence is Evidence.NONE:
             so_far = " so far"
@@ -184,6 +186,8 @@ def _verified(analysis: Any, *, derived: bool, exact: bool) -> str:
         if derived:
             return f"Verified by {how} and {tests}"
         return f"Verified by {tests}"
+    if derived and not analysis.coranks:
+        return f"Verified by {how}"
     if derived:
         return f"Verified by {how}; {count(starts, 'random search', 'random searches')} found no singularity"
     return f"Sampled: no singular configuration from {count(starts, 'start')}, which is no proof of absence"

@@ -18,7 +18,8 @@ from rankdrop.local.block import joint_scale
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation import Difference, DifferenceKind, differences
+from rankdrop.results.explained import Difference, DifferenceKind
+from rankdrop.results.explanation import differences
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot

@@ -21,7 +21,7 @@ from rankdrop.local.relations import Relation
 from rankdrop.local.screw_systems import ScrewSystem
 from rankdrop.local.special import Special
 from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion
-from rankdrop.results.explanation import Summary
+from rankdrop.results.explained import Summary
 from rankdrop.schema.arm import ARM_OF, FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
 from rankdrop.text.lost_directions import lost_text
 from rankdrop.text.procedure import hunt_words

@@ -23,7 +23,8 @@ from rankdrop.lists import flat_map
 from rankdrop.local.pointing import pointing_task, tool_stays_level, turn_follows
 from rankdrop.local.rates import DirectionRates
 from rankdrop.options import advised
-from rankdrop.results.explanation import Blame, Explanation
+from rankdrop.results.explained import Blame
+from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Formula, Section
 from rankdrop.task import BASE, TIP

@@ -14,7 +14,8 @@ import numpy as np
 from rankdrop.configuration import Cause
 from rankdrop.local.rates import StraightMotion
 from rankdrop.options import advised
-from rankdrop.results.explanation import Difference, DifferenceKind, Explanation, Summary
+from rankdrop.results.explained import Difference, DifferenceKind, Summary
+from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array, Robot
 from rankdrop.text.special import parts_words, special_words
 from rankdrop.text.words import (

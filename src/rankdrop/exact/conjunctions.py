@@ -259,11 +259,11 @@ class Derivation:
         """Whether one of the conditions holds at configurations q (N, n), within `ZERO`: (N,)."""
         distances = Distances(self.chain, q)
         none = np.zeros(len(distances), dtype=np.bool_)
-        return np.asarray(np.logical_or.reduce([none, *(one.holds(distances) for one in self.conditions)]))
+        return np.asarray(np.logical_or.reduce([none, *(condition.holds(distances) for condition in self.conditions)]))
 
     def holds_at(self, point: Point) -> bool:
         """Whether one of the conditions holds at a point modulo a prime, exactly."""
-        return any(one.holds_at(self.ring, point) for one in self.conditions)
+        return any(condition.holds_at(self.ring, point) for condition in self.conditions)
 
     def finish(self) -> None:
         """Name the factors that were not found, and the lengths assumed ≠ 0 that are 0 for this arm."""

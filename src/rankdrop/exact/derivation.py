@@ -198,7 +198,7 @@ def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree) -> CorankOne:
 
 def _inside_none(sets: Sequence[ZeroSet], others: Sequence[ZeroSet]) -> list[ZeroSet]:
     """The sets that lie in none of the others."""
-    return [one for one in sets if not any(one.inside(other) for other in others)]
+    return [piece for piece in sets if not any(piece.inside(other) for other in others)]
 
 
 def _differences(
@@ -258,11 +258,12 @@ def _suppression_differences(
     drawn = [(piece, piece.point(work.rng)) for piece in pieces]
     missing = [
         piece for piece, point in drawn
-        if point is not None and not any(one.holds_at([point]) for one in held)
+        if point is not None and not any(other.holds_at([point]) for other in held)
     ]  # fmt: skip
     surplus = [
-        drop.piece for drop in tree.drops if not any(one.holds_at([p]) for p in drop.piece.samples for one in pieces)
-    ]
+        drop.piece for drop in tree.drops
+        if not any(other.holds_at([point]) for point in drop.piece.samples for other in pieces)
+    ]  # fmt: skip
     return _differences(chain, "suppression", missing, surplus, tree)
 
 

@@ -591,7 +591,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
         >>> found = determinants_of(exact_chain(open_robot("anthropomorphic")), Work())
         >>> found.product
         'det J = det J11 det J22'
-        >>> [f"{one.name} = {one.value.text()}" for one in found.minors]
+        >>> [f"{minor.name} = {minor.value.text()}" for minor in found.minors]
         ['det J11 = −a2 d4 s3 (a2 c2 + d4 c23)', 'det J22 = −s5', 'det J = a2 d4 s3 s5 (a2 c2 + d4 c23)']
     """
     split = decouple(chain)

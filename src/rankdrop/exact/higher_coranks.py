@@ -84,22 +84,22 @@ def _on_sets(derived: Derivation, tree: Tree) -> Check:
 
 def unfinished_coranks(higher: Sequence[HigherCorank]) -> list[Unfinished]:
     """What was not finished of coranks above 1."""
-    return flat_map(lambda one: one.derived.left, higher)
+    return flat_map(lambda corank: corank.derived.left, higher)
 
 
 def wrong_coranks(higher: Sequence[HigherCorank]) -> list[Contradiction]:
     """Coranks above 1 with conditions that the rank tree or numeric configurations contradict."""
     found = []
-    for one in higher:
+    for corank in higher:
         compared = (
-            (ContradictionKind.HIGHER_SETS, one.sets),
-            (ContradictionKind.HIGHER_SINGULAR, one.singular),
-            (ContradictionKind.HIGHER_REGULAR, one.regular),
+            (ContradictionKind.HIGHER_SETS, corank.sets),
+            (ContradictionKind.HIGHER_SINGULAR, corank.singular),
+            (ContradictionKind.HIGHER_REGULAR, corank.regular),
         )
         for kind, check in compared:
             wrong = check.tested - check.agree
             if wrong:
                 found.append(
-                    Contradiction(kind, method="reciprocity", corank=one.corank, wrong=wrong, tested=check.tested)
+                    Contradiction(kind, method="reciprocity", corank=corank.corank, wrong=wrong, tested=check.tested)
                 )
     return found

@@ -257,4 +257,4 @@ def _known(drop: Drop, drops: Sequence[Drop], equal: EqualLengths) -> bool:
     points = [
         point.changed({equal.other: equal.sign * point[equal.length] % point.prime}) for point in drop.piece.samples
     ]
-    return any(one.piece.holds_at(points) for one in drops if one.rank <= drop.rank)
+    return any(other.piece.holds_at(points) for other in drops if other.rank <= drop.rank)

@@ -136,7 +136,7 @@ def round_points(piece: ZeroSet, chain: Chain, *, seed: int = 0, step: float = _
     conditions = [Condition(piece.ring, chain.own_polynomial(f)) for f in piece.equations]
     equations = tuple(condition.equation(chain.own_numbers, chain.n) for condition in conditions)
     system = System(equations)
-    moving = sorted(set(flat_map(lambda one: one.joints, conditions)) - set(piece.pins))
+    moving = sorted(set(flat_map(lambda condition: condition.joints, conditions)) - set(piece.pins))
     low, high = sampling_box(chain.own, chain.own_task, limits=False)
     for _ in range(STARTS):
         theta = np.where([j in piece.ring.revolute for j in range(1, chain.n + 1)],
@@ -187,9 +187,9 @@ def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | Non
     missing, unreal = told.shown(told.missing, singular=True)
     extra, more = told.shown(told.extra, singular=False)
     special_lengths: list[tuple[str, str]] = []
-    for one in parsed:
-        special_lengths += [(str(factor), one.text) for factor in one.letters]
-    undecided = (*work.unresolved, *(words(one) for one in own.unknown))
+    for condition in parsed:
+        special_lengths += [(str(factor), condition.text) for factor in condition.letters]
+    undecided = (*work.unresolved, *map(words, own.unknown))
     real = any(next(round_points(piece, chain), None) is not None for piece in own.users)
     verdict = {(0, 0): "exact", (1, 0): "too small", (0, 1): "too large", (1, 1): "both"}[bool(missing), bool(extra)]
     if chain.letters:
@@ -218,7 +218,10 @@ class _Comparison:
         self.values = {name: flint().fmpq(x.numerator, x.denominator) for name, x in lengths.items()}
         self.columns = [[p.subs(self.values) if self.values else p for p in column] for column in chain.columns]
         self.full = rank_on(self.columns, ZeroSet.whole(self.ring))
-        self.parsed = [replace(one, form=replace(one.form, f=one.form.f.subs(self.values))) for one in parsed]
+        self.parsed = [
+            replace(condition, form=replace(condition.form, f=condition.form.f.subs(self.values)))
+            for condition in parsed
+        ]
         self.singular = independent(flat_map(self.specialised, independent(pieces)))
         self.users = self.zeros()
         self.unknown = [piece for piece in self.users if len(piece.rest) > 2 and not piece.samples]
@@ -234,19 +237,19 @@ class _Comparison:
             found = flat_map(partial(pinned, joint=joint, value=value, work=self.work), found)
         for f in piece.equations:
             own = replace(self.ring.form(f), f=f.subs(self.values))
-            cut = partial(self.cut, one=Parsed(own))
+            cut = partial(self.cut, condition=Parsed(own))
             found = flat_map(cut, found)
-        return [one for one in independent(found) if one.samples and rank_on(self.columns, one) < self.full]
+        return [piece for piece in independent(found) if piece.samples and rank_on(self.columns, piece) < self.full]
 
     def zeros(self) -> list[ZeroSet]:
         found = [ZeroSet.whole(self.ring)]
-        for one in self.parsed:
+        for condition in self.parsed:
             self.work.check()
-            found = independent(flat_map(partial(self.cut, one=one), found))
+            found = independent(flat_map(partial(self.cut, condition=condition), found))
         return found
 
-    def cut(self, piece: ZeroSet, one: Parsed) -> list[ZeroSet]:
-        form = one.form.at(piece.pins)
+    def cut(self, piece: ZeroSet, condition: Parsed) -> list[ZeroSet]:
+        form = condition.form.at(piece.pins)
         if form.f == 0:
             return [piece]
         found: list[ZeroSet] = []
@@ -259,9 +262,9 @@ class _Comparison:
 
     def holds(self, piece: ZeroSet) -> bool:
         return all(
-            one.form.f == 0
-            or any(piece.stands(x.joint, x.value) if x.pinned else piece.half_vanishes(x.f) for x in one.atoms)
-            for one in self.parsed
+            condition.form.f == 0
+            or any(piece.stands(x.joint, x.value) if x.pinned else piece.half_vanishes(x.f) for x in condition.atoms)
+            for condition in self.parsed
         )
 
     def shown(self, pieces: Sequence[ZeroSet], *, singular: bool) -> tuple[tuple[Difference, ...], list[str]]:
@@ -285,15 +288,15 @@ class _Comparison:
         for looked, theta in enumerate(round_points(piece, self.chain)):
             if looked == _LOOKED:
                 break
-            one, largest = self.measured(theta)
-            if singular and one.sigma <= DEFAULT.singular * largest and abs(one.value) > CONDITION_FAILS:
-                clear = abs(one.value)
-            elif not singular and one.sigma > RANK_KEPT * largest and abs(one.value) <= DEFAULT.singular:
-                clear = one.sigma
+            example, largest = self.measured(theta)
+            if singular and example.sigma <= DEFAULT.singular * largest and abs(example.value) > CONDITION_FAILS:
+                clear = abs(example.value)
+            elif not singular and example.sigma > RANK_KEPT * largest and abs(example.value) <= DEFAULT.singular:
+                clear = example.sigma
             else:
                 continue
             if best is None or clear > 2 * best[0]:
-                best = (clear, one)
+                best = (clear, example)
         return None if best is None else best[1]
 
     def measured(self, theta: Array) -> tuple[Example, float]:
@@ -304,7 +307,7 @@ class _Comparison:
         q[turning] = wrap(q[turning]) + 0.0
         sigma = singular_values(self.chain.own, into_units(robot, q), self.chain.own_task)
         q = whole_angles(robot, q)
-        values = [float(one(theta, self.chain.numbers)) for one in self.parsed]
+        values = [float(condition(theta, self.chain.numbers)) for condition in self.parsed]
         slides = [joint.kind is JointKind.PRISMATIC for joint in robot.variables]
         shown = tuple(float(x) if slide else degrees(x) for x, slide in zip(q, slides, strict=True))
         value = max(values, key=abs)

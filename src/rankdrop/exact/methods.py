@@ -158,11 +158,11 @@ def _vanish_together(builder: Derivation, minors: Sequence[_MinorOfAll]) -> None
             builder.note("unfactored", choice=choice, terms=len(minor), degree=_degree(builder, minor), zero=where)
     conditions = conjunctions(found)
     builder.conditions += conditions
-    rest = [one for one in conditions if len(one.equal) > 1]
+    rest = [condition for condition in conditions if len(condition.equal) > 1]
     builder.note("common", factors=len(conditions) - len(rest))
-    for one in rest:
-        ways = prod(max(1, len(equality.atoms)) for equality in one.equal)
-        builder.note("together", equations=len(one.equal), ways=ways)
+    for condition in rest:
+        ways = prod(max(1, len(equality.atoms)) for equality in condition.equal)
+        builder.note("together", equations=len(condition.equal), ways=ways)
 
 
 def _degree(builder: Derivation, p: Polynomial) -> int:
@@ -323,12 +323,12 @@ def _zeros(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> 
         return []
     simple = [atoms for atoms in known if any(atom.pinned for atom in atoms)]
     if not simple:
-        return [one.equal for one in conjunctions(map(equality_of, known))]
+        return [condition.equal for condition in conjunctions(map(equality_of, known))]
     here, found = conditions_on(piece), list[tuple[Equality, ...]]()
     first = min(simple, key=_simplest)
     for atom in sorted(first, key=lambda atom: atom.key):
         for part in meet(piece, atom, {}):
-            own = tuple(one for one in conditions_on(part) if one not in here)
+            own = tuple(condition for condition in conditions_on(part) if condition not in here)
             found += [(*own, *more) for more in _zeros(builder, part, [part.ring.at(x, part.pins) for x in screw])]
     return found
 
@@ -347,7 +347,7 @@ def _simplest(atoms: Atoms) -> tuple[int, int]:
 def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
     """Sets that differ in one angle of one joint alone as one; those inside another one left out."""
     kept = smallest_sets(dict.fromkeys(map(frozenset, sets)))
-    return [tuple(sorted(one, key=place_of)) for one in merge_pairs(kept, _merge_equalities)]
+    return [tuple(sorted(atoms, key=place_of)) for atoms in merge_pairs(kept, _merge_equalities)]
 
 
 def _merge_equalities(one: frozenset[Equality], other: frozenset[Equality]) -> frozenset[Equality] | None:
@@ -521,7 +521,7 @@ def _eliminated(builder: Derivation, step: _Pivots) -> list[_Pivots]:
     entries = [builder.factors(case, entry) for _, _, entry in left]
     met = conjunctions(equality_of(factors) for factors in entries if factors is not None)
     builder.conditions += [within(case, piece) for piece in met]
-    longest = max((one.terms for one in flat_map(lambda piece: piece.equal, met)), default=0)
+    longest = max((condition.terms for condition in flat_map(lambda piece: piece.equal, met)), default=0)
     builder.sizes["longest"] = max(builder.sizes["longest"], longest)
     return []
 

@@ -129,7 +129,11 @@ def _minors(builder: Derivation, columns: Columns) -> list[_Minor]:
         wished = {j - 1 for j in builder.basic}
     else:
         wished = set(range(len(columns)))
-    return sorted(found, key=lambda one: (not wished.issuperset(one.joints), len(one.value), one.joints, one.rows))
+
+    def order(minor: _Minor) -> tuple[bool, int, tuple[int, ...], tuple[int, ...]]:
+        return not wished.issuperset(minor.joints), len(minor.value), minor.joints, minor.rows
+
+    return sorted(found, key=order)
 
 
 def _chosen(builder: Derivation, case: ZeroSet, minors: Sequence[_Minor]) -> tuple[_Minor, Atoms] | None:

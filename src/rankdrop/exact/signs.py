@@ -191,7 +191,7 @@ def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor
     if len(read) == 1:
         text = read[0][0]
     else:
-        text = "·".join(f"({one})" for one, _ in read)
+        text = "·".join(f"({factor})" for factor, _ in read)
     return SignedFactor(ring, atoms, text, periodic, int(np.prod([sense for _, sense in read])))
 
 
@@ -201,7 +201,7 @@ def zeros_of(chain: Chain, atoms: Sequence[Atom], count: int) -> Array:
     Fewer than `count` where no real zeros were found.
     """
     points = (round_points(ZeroSet.where(chain.ring, atom), chain, step=_TENTH) for atom in atoms)
-    each = (islice(one, ceil(count / len(atoms))) for one in points)
+    each = (islice(samples, ceil(count / len(atoms))) for samples in points)
     found = [into_units(chain.robot, theta) - chain.shifts for theta in flat_map(list, each)]
     return np.array(found[:count]).reshape(-1, chain.n)
 

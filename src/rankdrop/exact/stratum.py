@@ -116,7 +116,7 @@ class Stratum:
         values = self.pins.values()
         every = [dict(zip(self.pins, choice, strict=True)) for choice in product(*values)]
         here = self.combinations
-        return len(every) == len(here) and all(one in here for one in every) and all(
+        return len(every) == len(here) and all(atom in here for atom in every) and all(
             len(angles) == 1 or angles in TOGETHER for angles in values
         )  # fmt: skip
 
@@ -223,13 +223,13 @@ def _restricted(piece: ZeroSet, atom: Atom, assumed: Assumed | None = None) -> S
     if not atom.pinned:
         degrees = atom.f.degrees()
         pins = {j: value for j, value in piece.pins.items() if degrees[ring.index[f"t{j}"]]}
-        if not pins and not any(degrees[one.place] for one in piece.solved):
+        if not pins and not any(degrees[solved.place] for solved in piece.solved):
             return (atom,)
         return _substitute_solutions(piece, ring.form(atom.f).at(pins), assumed)
     here = piece.pins.get(atom.joint)
     if here is not None:
         return None if here == atom.value else ()
-    if any(one.place == ring.index[f"t{atom.joint}"] for one in piece.solved):
+    if any(solved.place == ring.index[f"t{atom.joint}"] for solved in piece.solved):
         return ()
     return (atom,)
 
@@ -289,11 +289,11 @@ def _contradict(ring: Ring, f: Polynomial, g: Polynomial, assumed: Assumed) -> b
 def _substitute_solutions(piece: ZeroSet, form: Form, assumed: Assumed | None) -> list[Atom] | None:
     """The atoms of a form without the pinned joints, the solved variables put in; None where it is zero."""
     f, degrees = form.f, list(form.degrees)
-    for one in piece.solved:
-        if one.place < piece.ring.angles:
-            degrees[one.place] = 0  # it is not at π
-        if f != 0 and f.degrees()[one.place]:
-            f = reduced_roots(substituted(f, one))
+    for solved in piece.solved:
+        if solved.place < piece.ring.angles:
+            degrees[solved.place] = 0  # it is not at π
+        if f != 0 and f.degrees()[solved.place]:
+            f = reduced_roots(substituted(f, solved))
     if f == 0:
         return None
     letters, atoms = Form(piece.ring, f, tuple(degrees)).factors()
@@ -396,7 +396,7 @@ def _open_atoms(stratum: Stratum, pins: Mapping[int, str], p: Polynomial) -> lis
     """Atoms of a polynomial that may hold on a piece with these pins; None where one always holds on one."""
     pieces = [piece for piece in stratum.pieces if piece.pins == pins]
     lists = {atom: [atoms_on(piece, Equality((atom,))) for piece in pieces] for atom, _ in stratum.ring.factor(p).atoms}
-    if any(found is None for one in lists.values() for found in one):
+    if any(found is None for atoms in lists.values() for found in atoms):
         return None
     return [atom for atom, found in lists.items() if any(found)]
 
@@ -408,7 +408,7 @@ def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Equality]:
     for j in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
         for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
             both = tuple(ring.pin(j, value) for value in pair)
-            if all(one in left for one in both):
+            if all(atom in left for atom in both):
                 found.append(Equality(both, generator))
                 left = [atom for atom in left if atom not in both]
     return found + [Equality((atom,), polynomial_of(ring, atom)) for atom in left]

@@ -181,7 +181,7 @@ def lightest(chain: Chain, stratum: Stratum, joints: Sequence[int], work: Work) 
         _, obstacle = independent(chain, k, stratum, joints, work)
         if obstacle is not None:
             found += [obstacle]
-    return min(found, key=lambda one: one.weight, default=None)
+    return min(found, key=lambda weighed: weighed.weight, default=None)
 
 
 def independent(
@@ -193,7 +193,7 @@ def independent(
     minors = list(_minors(stratum, chosen, work))
     proofs = [Proof("minor", frame, (rows,), (minor,)) for rows, minor, zeros in minors if not any(zeros)]
     if proofs:
-        return min(proofs, key=lambda one: (len(one.polynomials[0]), one.polynomials[0].total_degree())), None
+        return min(proofs, key=lambda proof: (len(proof.polynomials[0]), proof.polynomials[0].total_degree())), None
     if not minors:
         return None, None
     if len(joints) <= GRAM:
@@ -202,11 +202,12 @@ def independent(
         gram = None
     if gram is not None:
         return Proof("gram", frame, (), (gram,)), None
-    minors.sort(key=lambda one: _weight(one[2]))
+    minors.sort(key=lambda minor: _weight(minor[2]))
     for size in (2, 3):
         for some in combinations(minors[:TOGETHER_AT_MOST], size):
             if all(_no_common(atoms) for atoms in zip(*(zeros for *_, zeros in some), strict=True)):
-                return Proof("minors", frame, tuple(one[0] for one in some), tuple(one[1] for one in some)), None
+                rows, polynomials, _ = zip(*some, strict=True)
+                return Proof("minors", frame, rows, polynomials), None
     _, minor, zeros = minors[0]
     return None, Obstacle(_weight(zeros), all(atom.pinned for atom in entries(zeros)), minor)
 
@@ -551,8 +552,8 @@ class _Derivation:
     def apart(self, case: Case) -> Case:
         """Split a case whose pieces behave differently: by a condition that holds on some of them only."""
         stratum = case.stratum
-        atoms = [self.ring.pin(j, value) for one in stratum.pieces for j, value in one.pins.items()]
-        atoms += map(self.ring.atom, flat_map(lambda one: one.equations, stratum.pieces))
+        atoms = [self.ring.pin(j, value) for piece in stratum.pieces for j, value in piece.pins.items()]
+        atoms += map(self.ring.atom, flat_map(lambda piece: piece.equations, stratum.pieces))
         whole = [(condition, [condition]) for condition in joined(self.ring, list(dict.fromkeys(atoms)))]
         pairs = ((p.whole, atom) for p in joined(self.ring, atoms) for atom in p.atoms)
         single = [(Equality((atom,), p), joined(self.ring, [atom])) for p, atom in pairs]

@@ -360,12 +360,12 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
             if isinstance(stop, Unwanted):
                 break
         unresolved = dict.fromkeys(work.unresolved[systems:])
-        tree.cases += [OpenCase(_system(chain.ring, *work.systems[one]), order + never) for one in unresolved]
+        tree.cases += [OpenCase(_system(chain.ring, *work.systems[system]), order + never) for system in unresolved]
         if not any(drop.rank < order for drop in found):
             if any(case.order == order + never for case in tree.cases):
                 tree.lowest = max(tree.lowest, order - 1 + never)
             break
-    tree.drops = largest([Drop(one.piece, one.rank + never) for one in found])
+    tree.drops = largest([Drop(drop.piece, drop.rank + never) for drop in found])
     tree.without_points = [(piece, order + never, last) for piece, order, last in tree.without_points]
     tree.unresolved = list(dict.fromkeys(work.unresolved))
     return tree
@@ -397,9 +397,9 @@ def largest(drops: Sequence[Drop]) -> list[Drop]:
     A set of higher rank lies in none of lower rank, even where it satisfies all conditions of one.
     """
     kept: list[Drop] = []
-    for one in sorted(drops, key=lambda drop: (drop.rank, drop.piece.codimension)):
-        if not any(one.piece.satisfies(other.piece) for other in kept if other.rank == one.rank):
-            kept.append(one)
+    for drop in sorted(drops, key=lambda drop: (drop.rank, drop.piece.codimension)):
+        if not any(drop.piece.satisfies(other.piece) for other in kept if other.rank == drop.rank):
+            kept.append(drop)
     return sorted(kept, key=lambda drop: (-drop.rank, drop.piece.codimension, drop.piece.key))
 
 
@@ -477,7 +477,7 @@ def _lower_for_these_lengths(
         work.check()
         own = replace(piece, lengths=tuple(work.lengths.items()))
         for point, here in zip(own.samples, _ranks(columns, own), strict=True):
-            if here < order and not any(one.holds_at([point]) for one in lower):
+            if here < order and not any(piece.holds_at([point]) for piece in lower):
                 return True
     return False
 
@@ -603,7 +603,7 @@ def _chosen(columns: list[list[Polynomial]], piece: ZeroSet, order: int, work: W
             break
     if not tried:
         raise AssertionError("at a point of rank r some minor of order r is not zero")
-    return [minor for _, _, minor in sorted(tried, key=lambda one: one[:2])[:_TOGETHER]]
+    return [minor for _, _, minor in sorted(tried, key=lambda trial: trial[:2])[:_TOGETHER]]
 
 
 def _minors(columns: list[list[Polynomial]], piece: ZeroSet, order: int) -> Iterator[Polynomial]:

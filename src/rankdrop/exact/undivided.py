@@ -85,9 +85,9 @@ class UndividedSet:
     @cached_property
     def texts(self) -> tuple[str, ...]:
         """Every condition for people, as families have them; none where one has more than `_READABLE` terms."""
-        if any(isinstance(one, Condition) and len(one.polynomial) > _READABLE for one in self.stated):
+        if any(isinstance(condition, Condition) and len(condition.polynomial) > _READABLE for condition in self.stated):
             return ()
-        return tuple(one.text() for one in self.stated)
+        return tuple(condition.text() for condition in self.stated)
 
     @property
     def words(self) -> str:
@@ -149,7 +149,7 @@ def _undivided(
 
 def cases_in_whole_angles(robot: Robot, cases: Sequence[UndividedSet]) -> tuple[UndividedSet, ...]:
     """Cases of `in_parts(robot)`, as they are derived, as those of the arm."""
-    return tuple(_in_whole_angles(one, robot) for one in cases)
+    return tuple(_in_whole_angles(case, robot) for case in cases)
 
 
 def _in_whole_angles(case: UndividedSet, robot: Robot) -> UndividedSet:
@@ -157,7 +157,7 @@ def _in_whole_angles(case: UndividedSet, robot: Robot) -> UndividedSet:
     if witness is not None:
         witness = tuple(float(x) for x in whole_angles(robot, np.array(witness)))
     return replace(
-        case, equations=tuple(slowed(one, parts_of(robot)) for one in case.equations), witness=witness
+        case, equations=tuple(slowed(equation, parts_of(robot)) for equation in case.equations), witness=witness
     )
 
 
@@ -167,7 +167,7 @@ def equations_of(chain: Chain, piece: ZeroSet) -> tuple[Equation, ...]:
     stated: list[AnglePin | Condition] = [
         *(pin_of(chain.ring, joint, (value,)) for joint, value in piece.pins.items()), *own
     ]  # fmt: skip
-    return tuple(one.equation(chain.own_numbers, chain.n, chain.whole_shifts.tolist()) for one in stated)
+    return tuple(condition.equation(chain.own_numbers, chain.n, chain.whole_shifts.tolist()) for condition in stated)
 
 
 def size_of(chain: Chain, f: Polynomial) -> PolynomialSize:

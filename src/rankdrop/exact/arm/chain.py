@@ -190,8 +190,9 @@ class Chain:
     @property
     def rounded(self) -> tuple[Deviation, ...]:
         """What the derivation rounds: a length that is a letter stands for any value."""
-        places = ((one, one.joints[0] - 1) for one in self.roundings)
-        return tuple(one for one, k in places if (k, one.kind) not in self.written and self._counts(k, one.kind))
+        places = ((deviation, deviation.joints[0] - 1) for deviation in self.roundings)
+        counted = ((deviation, k) for deviation, k in places if self._counts(k, deviation.kind))
+        return tuple(deviation for deviation, k in counted if (k, deviation.kind) not in self.written)
 
     def _counts(self, place: int, kind: str) -> bool:
         """Whether conditions depend on a number: not on the first offset, nor on what lies behind the last axis."""
@@ -351,7 +352,7 @@ class Chain:
             return self.columns, 0
         views = (cleared(self.ring, self.screws(k) if m == 6 else self.augmented(k)) for k in self.frames or (1,))
         columns, lower = min(
-            views, key=lambda one: sum(len(x) for column in one[0] for x in column if x != 0) * len(one[0][0])
+            views, key=lambda view: sum(len(x) for column in view[0] for x in column if x != 0) * len(view[0][0])
         )
         return columns, lower + m - 6
 
@@ -380,7 +381,7 @@ class Chain:
         point = [pose[i][3] for i in range(3)]
         if k == m:
             return self.screws(k)
-        return [moved(self.ring, one, point) for one in self.screws(k)]
+        return [moved(self.ring, screw, point) for screw in self.screws(k)]
 
     def link_pose(self, k: int, m: int) -> Matrix:
         """The pose of the frame of link m in that of link k."""
@@ -571,7 +572,7 @@ def exact_chain(
     power = exponent(robot)
     unit = Fraction(10) ** power
     found, roundings = sections(in_units(robot), float(unit))
-    found = tuple(replace(one, d=one.d * unit, a=one.a * unit) for one in found)
+    found = tuple(replace(section, d=section.d * unit, a=section.a * unit) for section in found)
     if resolved.m < 6 and min(resolved.rows) < 3:
         tip = _tip(robot)
     else:

@@ -247,7 +247,7 @@ def block_form(chain: Chain, structure: ExactStructure) -> BlockForm | None:
         return None
     parts = {structure.wrist: 0, structure.shoulder: 1}
     kinds = list(KINDS)
-    best = min(found, key=lambda one: (kinds.index(one.kind), parts.get(one.group, 2), _terms(one.columns)))
+    best = min(found, key=lambda group: (kinds.index(group.kind), parts.get(group.group, 2), _terms(group.columns)))
     if best.kind == "point":
         return _best_axes(chain, best)
     return best
@@ -409,4 +409,4 @@ def sizes(chain: Chain) -> list[tuple[int, int, int | None]]:
         for at in points
         for k in range(1, chain.links + 1)
     ]
-    return sorted(found, key=lambda one: (one[0], one[2] is not None, one[2] or 0, one[1]))
+    return sorted(found, key=lambda key: (key[0], key[2] is not None, key[2] or 0, key[1]))

@@ -13,7 +13,7 @@ from rankdrop.cli import main
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.path.check.turns import far_turns
-from rankdrop.path.curve import curve
+from rankdrop.path.curve import Curve, curve
 from rankdrop.path.mend.bumps import CLEARANCE, least_motion, step, tool_off
 from rankdrop.path.mend.remedies import LOCAL, Mending, Remedy, mend_path
 from rankdrop.path.read.files import read_trajectory
@@ -166,21 +166,139 @@ def test_the_bound_that_would_do_is_named_and_does() -> None:
     assert mend_path(found, kinds=("bump",), bump=needed).best is not None
 
 
-def test_a_spare_joint_leaves_the_tool_where_it_is() -> None:
-    robot, t = open_robot("iiwa7"), np.arange(600) * 0.01
-    degrees = np.array([0.0, 30, 20, 60, 20, 40, 0]) + np.sin(t / 3)[:, None] * np.array([8, 6, 8, 0, 6, 4, 5])
-    degrees[:, 3] = 30.0
-    degrees[:, 3] -= (30.0 + 0.8) * smooth(1.5 - np.abs(t - 3.0))
-    q = np.radians(degrees)
+def at_times(path: Curve, time: Array) -> Array:
+    """(N, n) configurations of a path in time."""
+    assert path.times is not None
+    return path.at(*path.split(np.interp(time, path.times, np.arange(len(path.times)))))
+
+
+def densely(q: Array, parts: int) -> Array:
+    """Configurations with so many places to each step."""
+    place = np.linspace(0.0, len(q) - 1.0, parts * (len(q) - 1) + 1)
+    return np.stack([np.interp(place, np.arange(len(q)), joint) for joint in q.T], axis=1)
+
+
+def apart_by_place(old: Array, new: Array, scale: float) -> tuple[float, float]:
+    """How far poses are from a path of poses at most [m], [rad], each from the nearest place of the path.
+
+    Nearest is by lengths divided by `scale` and turns; between two poses of the path place and turn go straight.
+    """
+    flat = [np.concatenate([poses[:, :3, 3] / scale, poses[:, :3, :3].reshape(-1, 9) / np.sqrt(2.0)], axis=1)
+            for poses in (old, new)]  # fmt: skip
+    start, way = flat[0][:-1], np.diff(flat[0], axis=0)
+    square, least = (way * way).sum(axis=1), []
+    for at in flat[1]:  # all stretches: a path can come back along itself
+        away = at - start
+        away -= np.einsum("ij,ij->i", away, way).clip(0.0, square)[:, None] / square[:, None] * way
+        least.append(away[np.einsum("ij,ij->i", away, away).argmin()])
+    apart = np.array(least)
+    return scale * float(np.linalg.norm(apart[:, :3], axis=1).max()), float(np.linalg.norm(apart[:, 3:], axis=1).max())
+
+
+ELBOWS = {"iiwa7": (3, (0, 30, 20, 60, 20, 40, 0)), "ur5e": (2, (0, -80, 60, -60, 50, 0))}
+
+
+@cache
+def elbow_dips(name: str) -> tuple[Array, Array]:
+    """A program whose elbow goes to −0.8° and comes back."""
+    joint, middle = ELBOWS[name]
+    t = np.arange(601) * 0.01
+    slow = np.sin(np.pi * t / t[-1])[:, None] ** 2 * np.array([8, 6, 8, 0, 6, 4, 5])
+    degrees = np.array(middle, dtype=np.float64) + slow[:, : len(middle)]
+    degrees[:, joint] = 30.0 - (30.0 + 0.8) * smooth(1.5 - np.abs(t - 3.0))
+    return np.radians(degrees), t
+
+
+@pytest.mark.parametrize("name", ["iiwa7", pytest.param("ur5e", marks=pytest.mark.slow)])
+def test_an_elbow_that_dips_is_kept_bent_and_the_tool_stays_where_it_is(name: str) -> None:
+    robot, (q, t) = open_robot(name), elbow_dips(name)
     found = rankdrop.check_path(robot, q, t)
     assert len(found.crossings) == 2
     best = mend_path(found, kinds=LOCAL).best
     assert best is not None
+    assert (best.kind, best.retimed) == ("bump", False)
     assert best.check.holds
+    assert best.rank[2] == 0.0  # a bump alone: 5e-4 and more
     away, turned = tool_off(robot, q, best.trajectory.q)
-    assert away < 1e-3
-    assert np.degrees(turned) < 0.1
-    assert np.degrees(np.abs(best.trajectory.q - q).max()) > 0.8
+    assert away < 1e-4 * found.length_scale
+    assert turned < 1e-9
+    moved = best.trajectory.q - q
+    assert 0.8 < np.degrees(np.abs(moved).max()) < 4.0
+    (change,) = best.changes
+    rows = np.arange(1, len(q) + 1)
+    outside = (rows <= change.start.position) | (rows >= change.end.position)
+    np.testing.assert_array_equal(best.trajectory.q[outside], q[outside])
+    assert (~outside).mean() < 0.35
+    third = np.diff(moved, 3, axis=0)  # at the ends of the window a jump of the acceleration would be the largest
+    ends = np.flatnonzero(np.diff(outside))
+    near = np.concatenate([third[end - 3 : end + 2] for end in ends])
+    assert np.abs(near).max() < 0.2 * np.abs(third).max()
+
+
+@pytest.mark.slow
+def test_an_elbow_kept_bent_keeps_the_limits_that_are_known() -> None:
+    q, t = elbow_dips("iiwa7")
+    found = rankdrop.check_path(open_robot("iiwa7"), q, t)
+
+    def largest(limit: float | None) -> tuple[Remedy, float]:
+        best = mend_path(found, kinds=("bump",), acceleration=limit).best
+        assert best is not None
+        return best, float(np.abs(np.diff(best.trajectory.q, 2, axis=0)).max() / 0.01**2)
+
+    _, free = largest(None)
+    kept, slower = largest(0.8 * free)
+    assert not kept.retimed
+    assert slower <= 0.8 * free
+
+
+@pytest.mark.slow
+def test_no_joint_of_an_elbow_kept_bent_moves_farther_than_is_allowed() -> None:
+    q, t = elbow_dips("iiwa7")
+    found = rankdrop.check_path(open_robot("iiwa7"), q, t)
+    wide, narrow = (mend_path(found, kinds=("bump",), bump=np.radians(most)).best for most in (10.0, 1.5))
+    assert wide is not None
+    assert narrow is not None
+    assert np.degrees(np.abs(wide.trajectory.q - q).max()) > 1.5
+    assert np.degrees(np.abs(narrow.trajectory.q - q).max()) <= 1.5
+    assert wide.rank < narrow.rank
+
+
+def test_an_elbow_of_a_few_rows_is_kept_bent_and_what_is_printed_holds_between_them() -> None:
+    robot, (q, t) = open_robot("iiwa7"), elbow_dips("iiwa7")
+    q, t = q[::20], t[::20]
+    best = mend_path(rankdrop.check_path(robot, q, t), kinds=("bump",)).best
+    assert best is not None
+    assert best.rank[2] == 0.0
+    made = best.trajectory
+    many = np.linspace(made.times[:-1], made.times[1:], 16, endpoint=False).ravel()
+    old, new = curve(q, t), curve(made.q, made.times)
+    off = tool_off(robot, at_times(old, many), at_times(new, many))
+    np.testing.assert_allclose(off, best.off, rtol=0.02)
+
+
+@pytest.mark.slow
+def test_an_elbow_kept_bent_keeps_the_distance_that_is_asked_for() -> None:
+    q, t = elbow_dips("iiwa7")
+    found = rankdrop.check_path(open_robot("iiwa7"), q, t, min_distance=np.radians(2.0))
+    best = mend_path(found, kinds=("bump",)).best
+    assert best is not None
+    assert best.check.margin == "kept"
+    assert 1e-4 < best.rank[2] < 3e-4  # a bump alone: 1.6e-3
+
+
+@pytest.mark.slow
+def test_what_a_detour_in_a_new_time_prints_is_the_distance_from_the_old_tool_path() -> None:
+    robot, (dips, t) = open_robot("iiwa7"), elbow_dips("iiwa7")
+    low, q = int(dips[:, 3].argmin()), dips.copy()
+    q[low:, 3] = 2 * q[low, 3] - q[low:, 3]  # stays on the other side
+    found = rankdrop.check_path(robot, q, t)
+    best = mend_path(found, kinds=("detour",), acceleration=5.0).best
+    assert best is not None
+    assert best.retimed
+    old, new = (pose(robot, densely(rows, parts)) for rows, parts in ((q, 8), (best.trajectory.q, 1)))
+    away, turned = apart_by_place(old, new, found.length_scale)
+    assert away == pytest.approx(best.off[0], rel=0.02)
+    assert 0.5 < turned / best.off[1] < 1.02  # the nearest place need not be the one with the least turn
 
 
 @pytest.mark.slow

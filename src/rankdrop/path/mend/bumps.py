@@ -10,6 +10,14 @@ The direction d is the one whose tool leaves its path least: a single joint, the
 space, the least tool motion for its share along n, d ∝ (JᵀJ + λ)⁻¹ n, or, of a redundant arm, the null motion nearest
 to n. A null motion is brought back to the poses of the old path by Newton's method, so that the tool stays.
 
+Such a bump takes the tool off its path by the second order of its height. Where they can, the joints bring it back:
+
+    T(q′(t)) = exp(ε B(t) w) T(q(t)),   q′ the solution next to the bump,   w the lost direction, its way or its turn
+
+At the edge of reach an elbow bent by φ takes only φ² of the reach, so that a small ε leaves room where the old path
+meets the edge. Between its two crossings the elbow stays bent to the side on which it was. B is 0 at both ends of the
+window, where q′ = q.
+
 A path that ends on the other side of the singularity than it began at has no such bump: every joint path between the
 two sides crosses it.
 """
@@ -19,7 +27,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
@@ -33,6 +41,7 @@ from rankdrop.path.check.record import CROSSING, FREE, PathCheck, Stretch
 from rankdrop.path.check.survey import Signs, signs
 from rankdrop.path.curve import Curve, Place, Spot
 from rankdrop.path.mend.candidates import ToolPath
+from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.mend.retime import derivatives
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.poses.inverse import Aim
@@ -54,6 +63,9 @@ _RAMP = 0.3  # shortest ramp of a path in time [s]
 _SLOPE = 4.0  # … and of a path without times, in heights
 _RAMPS = 7  # lengths of a ramp that are tried, each twice the one before
 _ROWS = 24  # of a ramp at least
+ON_PATH = 1e-4  # a tool that leaves its path by less is on it, lengths divided by the length scale
+_LEAST, _GROWING = 0.3, 2.0  # share of that by which the tool is led aside at first; each time so many times more
+_FINE = 0.02  # joint motion between two rows where the tool is led, at most [rad; slides divided by the length scale]
 
 
 class Obstacle(StrEnum):
@@ -92,6 +104,7 @@ class Bump:
         null: the tool is brought back to its path.
         ramps: lengths of the ramps before and after the core, by the clock of the path [s, or rad without times].
         off: how far the tool is from the old path at most [m], [rad].
+        twist: (m,) ε w, by which the tool is led aside of its old path; None: it goes where the bump takes it.
     """
 
     core: Core
@@ -100,6 +113,7 @@ class Bump:
     null: bool
     ramps: tuple[float, float] = (0.0, 0.0)
     off: tuple[float, float] = (0.0, 0.0)
+    twist: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,6 +326,50 @@ class Bumper:
         near = [candidate for candidate in found if candidate[0] <= _SIMPLER * least]
         return self._ramped(min(near, key=lambda candidate: (candidate[1], candidate[0]))[2])
 
+    def led(self, bump: Bump, clearance: float) -> Bump:
+        """A bump with the tool brought back to its path, led aside along the lost direction by the
+        least that leaves room; the bump itself where that is no better.
+        """
+        size = self._size(bump.off)
+        if size <= ON_PATH or self.aim is None or self.path.degree != 1:
+            return bump
+        crossing = self.at(np.array([bump.core.stretches[0].closest.place.position - 1.0]))[0]
+        for motion in lost_motions(self.aim, self.tool.rank, crossing):
+            led = self._led_along(bump, motion, size, clearance)
+            if led is not None and self._size(led.off) < size:
+                return led
+        return bump
+
+    def _led_along(self, bump: Bump, motion: Array, most: float, clearance: float) -> Bump | None:
+        """A bump with the tool led aside along a tool motion (m,) of size 1, to either side, by the least that leaves
+        room and keeps limits; None where that is not below `most`.
+        """
+        place = self._spread(*self.window(bump), _LOOKS)
+        before = self.at(place)
+        inner = (place >= bump.core.low) & (place <= bump.core.high)
+
+        def good(way: Array, size: float) -> bool:
+            led = replace(bump, twist=size * way)
+            q = self.changed([led], place)
+            if not np.isfinite(q).all() or (self.tool.limits and not self.tool.inside(q).all()):
+                return False
+            if np.abs((q - before) / self.scale).max() > self.bound:
+                return False
+            clear = bool((self.tool.room(q[inner]) >= clearance).all())
+            return clear and self._kept(led)
+
+        too_small, size = 0.0, _LEAST * ON_PATH
+        while size < most:
+            for way in (motion, -motion):
+                if not good(way, size):
+                    continue
+                if size > ON_PATH:
+                    size = _bisected(partial(good, way), too_small, size)
+                led = replace(bump, twist=size * way)
+                return replace(led, off=self._window_off(led))
+            too_small, size = size, _GROWING * size
+        return None
+
     def _size(self, off: tuple[float, float]) -> float:
         """A deviation as one number: lengths divided by the length scale."""
         return off[0] / self.check.length_scale + off[1]
@@ -351,6 +409,14 @@ class Bumper:
             return moved
         solved, arrived = self.aim.solve(pose(self.robot, q), moved)
         return np.where(arrived[:, None], solved, np.nan)
+
+    def _brought(self, q: Array, move: Array, twist: Array) -> Array:
+        """(N, n) configurations moved, the tool then brought to its place moved by twists (N, m); nan where it cannot
+        be.
+        """
+        assert self.aim is not None
+        solved, rounds = self.aim.descend(moved_along(self.aim, pose(self.robot, q), twist), q + move)
+        return np.where(rounds[:, None] >= 0, solved, np.nan)
 
     def _height(
         self, q: Array, way: Array, sides: list[tuple[Signs, Array]], clearance: float, *, null: bool
@@ -416,9 +482,12 @@ class Bumper:
         return rate, float((np.abs(bend) / self.accelerations).max(initial=0.0))
 
     def _window_off(self, bump: Bump) -> tuple[float, float]:
-        low, high = self.window(bump)
-        place = self._places([bump], low, high)
-        return self._off(self.at(place), self.changed([bump], place))
+        place = self._places([bump], *self.window(bump))
+        q = self.changed([bump], place)
+        if bump.twist is not None:  # between rows the joints go straight
+            place = np.concatenate([place, (place[1:] + place[:-1]) / 2])
+            q = np.concatenate([q, (q[1:] + q[:-1]) / 2])
+        return self._off(self.at(place), q)
 
     def window(self, bump: Bump) -> tuple[float, float]:
         """Places between which a path is changed."""
@@ -455,6 +524,10 @@ class Bumper:
                 gaps = np.diff(self.clock)[rows]
                 parts = np.ceil(gaps / (ramp / _ROWS)).astype(np.int64)
                 added += [row + np.arange(1, part) / part for row, part in zip(rows, parts, strict=True) if part > 1]
+            if bump.twist is not None:
+                rows = np.arange(int(np.floor(low)), int(np.ceil(high)))
+                parts = np.ceil(np.diff(self.lengths)[rows] / _FINE).astype(np.int64)
+                added += [row + np.arange(1, part) / part for row, part in zip(rows, parts, strict=True) if part > 1]
             ends = np.array([low, bump.core.low, bump.core.high, high])
             sparse = np.diff(self.clock)[np.floor(ends).astype(np.int64).clip(0, len(self.clock) - 2)]
             added.append(ends[sparse > min(bump.ramps) / _ROWS])
@@ -465,16 +538,23 @@ class Bumper:
         """(N, n) configurations of the changed path."""
         q = self.at(place)
         kept, pull = q.copy(), np.zeros_like(q)
+        twist = np.zeros((len(place), self.check.task.m))
         time = self.time(place)
         for bump in bumps:
-            lift = bump.height * self._shape(bump, time)[0][:, None] * bump.way
-            if bump.null:
+            share = self._shape(bump, time)[0][:, None]
+            lift = bump.height * share * bump.way
+            if bump.twist is not None:
+                twist += share * bump.twist
+            if bump.null or bump.twist is not None:
                 pull += lift
             else:
                 kept += lift
-        rows = np.flatnonzero(pull.any(axis=1))
-        if len(rows):
-            kept[rows] = self._lifted(kept[rows], pull[rows], null=True)
+        led = twist.any(axis=1)
+        held = pull.any(axis=1) & ~led
+        if held.any():
+            kept[held] = self._lifted(kept[held], pull[held], null=True)
+        if led.any():
+            kept[led] = self._brought(kept[led], pull[led], twist[led])
         return kept
 
     def _shape(self, bump: Bump, time: Array) -> tuple[Array, Array, Array]:

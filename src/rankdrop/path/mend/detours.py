@@ -23,8 +23,8 @@ from rankdrop.kinematics import pose
 from rankdrop.path.check.follow import Followed
 from rankdrop.path.mend.bumps import Bumper, Change, Core, largest_move, step, tool_off
 from rankdrop.path.mend.candidates import ToolPath
+from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.read.trajectory import Trajectory, regular_times
-from rankdrop.poses.inverse import Aim, rotation
 from rankdrop.robot.model import Array
 
 _RAMP = 0.3  # shortest ramp of a path in time [s]
@@ -32,7 +32,6 @@ _SLOPE = 0.1  # … and of a path without times [rad]
 _FINEST, _USUAL = 1e-2, 0.5  # sizes that are tried: shares of the clearance, at an edge of reach and else …
 _WIDENED, _GROWING = 8.0, 2.0  # … up to so many times the bound, each so many times the one before
 _FINER, _TRIES = 1.02, 6  # … made smaller until the room is about what is kept; smaller sizes that are tried
-_SHARE = 1e-3  # along the lost direction of a way or a turn that is tried, at least
 _LOOKS = 101  # places of a window at first, close together near the crossing, besides the rows
 _NEARER = 0.9  # share of the clearance that is kept where the joints follow
 _BACK = 1e-6  # a configuration so near to the old path is on it again [rad]
@@ -124,40 +123,6 @@ class MovedTool(ToolPath):
                          step((end - time) / (end - back))[0])  # fmt: skip
         poses = moved_along(self.aim, pose(self.robot, q), share[:, None] * self.twist)
         return replace(self, place=place, q=q, poses=poses)
-
-
-def moved_along(aim: Aim, poses: Array, twist: Array) -> Array:
-    """(N, 4, 4) poses moved by twists (N, m) in the rows and axes of a task, lengths divided by ℓ."""
-    whole = np.zeros((len(poses), 6))
-    whole[:, aim.rows] = twist
-    turn, here = rotation(whole[:, 3:]), poses[:, :3, :3]
-    shift = aim.length * whole[:, :3]
-    if aim.with_tip:
-        shift = (here @ shift[:, :, None])[:, :, 0]
-    out = poses.copy()
-    if aim.with_tip:
-        out[:, :3, :3] = here @ turn
-    else:
-        out[:, :3, :3] = turn @ here
-    out[:, :3, 3] += shift + (here - out[:, :3, :3]) @ aim.point
-    return out
-
-
-def lost_motions(aim: Aim, rank: int, q: Array) -> list[Array]:
-    """Tool motions (m,) of size 1: the way and the turn along the lost direction û, the larger share û·w first.
-
-    û is the left singular vector of σ_r at q (n,). A size is a sum, |w_v| + |w_ω|: a way alone, or a turn alone, has
-    the largest share. The branch goes on along w only where its shares along û before the singularity, and along û′
-    after it, half a turn of two joints on, have opposite signs: û·w û′·w < 0. Where that is so for w = û, it is so for
-    its way, or for its turn.
-    """
-    left = np.linalg.svd(aim.jacobian(q[None])[0])[0]
-    lost = left[:, rank - 1]
-    ways = np.array([row < 3 for row in aim.rows])
-    parts = [np.where(ways, lost, 0.0), np.where(ways, 0.0, lost)]
-    parts.sort(key=lambda part: -float(np.linalg.norm(part)))
-    sizes = [float(np.linalg.norm(part)) for part in parts]
-    return [part / size for part, size in zip(parts, sizes, strict=True) if size > _SHARE]
 
 
 @dataclass(eq=False)

@@ -28,7 +28,7 @@ from rankdrop.path.check.check import check_path
 from rankdrop.path.check.record import FREE, UNDECIDED, PathCheck, Stretch
 from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve
-from rankdrop.path.mend.bumps import CLEARANCE, SPARE, Bump, Bumper, Change, NoBump, Obstacle
+from rankdrop.path.mend.bumps import CLEARANCE, ON_PATH, SPARE, Bump, Bumper, Change, NoBump, Obstacle
 from rankdrop.path.mend.candidates import (
     Candidate,
     Parameter,
@@ -57,7 +57,6 @@ _POINTS = 33  # of a parabola
 _SIZES = 8
 _LOOKS = 201
 _CHECKED = 4  # candidates of a kind that are checked, widest first
-_ON_PATH = 1e-4  # of a tool that leaves its path by less, lengths divided by the length scale
 _SLOWER = 1.0 + 1e-9  # of a limit: above it by less is within it
 _CLEARER = 1.5  # times the clearance of a bump whose window was not proven free
 _ROUNDS = 3  # of that
@@ -148,7 +147,7 @@ class Remedy:
         away, turned = self.deviation
         size = away / self.check.length_scale + turned
         _, after = self.gains.get("duration", (0.0, 0.0))
-        return not self.check.clear, self.kind == SHIFT, 0.0 if size < _ON_PATH else size, after
+        return not self.check.clear, self.kind == SHIFT, 0.0 if size < ON_PATH else size, after
 
     @property
     def words(self) -> str:
@@ -475,17 +474,24 @@ class _Mender:
             if isinstance(result, Remedy):
                 return
         if DETOUR in self.kinds and most.detour > 0.0 and found.poses is None:
-            bumps = self._bumps_beside(bumper, clearance)
-            yield self._detour(bumper, bumps, most.detour, clearance)
+            yield self._detour(bumper, self._bumps_beside(bumper, clearance), most.detour, clearance)
 
-    def _bumps_beside(self, bumper: Bumper, clearance: float) -> list[Bump]:
-        """The bumps of a path that needs detours besides them: some part of it has none."""
+    def _bumps_beside(self, bumper: Bumper, clearance: float) -> tuple[Proposal, PathCheck] | None:
+        """A path that needs detours besides its bumps, with them: some part of it has none. None without bumps.
+
+        Bumps that bring the tool back are taken where only the singularities without a bump are left after them.
+        """
         if bumper.bound <= 0.0:
-            return []
+            return None
         bumps, failed = self._bumps(bumper, clearance)
-        if failed:
-            return bumps
-        return []
+        if not bumps or not failed:
+            return None
+        most = sum(len(failure.core.stretches) for failure in failed)
+        for proposal in _bumpings(bumper, bumps, clearance):
+            again = self._again(proposal.made)
+            if sum(stretch.verdict != FREE for stretch in again.stretches) <= most:
+                break
+        return proposal, again
 
     def _bump(self, bumper: Bumper, clearance: float) -> Remedy | Failure:
         """The joints moved aside at every singularity, farther where the path is not proven free."""
@@ -497,7 +503,7 @@ class _Mender:
                     for failure in failed
                 ]
                 return BUMP, (tried - 1, bumper.bound, missing)
-            remedy = self._first(BUMP, [_bumped(bumper, bumps)])
+            remedy = self._first(BUMP, _bumpings(bumper, bumps, clearance))
             if remedy is not None:
                 return remedy
             clearance *= _CLEARER
@@ -514,14 +520,15 @@ class _Mender:
         bumps = [result for result in results if isinstance(result, Bump)]
         return bumps, [result for result in results if isinstance(result, NoBump)]
 
-    def _detour(self, bumper: Bumper, bumps: list[Bump], most: float, clearance: float) -> Remedy | Failure:
+    def _detour(
+        self, bumper: Bumper, bumped: tuple[Proposal, PathCheck] | None, most: float, clearance: float
+    ) -> Remedy | Failure:
         """The tool led around what no bump avoids, on the path with its bumps."""
         if not _poses_determine(bumper.tool) or bumper.path.degree != 1:
             return DETOUR, None
         changes: list[Change] = []
-        if bumps:
-            before = _bumped(bumper, bumps)
-            again = self._again(before.made)
+        if bumped is not None:
+            before, again = bumped
             bumper = replace(bumper, check=again, tool=tool_path(again.robot, again.task, again.curve))
             changes += before.changes
         stretches = sorted(
@@ -632,6 +639,14 @@ class _Mender:
         if not check.complete:
             raise KeyboardInterrupt
         return check
+
+
+def _bumpings(bumper: Bumper, bumps: list[Bump], clearance: float) -> Iterator[Proposal]:
+    """A path with bumps: the tool brought back to its path where that is better; then as the bumps are."""
+    led = [bumper.led(bump, clearance) for bump in bumps]
+    if any(bump.twist is not None for bump in led):
+        yield _bumped(bumper, led)
+    yield _bumped(bumper, bumps)
 
 
 def _bumped(bumper: Bumper, bumps: list[Bump]) -> Proposal:

@@ -104,6 +104,7 @@ FOREIGN = {
     "proof/check.py": "keys", "proof/regions.py": "keys", "report/chart.py": "numbers",
     "results/analysis.py": "keys of files", "results/stored_conditions.py": "keys of files",
     **dict.fromkeys(("results/old_files.py", "results/old_sentences.py"), "files of versions up to 0.2"),
+    "results/estimate.py": "files of the user",
     "robot/ideal.py": "tolerances of the user",
     **dict.fromkeys(("robot/drawing.py", "robot/files.py", "robot/mesh_file.py", "robot/models.py",
                      "robot/open.py", "robot/quantities.py", "robot/screws.py", "robot/shapes.py",

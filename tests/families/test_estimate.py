@@ -7,7 +7,7 @@ import pytest
 
 from rankdrop.families.record import Estimator, Unseen
 from rankdrop.families.searching import binomial_upper, none_found, unseen
-from rankdrop.results.old_sentences import unseen_of_sentence
+from rankdrop.results.estimate import unseen_of_sentence
 
 
 def test_without_singletons_it_is_the_rule_of_three():

@@ -27,9 +27,9 @@ from rankdrop.formula.equation import Equation
 from rankdrop.local.block import singular_values
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.contradictions import derivation_from_dict
+from rankdrop.results.estimate import unseen_of_sentence
 from rankdrop.results.names import name_of
 from rankdrop.results.old_files import conditions_of_derivation, exact_from_dict, freedoms_of_sentences
-from rankdrop.results.old_sentences import unseen_of_sentence
 from rankdrop.results.settings import Residual as Residual
 from rankdrop.results.settings import Settings as Settings
 from rankdrop.results.validate import at, check_analysis

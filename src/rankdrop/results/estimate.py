@@ -1,0 +1,38 @@
+"""What a search may have missed, read from the sentence that files hold."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+from rankdrop.families.record import Estimator, Unseen
+
+_ESTIMATORS: Sequence[tuple[str, Estimator]] = (
+    (r"no point was found\Z", Estimator.NO_POINT),
+    (r"Good–Turing: (?P<once>\d{1,18}) of (?P<pieces>\d{1,18}) pieces found once in (?P<number>\d{1,18}) points",
+     Estimator.GOOD_TURING),
+    (r"none of (?P<number>\d{1,18}) starts converged; rule of three on the starts\Z", Estimator.NO_START),
+)  # fmt: skip
+"""Sentences on how unseen sets were estimated, with the names of their counts."""
+
+
+def unseen_of_sentence(sentence: str, estimate: float, upper: float) -> Unseen:
+    """The estimate of unseen sets of a file, with the counts that its sentence gives.
+
+    Args:
+        sentence: how it was estimated.
+        estimate, upper: the share, and its upper bound at 95 % confidence.
+
+    Example:
+        >>> unseen_of_sentence("none of 100 starts converged; rule of three on the starts", 0.0, 0.03).number
+        100
+    """
+    for pattern, estimator in _ESTIMATORS:
+        match = re.match(pattern, sentence)
+        if match is not None:
+            counts: dict[str, Any] = {name: int(value) for name, value in match.groupdict().items()}
+            unseen = Unseen(estimate, upper, estimator, **counts)
+            if unseen.how == sentence:
+                return unseen
+    return Unseen(estimate, upper, Estimator.STORED, text=sentence)

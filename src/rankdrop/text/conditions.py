@@ -18,7 +18,7 @@ from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Formula, Section, html
-from rankdrop.text.claims import answer_of as answer_of
+from rankdrop.text.claims import answer_of as answer_of  # here too: `words_of` finds all words of conditions here
 from rankdrop.text.claims import of_conditions as of_conditions
 from rankdrop.text.claims import summary_of_conditions as summary_of_conditions
 from rankdrop.text.code import Code

@@ -12,11 +12,12 @@ from reference import arms
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, blame, circuits_at, shared_circuits, to_blame
+from rankdrop.local.circuits import LARGEST_CHAIN, MOST_LISTED, Circuit, blame, circuits_at, shared_circuits, to_blame
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
 from rankdrop.task import resolve_task
+from rankdrop.verbs.explain import explain
 
 Z = (0, 0, 1)
 
@@ -219,6 +220,21 @@ def test_what_is_blamed_first_is_what_all_circuits_tell(rng: np.random.Generator
         assert to_blame(columns[None], usual, 3) == wanted
 
 
+def test_a_circuit_that_follows_from_smaller_ones_is_not_blamed(rng: np.random.Generator) -> None:
+    """Four joints in a plane have four circuits of three and two dependencies."""
+    columns = rng.standard_normal((6, 2)) @ rng.standard_normal((2, 4))
+    assert len(shared_circuits(columns[None])) == 4
+    assert to_blame(columns[None], rng.standard_normal((8, 6, 4)), 3) == [(0, 1, 2), (0, 1, 3)]
+
+
+def test_a_circuit_of_several_points_holds_at_all_of_them(rng: np.random.Generator) -> None:
+    first, second = rng.standard_normal((2, 6, 4))
+    first[:, 1] = first[:, 0]
+    first[:, 3] = second[:, 3] = 0.0
+    assert shared_circuits(np.stack([first, second])) == [(3,)]
+    assert shared_circuits(np.stack([second, first])) == [(3,)]
+
+
 def test_what_a_task_of_fewer_rows_makes_dependent() -> None:
     planar = [revolute(Z, (0, 0, 0)), revolute(Z, (1, 0, 0))]
     home = np.eye(4)
@@ -272,6 +288,17 @@ def test_twelve_joints_are_listed_and_more_than_the_cap_are_refused(rng: np.rand
     long = arms.random_chain(rng, "r" * (LARGEST_CHAIN + 1))
     with pytest.raises(OptionError, match="too many joints"):
         circuits_at(long, np.zeros(long.n), resolve_task("pose", long))
+
+
+@pytest.mark.parametrize(("n", "listed", "complete"), [(8, 8, True), (14, MOST_LISTED, False)])
+def test_an_explanation_lists_a_thousand_circuits_at_most_and_says_so(
+    n: int, listed: int, complete: bool, rng: np.random.Generator
+) -> None:
+    robot = arms.random_chain(rng, "r" * n)
+    found = explain(robot, rng.uniform(-3, 3, n), "pose")
+    assert (len(found.blame.circuits), found.blame.complete) == (listed, complete)
+    titles = [section.title for section in found.sections(full=True)]
+    assert ("Every circuit" in titles, "The first 1,000 circuits" in titles) == (complete, not complete)
 
 
 @pytest.mark.parametrize("q", [[0.0] * 6, [np.nan] * 7, [[0.0] * 7] * 2])

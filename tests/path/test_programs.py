@@ -253,6 +253,20 @@ def test_a_free_line_near_a_singularity_says_that_its_rates_are_not_known(line: 
     assert ("where joint rates are not known" in found.sentence) is (not speed and bend < 10)
 
 
+def test_a_line_of_known_speed_near_a_singularity_is_not_called_unknown() -> None:
+    """Two parts, split by a move that is not read: the one near a singularity has its speed, the other has none."""
+    lines = [
+        "DEF A()", "PTP {A1 0, A2 -90, A3 90, A4 0, A5 30, A6 0}",
+        "LIN {X 322.291412, Y 0, Z 586.510622, A 180, B 60, C 180}", "PTP XHOME", "$VEL.CP=0.05",
+        "PTP {A1 0, A2 -90, A3 90, A4 0, A5 2, A6 0}", "LIN {X 332.293819, Y 0, Z 621.393159, A 180, B 88, C 180}",
+        "END", "",
+    ]  # fmt: skip
+    found = check_program(open_robot("kr3r540"), krl.read("\n".join(lines), "a.src"), ASK)
+    assert [part.untimed is None for part in found.parts] == [False, True]
+    assert min(move.distance for move in found.moves) < 0.05
+    assert "are not known" not in found.sentence
+
+
 def test_a_line_through_a_singularity_is_not_called_free() -> None:
     """Its joints are free of it before and after, as the branch goes on; the line passes through it all the same."""
     arm = open_robot("ur5e")

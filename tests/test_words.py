@@ -270,7 +270,7 @@ def test_a_phrase_is_found_across_lines_and_no_name_is(text: str, places: int) -
 
 
 TYPED = re.compile(r"(?<![\w-])--[a-z]")
-NAMES_OPTIONS = {"families/reciprocal.py": 1, "robot/ideal.py": 2, "robot/numbers.py": 1}
+NAMES_OPTIONS = {"families/reciprocal.py": 1, "robot/ideal.py": 2}
 """Module -> texts with an option of the command line in them: arguments of others, and notes in files. To be fewer."""
 OWN_ROOMS = (
     "algebra", "aspects", "cover", "designs", "distance", "exact", "families", "formula", "local", "path", "poses",

@@ -67,7 +67,7 @@ _WORDED = {
     "Minor": "rankdrop.text.determinants",
     "Search": "rankdrop.text.searches", "Unseen": "rankdrop.text.searches",
     "Contradiction": "rankdrop.text.contradictions",
-    "DerivationRemark": "rankdrop.text.remarks",
+    "DerivationRemark": "rankdrop.text.remarks", "RobotNote": "rankdrop.text.robot_notes",
     "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",
 }  # fmt: skip
 """Class of a record -> module that words it."""

@@ -186,7 +186,7 @@ def test_a_mujoco_model_in_memory(rng: np.random.Generator) -> None:
     robot = from_mujoco(model, tip="end", as_written=True)
     assert (robot.name, [joint.name for joint in robot.joints]) == ("two", ["one", "out", "two"])
     assert (robot.lower[0], robot.upper[0]) == (-1.0, 2.0)
-    assert any("coupled" in note for note in robot.notes)
+    assert any("coupled" in str(note) for note in robot.notes)
     for q in spread(robot, rng, 20):
         at, columns = theirs("mujoco", model, robot, q)
         assert relative(pose(robot, q), at) < TOLERANCE

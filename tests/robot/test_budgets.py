@@ -207,7 +207,7 @@ def test_mjcf_has_the_same_range(tmp_path: Path) -> None:
 def test_exporters_numbers_for_no_limit_are_none(huge: str) -> None:
     found = from_urdf(urdf(lower=f"-{huge}", upper=huge, velocity=huge))
     assert (found.joints[0].lower, found.joints[0].upper, found.joints[0].velocity) == (-inf, inf, inf)
-    assert sum("is read as no limit" in note for note in found.notes) == 3
+    assert sum("is read as no limit" in str(note) for note in found.notes) == 3
     with pytest.raises(RobotError, match="lower limit above upper limit"):
         from_urdf(urdf(lower=huge, upper=huge))
 

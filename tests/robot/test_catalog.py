@@ -13,6 +13,7 @@ from reference.kinematics import pose
 
 from rankdrop.robot.ideal import ideal, structure_words
 from rankdrop.robot.model import coarse_fingerprint
+from rankdrop.robot.note import NoteOn
 from rankdrop.robot.numbers import extent
 from rankdrop.robot.open import catalog_entries, open_robot, robot_names, search_catalog
 from rankdrop.task import task_names
@@ -91,7 +92,7 @@ def test_an_arm_within_a_millimetre_of_more_structure_says_why(name: str) -> Non
 
 @pytest.mark.parametrize("name", NAMES)
 def test_no_number_of_the_catalogue_has_to_be_taken_for_another(name: str) -> None:
-    assert not any("as-written" in note for note in open_robot(name).notes)
+    assert not any(note.kind is NoteOn.SQUARED for note in open_robot(name).notes)
 
 
 def test_an_arm_is_found_by_its_maker_its_form_and_its_other_names() -> None:

@@ -111,7 +111,7 @@ def test_an_arm_of_unlikely_size_brings_the_question_of_millimetres(
 ) -> None:
     path = tmp_path / "arm.toml"
     path.write_text(f'convention = "standard"\n[[joints]]\na = {length}\n', encoding="utf-8")
-    asked = [note for note in open_robot(path).notes if "are these numbers millimetres?" in note]
+    asked = [str(note) for note in open_robot(path).notes if "are these numbers millimetres?" in str(note)]
     assert len(asked) == noted
     assert not noted or asked[0].startswith(f"the arm's reach is {length:.3g} m:")
 
@@ -207,7 +207,7 @@ def test_a_plain_file_of_six_numbers_a_line_opens(tmp_path: Path, name: str) -> 
     assert [str(joint.kind) for joint in robot.joints] == [str(joint.kind) for joint in listed.joints]
     for one, other in zip(robot.joints, listed.joints, strict=True):
         np.testing.assert_allclose(one.screw, other.screw, atol=1e-9)  # .707106 is meant to be a right angle halved
-    assert any("six numbers a line" in note for note in robot.notes)
+    assert any("six numbers a line" in str(note) for note in robot.notes)
 
 
 @pytest.mark.parametrize(

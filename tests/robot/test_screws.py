@@ -57,7 +57,7 @@ def test_home_is_the_pose_at_zero_and_its_absence_is_noted(rng: np.random.Genera
     robot = from_screws([revolute([0, 0, 1], [1, 0, 0])], order="linear-first", home=home)
     assert pose(robot, [0.0]) == pytest.approx(home)
     assert robot.notes == ()
-    assert "home pose not given" in from_screws([prismatic([1, 0, 0])], order="linear-first").notes[0]
+    assert "home pose not given" in str(from_screws([prismatic([1, 0, 0])], order="linear-first").notes[0])
 
 
 def test_cylindrical_joint_turns_and_slides_on_one_axis(rng: np.random.Generator) -> None:

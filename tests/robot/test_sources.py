@@ -88,7 +88,7 @@ def test_every_arm_of_the_list_is_in_the_catalogue_and_every_file_is_used() -> N
 def test_the_tip_is_where_the_file_puts_it(name: str, rng: np.random.Generator) -> None:
     row, robot = ROWS[name], open_robot(name)
     path = DATA / row["file"]
-    notes = " ".join(open_robot(path, base=row["base"], tip=row["tip"]).notes)
+    notes = " ".join(map(str, open_robot(path, base=row["base"], tip=row["tip"]).notes))
     taken = TAKEN.search(notes)  # as many angles as the file rounds, each off by so much
     allowed = SQUARED + (int(taken[1]) * float(taken[2]) if taken else 0.0)
     assert allowed < 2e-3  # 1.571

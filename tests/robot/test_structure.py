@@ -265,7 +265,7 @@ def test_a_file_with_rounded_angles_is_recognised_as_the_arm_of_the_catalogue(na
     arm = from_urdf(text)
     assert known_analysis(arm, task) is not None
     assert known_analysis(from_urdf(text, as_written=True), task) is None
-    assert "angles read as the multiples of 15°" in arm.notes[-1]
+    assert "angles read as the multiples of 15°" in str(arm.notes[-1])
 
 
 def test_the_exact_side_sees_the_same_arm(rng: np.random.Generator) -> None:

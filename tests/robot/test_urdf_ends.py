@@ -28,8 +28,8 @@ def test_named_ends_are_taken_without_a_note() -> None:
 def test_chosen_ends_are_noted() -> None:
     arm = from_urdf(robot(ARM))
     assert (arm.base, arm.tip, arm.n) == ("base", "l6", 6)
-    assert arm.notes[0] == "base 'base' chosen: the root link"
-    assert arm.notes[1] == "tip 'l6' chosen: end of the longest chain, 6 moving joints"
+    assert str(arm.notes[0]) == "base 'base' chosen: the root link"
+    assert str(arm.notes[1]) == "tip 'l6' chosen: end of the longest chain, 6 moving joints"
 
 
 def test_the_base_is_the_root_above_a_named_tip() -> None:
@@ -50,7 +50,7 @@ def test_among_links_fixed_at_the_end_the_usual_name_decides(ends: list[str], ti
     arm = from_urdf(robot([*ARM, *(fixed("l6", end) for end in ends)]))
     assert arm.tip == tip
     if len(ends) > 1:
-        assert all(end in arm.notes[1] for end in ends)
+        assert all(end in str(arm.notes[1]) for end in ends)
 
 
 def test_the_farthest_of_fixed_links_in_a_row_is_the_tip() -> None:
@@ -60,7 +60,7 @@ def test_the_farthest_of_fixed_links_in_a_row_is_the_tip() -> None:
 def test_the_arm_ends_before_its_fingers() -> None:
     arm = from_urdf(robot([*ARM, fixed("l6", "hand"), fixed("hand", "hand_tcp"), finger("left"), finger("right")]))
     assert (arm.tip, arm.n) == ("hand_tcp", 6)
-    assert "the gripper after it is left out (left, right)" in arm.notes[1]
+    assert "the gripper after it is left out (left, right)" in str(arm.notes[1])
 
 
 def test_the_arm_ends_before_a_single_jaw() -> None:
@@ -156,7 +156,7 @@ def test_a_broken_joint_beside_the_chain_is_left_out_where_the_tip_is_named() ->
         from_urdf(text)
     arm = from_urdf(text, tip="a_l6")
     assert arm.n == 6
-    assert any("left out: its child link 'gone' is not in the file" in note for note in arm.notes)
+    assert any("left out: its child link 'gone' is not in the file" in str(note) for note in arm.notes)
     with pytest.raises(RobotError, match="there is no link for the tip"):
         from_urdf(text, tip="gone")
 

@@ -582,7 +582,7 @@ def arm_section(
         ("length scale", f"{task.scale(robot):.4g} m, {whose}; no family depends on it"),
         *lines.items(),
         ("source", _first_sentence(source)),
-        *(("note", note) for note in robot.notes),
+        *(("note", str(note)) for note in robot.notes),
     ]
     for label, text in facts:
         if text:

@@ -145,7 +145,7 @@ def _notes(content: Content) -> str:
         near = None
     else:
         near = near_ideal(robot)
-    small = [*robot.notes, *([] if near is None else [near.line])]
+    small = [*map(str, robot.notes), *([] if near is None else [near.line])]
     notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in small)
     return notes
 

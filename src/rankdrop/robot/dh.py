@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, isfinite, pi, radians
+from math import inf, isfinite, pi
 from typing import Any, Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, screw_of
+from rankdrop.robot.note import NoteOn, RobotNote, as_note
 from rankdrop.robot.quantities import Angles, quantity
 from rankdrop.robot.transform import rigid, rotation, times, translation
 
@@ -75,7 +76,7 @@ def limits(given: Mapping[str, Any], kind: JointKind, where: Where) -> dict[str,
     return found
 
 
-def turn_notes(joints: Iterable[Joint], *, units: bool = True) -> list[str]:
+def turn_notes(joints: Iterable[Joint], *, units: bool = True) -> list[RobotNote]:
     """Notes on revolute joints whose limits look like degrees taken for radians.
 
     Args:
@@ -86,13 +87,8 @@ def turn_notes(joints: Iterable[Joint], *, units: bool = True) -> list[str]:
     for joint in joints:
         most = max((abs(x) for x in (joint.lower, joint.upper) if isfinite(x)), default=0.0)
         if joint.kind is JointKind.REVOLUTE and _MANY_TURNS < most <= (inf if units else _LARGEST_DEGREES):
-            if units:
-                mend = f'write "{most:g} deg" for degrees'
-            else:
-                mend = f"{most:g}° is {radians(most):.4g}"
-            notes.append(
-                f"joint {joint.name!r}: limits of {joint.lower:g} … {joint.upper:g} rad are many turns; {mend}"
-            )
+            kind = NoteOn.TURNS if units else NoteOn.TURNS_WITHOUT_UNITS
+            notes.append(RobotNote(kind, joint.name, limits=(joint.lower, joint.upper)))
     return notes
 
 
@@ -223,7 +219,7 @@ def described_robot(name: str, joints: Sequence[Joint], home: Array, described: 
         TypeError: a field that a robot does not have.
     """
     notes, lengths = described.get("notes") or (), described.get("lengths") or {}
-    given = {**described, "notes": (*notes, *turn_notes(joints)), "lengths": tuple(lengths.items())}
+    given = {**described, "notes": (*map(as_note, notes), *turn_notes(joints)), "lengths": tuple(lengths.items())}
     return Robot(name, tuple(joints), home, **given)
 
 

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import HIDDEN, RobotError
 from rankdrop.robot.files import LARGEST_LENGTH, LONGEST_NAME, MOST_JOINTS, MOST_STEPS, allowed_range
+from rankdrop.robot.note import RobotNote, as_note
 from rankdrop.robot.quantities import checked_lengths, degrees_text
 from rankdrop.robot.transform import Array as Array  # the name that all others take from here
 from rankdrop.robot.transform import dot, from_xyz_rpy, norm, times, unmasked
@@ -193,7 +194,7 @@ class Robot:
         task: name of the task (see `rankdrop.task`) that the arm is made for.
         source: where the numbers come from.
         base, tip: names of the first and last link, where the source has names.
-        notes: what a reader of the description should be told (choices made, things tolerated).
+        notes: what a reader of the description should be told (choices made, things tolerated); a text becomes one.
         about: one line for lists ("7-DoF arm, spherical shoulder and wrist").
         lengths: letters and their values [m]: exact conditions write lengths of ± such a value with its letter.
         exponent: of an arm in its own unit of length (`rankdrop.units`): its lengths are those of the arm that was
@@ -207,7 +208,7 @@ class Robot:
     source: Source = Source("python")
     base: str = "base"
     tip: str = "tip"
-    notes: tuple[str, ...] = ()
+    notes: tuple[RobotNote, ...] = ()
     about: str = ""
     lengths: tuple[tuple[str, float], ...] = ()
     exponent: int | None = None
@@ -217,6 +218,7 @@ class Robot:
         for label in (self.name, self.base, self.tip):
             _check_name(label, where)
         object.__setattr__(self, "joints", tuple(self.joints))
+        object.__setattr__(self, "notes", tuple(map(as_note, self.notes)))
         object.__setattr__(self, "home", _read_only(self.home, (4, 4), where, "home pose"))
         _check_size(self.home[:3, 3], where, "the place of the tip")
         lengths = checked_lengths(self.lengths, lambda letter: f"{where}, length {letter!r}")
@@ -339,7 +341,7 @@ def _sections(robot: Robot) -> tuple[Section, ...]:
     title = f"{robot.n} joints from {robot.base} to {robot.tip}, task {robot.task}"
     return (
         Section(robot.name, title, (robot.about,) if robot.about else (), ("", "joint", "kind", "lower", "upper"),
-                tuple(rows), (1, 2), followers, robot.notes),
+                tuple(rows), (1, 2), followers, tuple(map(str, robot.notes))),
     )  # fmt: skip
 
 

@@ -30,6 +30,7 @@ from rankdrop.jobs.limited import run_limited
 from rankdrop.lists import flat_map
 from rankdrop.robot.files import MOST_BODIES, RANGE, Element, allowed_range, name_of_file, read_text, read_xml
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints, screw_of
+from rankdrop.robot.note import NoteOn, RobotNote
 from rankdrop.robot.numbers import as_intended, nearest
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import frame_on_axis, inverse, rigid, translation
@@ -523,10 +524,9 @@ def robot_of(
     _refuse_floating(tree, model["floating"], base, tip)
     ends = choose_ends(tree, base, tip)
     moving = {step.name for step in ends.path if step.moves}
-    notes = [f"joint {one!r} is coupled to {two!r} by a constraint: they count as independent"
-             for one, two in model["couplings"] if {one, two} <= moving]  # fmt: skip
+    notes = [RobotNote(NoteOn.COUPLED, *pair) for pair in model["couplings"] if moving.issuperset(pair)]
     if ends.base in model["floating"]:
-        notes.insert(0, f"body {ends.base!r} floats freely: its own motion is not counted")
+        notes.insert(0, RobotNote(NoteOn.FLOATS, ends.base))
     links_of_chain = {"", *flat_map(lambda step: (step.parent, step.child), ends.path)}
     angles = Angles(as_written, flat_map(lambda link: model["changes"].get(link, ()), links_of_chain))
     return chain_robot(tree, ends, "mjcf", lambda joint: _motion(tree, joint, steps[joint.name]), angles, notes)

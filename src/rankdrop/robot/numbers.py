@@ -19,12 +19,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import asin, atan2, degrees, floor, hypot, log10, pi, radians, sqrt
+from math import asin, atan2, degrees, floor, hypot, log10, pi, sqrt
 
 import numpy as np
 
 from rankdrop.robot.model import Array, Joint, Robot, once, screw_of
-from rankdrop.robot.quantities import Angles, count
+from rankdrop.robot.note import Moved, NoteOn, RobotNote
+from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import cos_sin, dot, inverse, nearest_rotation, norm, rotation, times, translation
 from rankdrop.tolerances import MEETING, NOTHING, SQUARE
 
@@ -622,46 +623,26 @@ def as_intended(robot: Robot, angles: Angles) -> Robot:
         angles: what the reader took decimals for; with `as_written` the numbers stay as they are.
     """
     if angles.largest > 4 * pi:
-        most = angles.largest
-        note = f"a fixed angle of {most:g} rad is many turns; {most:g}° is {radians(most):.4g}"
-        robot = replace(robot, notes=(*robot.notes, note))
+        turns = RobotNote(NoteOn.FIXED_TURNS, value=angles.largest)
+        robot = replace(robot, notes=(*robot.notes, turns))
     if angles.as_written:
         return robot
     found, changes = squared(robot)
-    note = _note([abs(x) for x in angles.changes if abs(x) > NOTHING], changes)
-    if note:
-        return replace(found, notes=(*found.notes, note))
-    return found
+    rounded = [abs(change) for change in angles.changes if abs(change) > NOTHING]
+    if not rounded and not changes:
+        return found
+    turned, moved = largest_changes(changes)
+    note = RobotNote(
+        NoteOn.SQUARED, rounded=Moved(len(rounded), max(rounded, default=0.0)), turned=turned, moved=moved
+    )
+    return replace(found, notes=(*found.notes, note))
 
 
-def _note(angles: Sequence[float], changes: Sequence[Change]) -> str:
-    """One line, empty where no number was changed by more than a nanometre or a billionth of a radian."""
-    parts = []
-    if angles:
-        if len(angles) == 1:
-            means = "the multiple of 15° it rounds"
-        else:
-            means = "the multiples of 15° they round"
-        parts.append(f"{count(len(angles), 'angle')} read as {means}, at most {max(angles):.2g} rad")
-    if changes:
-        parts.append(_squared_words(changes))
-    if parts:
-        return "; ".join([*parts, "--as-written keeps the file's numbers"])
-    return ""
-
-
-def _squared_words(changes: Sequence[Change]) -> str:
-    """How many axes and lengths were squared, and by how much at most."""
+def largest_changes(changes: Sequence[Change]) -> tuple[Moved, Moved]:
+    """How many angles and how many lengths were changed, and by how much at most [rad, m]."""
     turned = [change.by for change in changes if change.turns]
     moved = [change.by for change in changes if not change.turns]
-    what, most = [], []
-    if turned:
-        what.append(count(len(turned), "axis", "axes"))
-        most.append(f"{max(turned):.2g} rad")
-    if moved:
-        what.append(count(len(moved), "length"))
-        most.append(f"{max(moved) * 1e6:.2g} µm")
-    return f"{' and '.join(what)} squared, at most {', '.join(most)}"
+    return Moved(len(turned), max(turned, default=0.0)), Moved(len(moved), max(moved, default=0.0))
 
 
 FAR_SLIDE = 10.0

@@ -17,6 +17,7 @@ from pathlib import Path
 from rankdrop.errors import RobotError, UnknownRobotError
 from rankdrop.robot.files import name_of_file, read_text, read_xml
 from rankdrop.robot.model import Robot
+from rankdrop.robot.note import NoteOn, RobotNote
 from rankdrop.robot.numbers import link_lengths
 from rankdrop.robot.toml_file import parsed_toml, robot_from_toml
 
@@ -407,5 +408,4 @@ def with_size_note(robot: Robot) -> Robot:
     length = float(link_lengths(robot).sum())
     if not (length > _LARGEST or _NOTHING < length < _SMALLEST):
         return robot
-    note = f"the arm's reach is {length:.3g} m: are these numbers millimetres? Lengths are read as metres"
-    return replace(robot, notes=(*robot.notes, note))
+    return replace(robot, notes=(*robot.notes, RobotNote(NoteOn.SIZE, value=length)))

@@ -16,6 +16,7 @@ from rankdrop.errors import RobotError
 from rankdrop.robot.dh import described_robot, joint_kind
 from rankdrop.robot.files import LARGEST_NUMBER, LARGEST_TABLE, name_of_file, read_text
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints, screw_of
+from rankdrop.robot.note import NoteOn, RobotNote
 from rankdrop.robot.numbers import as_intended
 from rankdrop.robot.quantities import Angles, quantity
 from rankdrop.robot.transform import dot, frame_on_axis, norm, rigid, unmasked
@@ -119,10 +120,9 @@ def from_screws(
         pose = rigid(home, f"home pose of robot {name!r}")
     origin = Source("screws", f'from_screws(order="{order}")')
     robot = described_robot(name, joints, pose, described | {"source": described.get("source") or origin})
-    note = "home pose not given: the tip is taken at the base origin"
     if home is not None:
         return robot
-    return replace(robot, notes=(*robot.notes, note))
+    return replace(robot, notes=(*robot.notes, RobotNote(NoteOn.NO_HOME)))
 
 
 def _rows(screws: ArrayLike, order: str, name: str) -> Array:
@@ -209,7 +209,6 @@ def _item(values: Sequence[float] | None, i: int, default: float) -> float:
 
 
 _ENTRY = re.compile(r"[^\s,;\[\]]+")
-_NOTE = "six numbers a line: screws (direction; moment about the base origin) at q = 0, in order"
 
 
 def read_screw_list(path: Path) -> Array:
@@ -282,7 +281,8 @@ def from_screw_list(path: Path, *, name: str | None = None, as_written: bool = F
             from_screws(screw[None], order="angular-first")
         except RobotError as error:
             raise RobotError(**error.parts | {"where": f"{path}, line {line}"}) from error
-    robot = from_screws(rows, order="angular-first", name=name or name_of_file(path), notes=(_NOTE,))
+    notes = (RobotNote(NoteOn.SCREW_LINES),)
+    robot = from_screws(rows, order="angular-first", name=name or name_of_file(path), notes=notes)
     return as_intended(robot, Angles(as_written=as_written))
 
 

@@ -20,6 +20,7 @@ from rankdrop.errors import RobotError
 from rankdrop.robot.dh import turn_notes
 from rankdrop.robot.files import Element, name_of_file
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints, screw_of
+from rankdrop.robot.note import NoteOn, RobotNote
 from rankdrop.robot.numbers import as_intended
 from rankdrop.robot.quantities import Angles, count
 from rankdrop.robot.transform import about_axis, times, translation
@@ -257,7 +258,7 @@ class Ends:
     base: str
     tip: str
     path: list[TreeJoint]
-    notes: list[str]
+    notes: list[RobotNote]
 
 
 def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
@@ -272,7 +273,7 @@ def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
     Raises:
         RobotError: a link that is not there, several roots or branches to choose from, a tip not below the base.
     """
-    notes: list[str] = []
+    notes: list[RobotNote] = []
     if tip is not None:
         tree.check_link(tip, "tip")
     notes.extend(_leave_out_broken(tree, base, tip))
@@ -281,7 +282,7 @@ def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
             base = _root(tree)
         else:
             base = tree.root_of(tip)
-        notes.append(f"base {base!r} chosen: the root link")
+        notes.append(RobotNote(NoteOn.BASE, base))
     else:
         tree.check_link(base, "base")
     if tip is None:
@@ -296,7 +297,7 @@ def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
     return Ends(base, tip, path, notes)
 
 
-def _leave_out_broken(tree: Tree, base: str | None, tip: str | None) -> list[str]:
+def _leave_out_broken(tree: Tree, base: str | None, tip: str | None) -> list[RobotNote]:
     """Notes on joints that name a link which is not in the file, where the chain does not need them.
 
     Raises:
@@ -312,7 +313,7 @@ def _leave_out_broken(tree: Tree, base: str | None, tip: str | None) -> list[str
                 f"the {end} link is not in the file", where=tree.where(joint, end), got=repr(link),
                 allowed=hint["allowed"], mend=hint.get("mend") or f"declare it{'' if carries else ', or name a tip'}",
             )
-        notes.append(f"joint {joint.name!r} left out: its {end} link {link!r} is not in the file")
+        notes.append(RobotNote(NoteOn.LEFT_OUT, joint.name, link, end=end))
     return notes
 
 
@@ -353,19 +354,15 @@ class _Limb:
     gripper: list[TreeJoint]
 
 
-def _default_tip(tree: Tree, base: str) -> tuple[str, str]:
+def _default_tip(tree: Tree, base: str) -> tuple[str, RobotNote]:
     limbs = _limbs(tree, base)
     longest = max(limb.passed for limb in limbs)
     ends = [limb for limb in limbs if limb.passed == longest]
     if len(ends) > 1:
         raise _several_limbs(tree, base, limbs)
-    tip, why = _name_of_tip(tree, ends[0].link, ends[0].body)
-    parts = ", ".join(joint.name for joint in ends[0].gripper)
-    if parts:
-        left_out = f"; the gripper after it is left out ({parts})"
-    else:
-        left_out = ""
-    return tip, f"tip {tip!r} chosen: end of the longest chain, {count(longest, 'moving joint')}{why}{left_out}"
+    tip, fixed = _name_of_tip(tree, ends[0].link, ends[0].body)
+    gripper = tuple(joint.name for joint in ends[0].gripper)
+    return tip, RobotNote(NoteOn.TIP, tip, number=longest, fixed=fixed, gripper=gripper)
 
 
 _HANDS = re.compile(r"hand|arm|grip|palm|wrist|tool|tcp|flange|ee_|eef|effector", re.IGNORECASE)
@@ -429,7 +426,8 @@ def _fixed_together(tree: Tree, link: str) -> dict[str, int]:
     return body
 
 
-def _name_of_tip(tree: Tree, link: str, body: dict[str, int]) -> tuple[str, str]:
+def _name_of_tip(tree: Tree, link: str, body: dict[str, int]) -> tuple[str, tuple[str, ...]]:
+    """The tip among the links fixed together at the end of an arm, and the other ones."""
     last = [part for part in body if all(joint.moves for joint in tree.below.get(part, ()))]
     tip = last[0] if len(last) == 1 else link
     for pattern in _TIP_NAMES:
@@ -438,7 +436,7 @@ def _name_of_tip(tree: Tree, link: str, body: dict[str, int]) -> tuple[str, str]
             tip = max(named, key=lambda part: body[part])  # the first of the farthest ones
             break
     others = [part for part in body if part != tip]
-    return tip, f"; fixed to it: {', '.join(others[:8])}{' …' if len(others) > 8 else ''}" if others else ""
+    return tip, tuple(others)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -477,7 +475,8 @@ class Motion:
 
 
 def chain_robot(
-    tree: Tree, ends: Ends, source: str, motion_of: Callable[[TreeJoint], Motion], angles: Angles, notes: list[str],
+    tree: Tree, ends: Ends, source: str, motion_of: Callable[[TreeJoint], Motion], angles: Angles,
+    notes: list[RobotNote],
     frames: tuple[Array, Array] = (np.eye(4), np.eye(4)),
 ) -> Robot:
     """The arm that a chain of a tree makes, its structure made exact where it holds but for noise.

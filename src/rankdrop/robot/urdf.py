@@ -16,6 +16,7 @@ import numpy as np
 from rankdrop.errors import RobotError
 from rankdrop.robot.files import LONGEST_TEXT, RANGE, read_text, read_xml
 from rankdrop.robot.model import Array, JointKind, Mimic, Robot
+from rankdrop.robot.note import NoteOn, RobotNote
 from rankdrop.robot.quantities import Angles, in_range
 from rankdrop.robot.transform import from_xyz_rpy, norm
 from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, read_tree
@@ -70,7 +71,7 @@ def three(text: str, where: str, key: str, measure: str = "number") -> list[floa
     return [number(word, where, key, measure) for word in words]
 
 
-def resolve_mimics(tree: Tree, chain: list[TreeJoint]) -> tuple[dict[str, Mimic], list[str]]:
+def resolve_mimics(tree: Tree, chain: list[TreeJoint]) -> tuple[dict[str, Mimic], list[RobotNote]]:
     """How the followers among the moving joints of the chain depend on its variables.
 
     A follower of a follower is traced to the first leader. Where that leader is outside the chain, the first follower
@@ -85,8 +86,7 @@ def resolve_mimics(tree: Tree, chain: list[TreeJoint]) -> tuple[dict[str, Mimic]
     inside = {joint.name for joint in chain}
     mimics: dict[str, Mimic] = {}
     outside: dict[str, tuple[str, Mimic]] = {}  # leader outside -> its first follower and how that one follows
-    notes: list[str] = []
-    away = "which is not in the chain"
+    notes: list[RobotNote] = []
     known: dict[str, Mimic] = {}
     for joint in chain:
         if joint.element.first("mimic") is None:
@@ -95,15 +95,15 @@ def resolve_mimics(tree: Tree, chain: list[TreeJoint]) -> tuple[dict[str, Mimic]
         leader = traced.leader
         if leader in inside:
             mimics[joint.name] = traced
-            notes.append(f"joint {joint.name!r} follows joint {leader!r}")
+            notes.append(RobotNote(NoteOn.FOLLOWS, joint.name, leader))
         elif leader not in outside:
             outside[leader] = (joint.name, traced)
-            notes.append(f"joint {joint.name!r} follows {leader!r}, {away}: it counts as a variable")
+            notes.append(RobotNote(NoteOn.FOLLOWS_OUTSIDE, joint.name, leader))
         else:
             first, lead = outside[leader]
             ratio = traced.multiplier / lead.multiplier
             mimics[joint.name] = Mimic(first, ratio, traced.offset - ratio * lead.offset)
-            notes.append(f"joint {joint.name!r} follows {leader!r}, {away}: it follows {first!r} instead")
+            notes.append(RobotNote(NoteOn.FOLLOWS_TOGETHER, joint.name, leader, instead=first))
     return mimics, notes
 
 
@@ -287,7 +287,7 @@ def _axis(tree: Tree, joint: TreeJoint) -> Array:
     return axis / length
 
 
-def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, float, float]:
+def _limits(tree: Tree, joint: TreeJoint, notes: list[RobotNote]) -> tuple[float, float, float]:
     """Lower and upper limit and the largest rate of a joint; inf: none is given."""
     element = joint.element.first("limit")
     if element is None:
@@ -302,11 +302,11 @@ def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, floa
     if joint.kind == "continuous":
         return -inf, inf, velocity
     if "lower" not in given and "upper" not in given:
-        notes.append(f"joint {joint.name!r} has no limits: it counts as unlimited")
+        notes.append(RobotNote(NoteOn.NO_LIMITS, joint.name))
         return -inf, inf, velocity
     for key in ("lower", "upper"):
         if key not in given:
-            notes.append(f"joint {joint.name!r} has no {key} limit: it is 0, the default of URDF")
+            notes.append(RobotNote(NoteOn.ONE_LIMIT, joint.name, end=key))
     lower, upper = (_limit(joint, given, key, where, notes) for key in ("lower", "upper"))
     if lower > upper or lower == inf or upper == -inf:
         raise RobotError(
@@ -316,16 +316,16 @@ def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, floa
     return lower, upper, velocity
 
 
-def _limit(joint: TreeJoint, given: Mapping[str, str], key: str, where: str, notes: list[str]) -> float:
+def _limit(joint: TreeJoint, given: Mapping[str, str], key: str, where: str, notes: list[RobotNote]) -> float:
     """A number of a limit; beyond the range it is how exporters write that there is no limit."""
     value = finite(given.get(key, "0"), where, key)
     if abs(value) <= RANGE["length" if joint.kind == "prismatic" else "angle"]:
         return value
-    notes.append(f"joint {joint.name!r}: {key} {value:g} is read as no limit")
+    notes.append(RobotNote(NoteOn.NO_LIMIT, joint.name, end=key, value=value))
     return inf if value > 0 else -inf
 
 
-def _largest_rate(velocity: float, joint: TreeJoint, where: str, notes: list[str]) -> float:
+def _largest_rate(velocity: float, joint: TreeJoint, where: str, notes: list[RobotNote]) -> float:
     """The largest rate of a joint; 0, written by exporters that do not know it, is read as not known.
 
     Raises:
@@ -334,6 +334,6 @@ def _largest_rate(velocity: float, joint: TreeJoint, where: str, notes: list[str
     if velocity < 0.0:
         raise RobotError("the largest velocity is negative", where=where, got=velocity, allowed="a rate ≥ 0")
     if velocity == 0.0:
-        notes.append(f"joint {joint.name!r}: velocity 0 is read as not known")
+        notes.append(RobotNote(NoteOn.NO_RATE, joint.name))
         return inf
     return velocity

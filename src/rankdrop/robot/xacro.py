@@ -24,6 +24,7 @@ from rankdrop.jobs.limited import run_limited
 from rankdrop.lists import flat_map
 from rankdrop.robot.files import Element, name_of_file, read_text, read_xml
 from rankdrop.robot.model import Robot
+from rankdrop.robot.note import NoteOn, RobotNote
 from rankdrop.robot.urdf import from_urdf
 
 PLACES = "above or next to the file, or in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"
@@ -172,7 +173,7 @@ def from_xacro(
 
 def expand_file(
     file: Path, packages: Mapping[str, str | PathLike[str]], args: Mapping[str, object]
-) -> tuple[str, str, list[str]]:
+) -> tuple[str, str, list[RobotNote]]:
     """The URDF that a xacro file expands to, the name that the file gives to the robot, and notes on packages.
 
     The arguments are those of `from_xacro`, and so are the errors.
@@ -185,7 +186,9 @@ def expand_file(
         raise MissingExtraError("xacro", None, "a xacro file")
     folders = {package: str(Path(folder).resolve()) for package, folder in packages.items()}
     values = {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in args.items()}
-    text, name, notes = run_limited(expand, str(file), folders, values, file=file, parser="xacro")
+    text, name, found, missing = run_limited(expand, str(file), folders, values, file=file, parser="xacro")
+    notes = [RobotNote(NoteOn.PACKAGE, package, folder) for package, folder in found.items()]
+    notes += [RobotNote(NoteOn.NO_PACKAGE, package) for package in missing]
     return text, name, notes
 
 
@@ -222,8 +225,11 @@ class _Arguments(dict[str, str]):
         return ", ".join(shown[:_SHOWN]) + (f" and {more} more" if more else "")
 
 
-def expand(path: str, folders: dict[str, str], args: dict[str, str]) -> tuple[str, str, list[str]]:
-    """What `expand_file` returns, expanded in this process; runs in a child process.
+def expand(path: str, folders: dict[str, str], args: dict[str, str]) -> tuple[str, str, dict[str, str], list[str]]:
+    """The URDF that a xacro file expands to, and the name in the file; runs in a child process.
+
+    Returns:
+        URDF, name, packages found elsewhere with their folders, packages not found.
 
     Raises:
         RobotError: as `from_xacro`.
@@ -271,9 +277,8 @@ def expand(path: str, folders: dict[str, str], args: dict[str, str]) -> tuple[st
     if "<link" not in text:
         raise RobotError("nothing comes out of the xacro file: it has no links and may only define macros",
                          where=path, mend="open the file that uses them, often a .urdf.xacro near it")  # fmt: skip
-    notes = [f"package {package!r} found: {folder}" for package, folder in far.items()]
-    notes += [f"package {package!r} is not found: only files that are not read are in it" for package in missing]
-    return text, _ARGUMENT.sub(lambda match: arguments.get(match[1], match[0]), name), notes
+    found = {package: str(folder) for package, folder in far.items()}
+    return text, _ARGUMENT.sub(lambda match: arguments.get(match[1], match[0]), name), found, list(missing)
 
 
 def _check_arguments(arguments: _Arguments, path: str) -> None:

@@ -120,7 +120,8 @@ def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
         numbered = ", ".join(f"{number} {name}" for number, name in enumerate(names, start=1))
         lines.append(Formula(f"joints {numbered}"))
     columns = ("joint", *(str(number) for number in range(1, robot.n + 1)))
-    yield Section("Numbers", "", tuple(lines), columns, _joint_values(robot, explanation.q), notes=robot.notes)
+    yield Section("Numbers", "", tuple(lines), columns, _joint_values(robot, explanation.q),
+                  notes=tuple(map(str, robot.notes)))  # fmt: skip
 
 
 def _joint_values(robot: Robot, q: Array) -> tuple[tuple[str, ...], ...]:

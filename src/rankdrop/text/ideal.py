@@ -8,35 +8,16 @@ from dataclasses import astuple
 import numpy as np
 
 from rankdrop.results.ideal_vs_actual import Here, Idealised, Nearby
-from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.numbers import Change
-from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
 from rankdrop.tolerances import DEFAULT
-
-
-def ideal_note(tolerance: Tolerance, changes: Sequence[Change]) -> str:
-    """What an ideal arm is: how many of the numbers were moved, and at most by how much."""
-    turned = [change.by for change in changes if change.turns]
-    moved = [change.by for change in changes if not change.turns]
-    what, most = [], []
-    if turned:
-        what.append(count(len(turned), "angle"))
-        most.append(f"{np.degrees(max(turned)):.3g}°")
-    if moved:
-        what.append(count(len(moved), "length"))
-        most.append(f"{max(moved) * 1e3:.3g} mm")
-    return (
-        f"not the arm itself but the ideal one within {tolerance.text}: {' and '.join(what)} moved, at most "
-        f"{', '.join(most)}"
-    )
 
 
 def moved_sentence(arm: Idealised) -> str:
     """How much was moved, at most by how much."""
     if not arm.changes:
         return f"nothing is moved within {arm.tolerance.text}: the arm is as exact as it can be"
-    return arm.ideal.notes[-1]
+    return str(arm.ideal.notes[-1])
 
 
 def here_section(arm: Idealised, here: Here) -> Section:

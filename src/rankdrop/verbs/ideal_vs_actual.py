@@ -23,8 +23,9 @@ from rankdrop.results.ideal_vs_actual import Here, Idealised, Nearby, Spread
 from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.ideal import ideal as ideal_of
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.note import NoteOn, RobotNote
+from rankdrop.robot.numbers import largest_changes
 from rankdrop.task import Task
-from rankdrop.text.ideal import ideal_note
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
 
@@ -49,7 +50,9 @@ def idealised(robot: Robot, tolerance: Tolerance) -> Idealised:
     """
     found, changes = ideal_of(robot, length=tolerance.length, angle=tolerance.angle)
     if changes:
-        found = replace(found, name=f"{robot.name}_ideal", notes=(*found.notes, ideal_note(tolerance, changes)))
+        turned, moved = largest_changes(changes)
+        note = RobotNote(NoteOn.IDEAL, within=tolerance.text, turned=turned, moved=moved)
+        found = replace(found, name=f"{robot.name}_ideal", notes=(*found.notes, note))
     return Idealised(robot, found, tolerance, changes)
 
 

@@ -1,0 +1,109 @@
+"""Notes on how a robot description was read, in words."""
+
+from __future__ import annotations
+
+from math import degrees, isfinite, nan, radians
+
+from rankdrop.options import advised
+from rankdrop.robot.note import NoteOn, RobotNote
+from rankdrop.robot.quantities import count
+
+_FIXED = 8
+"""So many links fixed to the tip are named."""
+_NOTES = {
+    NoteOn.BASE: "base {name!r} chosen: the root link",
+    NoteOn.TIP: "tip {name!r} chosen: end of the longest chain, {joints}{fixed}{gripper}",
+    NoteOn.LEFT_OUT: "joint {name!r} left out: its {end} link {other!r} is not in the file",
+    NoteOn.NO_LIMITS: "joint {name!r} has no limits: it counts as unlimited",
+    NoteOn.ONE_LIMIT: "joint {name!r} has no {end} limit: it is 0, the default of URDF",
+    NoteOn.NO_LIMIT: "joint {name!r}: {end} {value:g} is read as no limit",
+    NoteOn.NO_RATE: "joint {name!r}: velocity 0 is read as not known",
+    NoteOn.FOLLOWS: "joint {name!r} follows joint {other!r}",
+    NoteOn.FOLLOWS_OUTSIDE: "joint {name!r} follows {other!r}, which is not in the chain: it counts as a variable",
+    NoteOn.FOLLOWS_TOGETHER: "joint {name!r} follows {other!r}, which is not in the chain: it follows {instead!r} "
+    "instead",
+    NoteOn.COUPLED: "joint {name!r} is coupled to {other!r} by a constraint: they count as independent",
+    NoteOn.FLOATS: "body {name!r} floats freely: its own motion is not counted",
+    NoteOn.TURNS: "joint {name!r}: limits of {lower:g} … {upper:g} rad are many turns; write \"{most:g} deg\" for "
+    "degrees",
+    NoteOn.TURNS_WITHOUT_UNITS: "joint {name!r}: limits of {lower:g} … {upper:g} rad are many turns; {most:g}° is "
+    "{in_rad:.4g}",
+    NoteOn.FIXED_TURNS: "a fixed angle of {value:g} rad is many turns; {value:g}° is {value_in_rad:.4g}",
+    NoteOn.SQUARED: "{made_exact}; {as_written} keeps the file's numbers",
+    NoteOn.IDEAL: "not the arm itself but the ideal one within {within}: {idealised}",
+    NoteOn.NO_HOME: "home pose not given: the tip is taken at the base origin",
+    NoteOn.SCREW_LINES: "six numbers a line: screws (direction; moment about the base origin) at q = 0, in order",
+    NoteOn.SIZE: "the arm's reach is {value:.3g} m: are these numbers millimetres? Lengths are read as metres",
+    NoteOn.PACKAGE: "package {name!r} found: {other}",
+    NoteOn.NO_PACKAGE: "package {name!r} is not found: only files that are not read are in it",
+    NoteOn.GIVEN: "{text}",
+}
+
+
+def robot_note_words(note: RobotNote) -> str:
+    """One note on a robot description.
+
+    Example:
+        >>> robot_note_words(RobotNote(NoteOn.TIP, "flange", number=6, fixed=("tool0",), gripper=("left", "right")))
+        "tip 'flange' chosen: end of the longest chain, 6 moving joints; fixed to it: tool0; the gripper after it is \
+left out (left, right)"
+    """
+    lower, upper = note.limits
+    most = max((abs(limit) for limit in note.limits if isfinite(limit)), default=nan)
+    return _NOTES[note.kind].format(
+        name=note.name, other=note.other, instead=note.instead, end=note.end, value=note.value,
+        value_in_rad=radians(note.value), lower=lower, upper=upper, most=most, in_rad=radians(most),
+        joints=count(note.number, "moving joint"), fixed=_fixed(note.fixed), gripper=_gripper(note.gripper),
+        made_exact="; ".join(_made_exact(note)), idealised=_idealised(note), within=note.within,
+        as_written=advised("as-written"), text=note.text,
+    )  # fmt: skip
+
+
+def _fixed(links: tuple[str, ...]) -> str:
+    """Links fixed to the tip; "" where there are none."""
+    if not links:
+        return ""
+    more = ""
+    if len(links) > _FIXED:
+        more = " …"
+    return f"; fixed to it: {', '.join(links[:_FIXED])}{more}"
+
+
+def _gripper(joints: tuple[str, ...]) -> str:
+    if not joints:
+        return ""
+    return f"; the gripper after it is left out ({', '.join(joints)})"
+
+
+def _made_exact(note: RobotNote) -> list[str]:
+    """Which numbers of a file were made exact, and by how much at most."""
+    parts = []
+    if note.rounded.number:
+        if note.rounded.number == 1:
+            means = "the multiple of 15° it rounds"
+        else:
+            means = "the multiples of 15° they round"
+        angles = count(note.rounded.number, "angle")
+        parts.append(f"{angles} read as {means}, at most {note.rounded.most:.2g} rad")
+    what, most = [], []
+    if note.turned.number:
+        what.append(count(note.turned.number, "axis", "axes"))
+        most.append(f"{note.turned.most:.2g} rad")
+    if note.moved.number:
+        what.append(count(note.moved.number, "length"))
+        most.append(f"{note.moved.most * 1e6:.2g} µm")
+    if what:
+        parts.append(f"{' and '.join(what)} squared, at most {', '.join(most)}")
+    return parts
+
+
+def _idealised(note: RobotNote) -> str:
+    """How many numbers of an arm were moved, and by how much at most."""
+    what, most = [], []
+    if note.turned.number:
+        what.append(count(note.turned.number, "angle"))
+        most.append(f"{degrees(note.turned.most):.3g}°")
+    if note.moved.number:
+        what.append(count(note.moved.number, "length"))
+        most.append(f"{note.moved.most * 1e3:.3g} mm")
+    return f"{' and '.join(what)} moved, at most {', '.join(most)}"

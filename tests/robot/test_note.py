@@ -1,0 +1,35 @@
+"""Notes on robot descriptions: facts with words, and texts of the description itself."""
+
+from __future__ import annotations
+
+import pytest
+
+from rankdrop.options import on_command_line
+from rankdrop.robot.dh import from_dh
+from rankdrop.robot.note import Moved, NoteOn, RobotNote
+
+
+def test_a_text_given_as_a_note_stays_as_it_is() -> None:
+    arm = from_dh([{"a": 1.0}], convention="standard", notes=["{base} of steel"])
+    assert arm.notes == (RobotNote(NoteOn.GIVEN, text="{base} of steel"),)
+    assert str(arm.notes[0]) == "{base} of steel"
+
+
+@pytest.mark.parametrize("kind", list(NoteOn))
+def test_every_kind_has_words(kind: NoteOn) -> None:
+    changed = Moved(1, 0.5)
+    words = str(RobotNote(kind, "a", "b", number=3, rounded=changed, turned=changed, moved=changed, text="c"))
+    assert words
+    assert "{" not in words
+
+
+def test_an_endless_limit_is_no_number_of_turns() -> None:
+    words = str(RobotNote(NoteOn.TURNS, "a", limits=(float("-inf"), 180.0)))
+    assert words.endswith('write "180 deg" for degrees')
+
+
+def test_an_option_is_written_as_the_reader_writes_it() -> None:
+    note = RobotNote(NoteOn.SQUARED, moved=Moved(2, 1e-6))
+    assert str(note) == "2 lengths squared, at most 1 µm; as_written=True keeps the file's numbers"
+    with on_command_line():
+        assert str(note).endswith("; --as-written keeps the file's numbers")

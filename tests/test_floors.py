@@ -108,7 +108,10 @@ PUBLIC = frozenset(f"rankdrop.{name}" for name in rankdrop.__all__)
 
 RECORD = frozenset(
     f"families.{name}"
-    for name in ("contradiction", "facts", "lost", "name", "naming", "not_derived", "record", "summary", "unfinished")
+    for name in (
+        "contradiction", "evidence", "facts", "lost", "name", "naming", "not_derived", "record", "summary",
+        "unfinished",
+    )
 )
 """What a family is, however it was found."""
 

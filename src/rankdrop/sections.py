@@ -48,6 +48,7 @@ class Section:
 _WORDED = {
     "Analysis": "rankdrop.text.analysis", "Conditions": "rankdrop.text.conditions",
     "Covered": "rankdrop.text.words", "Explanation": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
+    "FamilyEvidence": "rankdrop.text.family",
     "FamilyName": "rankdrop.text.names", "Dependence": "rankdrop.text.names",
     "Assumption": "rankdrop.text.conditions", "UnrealSet": "rankdrop.text.conditions",
     "UndividedSet": "rankdrop.text.conditions", "Designs": "rankdrop.text.designs",

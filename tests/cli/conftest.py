@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from rankdrop.cli import main
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.record import Check, CorankSummary, Estimator, Family, Pin, Unseen
 from rankdrop.families.row import vanishing_on
@@ -95,7 +96,7 @@ def family(
         equations=(*conditions, *equations) if named else (),
         witness=tuple(pins.get(j, (0.3,))[0] for j in range(1, 8)), lost_directions=np.eye(6)[: len(lost)],
         lost_freedoms=lost, named=named,
-        evidence="made up",
+        evidence=FamilyEvidence(ObtainedFrom.STORED, text="made up"),
         soundness=Check(200, singular) if named else Check(0, 0),
         explained=Check(1000, 250),
     )  # fmt: skip

@@ -9,6 +9,7 @@ import pytest
 
 from rankdrop.cli.analyze import corank_section
 from rankdrop.cli.terminal import screen, show
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.record import written_conditions
 from rankdrop.formula.equation import Equation, Term
 from rankdrop.results.analysis import Analysis
@@ -105,7 +106,7 @@ def test_of_very_many_rows_three_are_shown_and_the_others_counted_by_their_kind(
     for count, told in ((24, 24), (30, 3)):
         shares = [replace(one.explained, agree=number) for number in range(count)]
         rows = tuple(
-            replace(one, id=f"k1.f{i}", evidence="made up", explained=share)
+            replace(one, id=f"k1.f{i}", evidence=FamilyEvidence(ObtainedFrom.STORED, text="made up"), explained=share)
             for i, share in enumerate(shares)
         )
         show(console, corank_section(console, replace(shapes, families=rows), shapes.coranks[0]))

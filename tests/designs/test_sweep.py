@@ -25,6 +25,7 @@ from rankdrop.designs.spec import question_of, spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.distance.share import slower_than
 from rankdrop.errors import OptionError
+from rankdrop.families.evidence import ObtainedFrom
 from rankdrop.families.record import exact_of
 from rankdrop.formula.writing import AnglePin
 from rankdrop.kinematics import pose
@@ -106,7 +107,7 @@ def test_nominal_conditions_do_not_hide_a_family_that_appears() -> None:
     assert second.verified
     third = families_of(again, task, nominal_conditions(with_it, task), **effort)
     assert third.verified
-    assert any(one.evidence == "exact condition" for one in third.of_corank(1) if one.coupled)
+    assert any(one.evidence.kind is ObtainedFrom.EXACT for one in third.of_corank(1) if one.coupled)
 
 
 @pytest.mark.by_hand

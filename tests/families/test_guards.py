@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from rankdrop.families import table as families_module
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.inspection import Signature, inspect, verify_points
 from rankdrop.families.row import Linear, Row, membership, on_row, solve_at_special_values, soundness, verified
 from rankdrop.families.searching import search, unseen
@@ -19,6 +20,8 @@ from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.units import in_units
+
+PLANTED = FamilyEvidence(ObtainedFrom.VALUES)
 
 STRAIGHT = (0.0, pi)
 
@@ -34,13 +37,13 @@ def pinned(problem: Problem, *joints: int, values: tuple[float, ...] = STRAIGHT)
     n = problem.robot.n
     linear = Linear.of(problem.robot, [tuple(int(i == j) for i in range(n)) for j in joints])
     free = tuple(j for j in range(n) if j not in joints)
-    return Row(linear, (values,) * len(joints), (), Signature(len(joints), joints, free, ()), "planted")
+    return Row(linear, (values,) * len(joints), (), Signature(len(joints), joints, free, ()), PLANTED)
 
 
 def coupled(*equations: Equation) -> Row:
     """A row of PUMA without pinned joints."""
     every = tuple(range(6))
-    return Row(Linear.of(open_robot("puma560"), []), (), equations, Signature(1, (), (), every))
+    return Row(Linear.of(open_robot("puma560"), []), (), equations, Signature(1, (), (), every), PLANTED)
 
 
 def test_what_loses_more_everywhere_is_no_row_of_this_corank(rng) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.families import inspection
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.fit import minors
 from rankdrop.families.inspection import Signature, candidates, independent
 from rankdrop.families.row import Linear, Row, boxes, canonical, grow, vanishing_on
@@ -17,6 +18,8 @@ from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+
+PLANTED = FamilyEvidence(ObtainedFrom.VALUES)
 
 
 def linear(*covectors, robot="pa10") -> Linear:
@@ -136,7 +139,7 @@ def test_minors_are_of_the_values_that_are_pinned(rng):
     problem = Problem(robot, resolve_task(None, robot))
     pinned = linear((0, 0, 1, 0, 0, 0), (0, 0, 0, 0, 1, 0), robot="puma560")
     signature = Signature(2, (2, 4), (), (), ())
-    found = minors(problem, Row(pinned, ((0.7,), (0.9,)), (), signature), (1,), 2, rng)
+    found = minors(problem, Row(pinned, ((0.7,), (0.9,)), (), signature, PLANTED), (1,), 2, rng)
     assert len(found) == 1
     q = rng.uniform(-pi, pi, (8, 6))
     q[:, 2], q[:, 4] = 0.7, 0.9
@@ -147,7 +150,7 @@ def test_minors_are_of_the_values_that_are_pinned(rng):
     value = found[0](line)
     scale = (determinant @ value) / (value @ value)
     np.testing.assert_allclose(scale * value, determinant, atol=1e-12 * np.abs(determinant).max() + 1e-14)
-    straight = Row(pinned, ((0.0,), (0.0,)), (), signature)
+    straight = Row(pinned, ((0.0,), (0.0,)), (), signature, PLANTED)
     assert minors(problem, straight, (1,), 2, rng) == []  # the wrist is straight: nothing is left to vanish
 
 

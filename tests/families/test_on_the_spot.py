@@ -11,10 +11,11 @@ from known.members import members
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families import on_the_spot
+from rankdrop.families.evidence import ObtainedFrom
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import name_family
 from rankdrop.families.on_the_spot import name_on_the_spot
-from rankdrop.families.record import Family
+from rankdrop.families.record import Family, LocalConditions
 from rankdrop.families.table import _told_apart as told_apart_rows
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import singular_values
@@ -24,6 +25,7 @@ from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.text.family_conditions import local_conditions
 
 H = np.pi / 2
 EACH = 2
@@ -118,10 +120,10 @@ def test_conditions_in_words(name: str, q: list[float], corank: int, words: tupl
     robot = open_robot(name)
     found = name_on_the_spot(robot, q, resolve_task(None, robot), corank)
     if name == "pa10" and corank == 2:  # what AM's Table 4 pins there, whatever the number of joints
-        assert set(found.words) <= {*words, "coupled: joints 2 and 3"}
+        assert set(local_conditions(found)) <= {*words, "coupled: joints 2 and 3"}
         assert found.pinned
     else:
-        assert found.words == words
+        assert local_conditions(found) == words
 
 
 def test_where_families_meet_all_of_them_are_listed() -> None:
@@ -141,7 +143,7 @@ def test_a_square_condition_is_found_where_d_vanishes() -> None:
     found = name_on_the_spot(robot, [0.3, 0.4, 0.0, 0.7, 0.9, 1.0], task, 1)
     assert found.dimension == 5
     assert [(one.number, one.values) for one in found.pinned] == [(3, (0.0,))]
-    assert found.evidence == "shared values, verified"
+    assert found.evidence.kind is ObtainedFrom.SHARED_VALUES
 
 
 def test_the_equation_of_coupled_joints_is_fitted_when_asked_for(rng: np.random.Generator) -> None:
@@ -150,13 +152,13 @@ def test_the_equation_of_coupled_joints_is_fitted_when_asked_for(rng: np.random.
     q = members(atlas.robot, atlas.task, family, 1)[0]
     plain = name_on_the_spot(atlas.robot, q, atlas.task, 1)
     assert plain.equations == ()
-    assert plain.words[-1].startswith("coupled: joints ")
+    assert local_conditions(plain)[-1].startswith("coupled: joints ")
     fitted = name_on_the_spot(atlas.robot, q, atlas.task, 1, fit=True)
     assert fitted.equations
     others = members(atlas.robot, atlas.task, family, 20, seed=77)
     near: Array = np.array([[abs(float(e(x))) for e in fitted.equations] for x in others])
     assert np.median(near.max(axis=1)) < 1e-8 or (near[:, -1] < 1e-8).mean() > 0.3
-    assert "coupled" not in fitted.words[-1]
+    assert "coupled" not in local_conditions(fitted)[-1]
 
 
 def test_the_same_seed_gives_the_same_family_and_another_the_same_name() -> None:
@@ -165,7 +167,7 @@ def test_the_same_seed_gives_the_same_family_and_another_the_same_name() -> None
     q = members(robot, task, shipped("panda").families[2], 1)[0]
     corank = shipped("panda").families[2].corank
     first = name_on_the_spot(robot, q, task, corank, seed=1)
-    assert name_on_the_spot(robot, q, task, corank, seed=1).words == first.words
+    assert name_on_the_spot(robot, q, task, corank, seed=1).local == first.local
     assert name_on_the_spot(robot, q, task, corank, seed=2).name == first.name
 
 
@@ -194,3 +196,14 @@ def test_a_regular_configuration_and_broken_input_are_refused() -> None:
     for corank in (0, 7):
         with pytest.raises(OptionError):
             name_on_the_spot(robot, np.zeros(7), task, corank)
+
+
+@pytest.mark.parametrize(
+    ("multiples", "value", "words"),
+    [((0, 0, 1, 0, 1), 0.0, "θ3 + θ5 = 0"), ((0, 2, 0, -1), np.pi, "2 θ2 − θ4 = π"), ((-1, 3), 0.0, "−θ1 + 3 θ2 = 0")],
+)
+def test_a_relation_of_angles_in_words(multiples: tuple[int, ...], value: float, words: str) -> None:
+    robot = open_robot("ur5")
+    found = name_on_the_spot(robot, [0.3, -1.0, 0.0, 0.4, 0.7, 1.0], resolve_task(None, robot), 1)
+    local = LocalConditions(relations=((multiples, value),))
+    assert local_conditions(replace(found, pinned=(), local=local)) == (words,)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from known.arms import FEW
+from rankdrop.families.evidence import ObtainedFrom
 from rankdrop.families.naming import LONGEST
 from rankdrop.report.content import content
 from rankdrop.results.known import conditions_names, known_names, shipped
@@ -79,7 +80,7 @@ def test_rows_are_cut_and_joined_as_the_exact_conditions_are(name):
     sampled = analyze(open_robot(name), starts=STARTS, exact="off").of_corank(2)
     both = analyze(open_robot(name), starts=STARTS).of_corank(2)
     assert (len(sampled) != len(both)) == (name == "irb2600")
-    assert all(one.evidence == "exact condition" for one in both)
+    assert all(one.evidence.kind is ObtainedFrom.EXACT for one in both)
     assert named(both) == named(one for one in shipped_conditions(name).families if one.corank == 2)
     assert all(one.soundness.holds and one.explained.agree for one in both)
 

@@ -27,6 +27,7 @@ from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
 from rankdrop.exact.arm.parts import parts_of, slowed, values_in_turns, whole_angles
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.record import ExactConditions, Family, Pin, exact_of
 from rankdrop.formula.equation import Equation
 from rankdrop.formula.writing import AnglePin, Condition, pin_of
@@ -35,7 +36,7 @@ from rankdrop.robot.model import Robot
 from rankdrop.sections import words_of
 from rankdrop.units import exponent, into_units
 
-EVIDENCE = "exact condition"
+EVIDENCE = FamilyEvidence(ObtainedFrom.EXACT)
 """Of families that were derived."""
 Stated = AnglePin | Condition
 """A condition that was derived."""

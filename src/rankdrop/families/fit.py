@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.inspection import (
     Covector,
     Inspection,
@@ -116,16 +117,17 @@ def _rows_of(
     linear = Linear.of(problem.robot, signature.covectors(problem.n))
     q, tangent, known = (part[members] for part in (inspection.q, inspection.tangent, inspection.condition))
     met = linear.combinations(q, known, problem.tolerances.value)
-    plain = Row(linear, (), (), signature, "values verified")
+    plain = Row(linear, (), (), signature, FamilyEvidence(ObtainedFrom.VALUES))
     if not signature.residual:
         return completed(problem, plain, met, rng)
     rows: list[Row] = []
+    fitted = FamilyEvidence(ObtainedFrom.FITTED)
     for values in sorted(met, key=lambda values: (-len(met[values]), values))[: FITS if problem.n <= _MANY else 1]:
         if any(values in row.combinations for row in rows):
             continue
         here = met[values]
         here = rng.permutation(here[known[here] >= np.quantile(known[here], BADLY)])
-        single = replace(plain, sets=tuple((value,) for value in values), evidence="fitted, then verified")
+        single = replace(plain, sets=tuple((value,) for value in values), evidence=fitted)
         residual = fitted_equations(FamilyPoints(problem, single, q[here], tangent[here], rng), WORK)
         if residual is not None:
             alike = [one for one, points in met.items() if all(holds(f, q[points]) for f in residual)]
@@ -204,7 +206,8 @@ def _rows_of_values(
     coupled = tuple(j for j in range(problem.n) if any(m[j] for m in relations))
     free = tuple(j for j in range(problem.n) if j not in pinned and j not in coupled)
     signature = Signature(len(linear), pinned, free, coupled, relations)
-    return completed(problem, Row(linear, (), (), signature, "shared values, verified"), sharp, rng)
+    row = Row(linear, (), (), signature, FamilyEvidence(ObtainedFrom.SHARED_VALUES))
+    return completed(problem, row, sharp, rng)
 
 
 def _is_simple(value: float) -> bool:

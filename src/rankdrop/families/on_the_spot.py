@@ -17,14 +17,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.fit import FamilyPoints, fitted_equations, grouped, recognised, smooth
-from rankdrop.families.inspection import Covector, Inspection, Signature, inspect
+from rankdrop.families.inspection import Inspection, Signature, inspect
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import name_family, shortened
-from rankdrop.families.record import Family, Pin, rescaled, rescaled_pin, slides_of
+from rankdrop.families.record import Family, LocalConditions, Pin, rescaled, rescaled_pin, slides_of
 from rankdrop.families.row import Linear, Row, Values, canonical
 from rankdrop.families.searching import refine
-from rankdrop.formula.equation import Equation, pretty_angle
+from rankdrop.formula.equation import Equation
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank
 from rankdrop.problem import Problem, wrap
@@ -153,8 +154,8 @@ def name_on_the_spot(
         >>> from rankdrop.task import resolve_task
         >>> arm = open_robot("pa10")
         >>> found = name_on_the_spot(arm, [0.3, 0.4, 0.5, 0.0, 0.2, 0.4, 1.0], resolve_task(None, arm), 1)
-        >>> found.dimension, found.words
-        (6, ('θ4 = 0',))
+        >>> found.dimension, found.pinned[0].number, found.pinned[0].values
+        (6, 4, (0.0,))
     """
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
@@ -192,7 +193,7 @@ class _Spot:
         """The family through q that some of its neighbours belong to; `fit` also finds short unknown equations."""
         problem, points = self.problem, self.around.q[members]
         linear = Linear.of(problem.robot, signature.covectors(problem.n))
-        how = f"{len(members)} singular configurations around q with one tangent shape"
+        how = FamilyEvidence(ObtainedFrom.NEIGHBOURS, neighbours=len(members))
         row = Row(linear, tuple((value,) for value in _values(linear, points)), (), signature, how)
         if not signature.residual:
             return self.family(row, points, whole=True)
@@ -231,30 +232,27 @@ class _Spot:
     def family(self, row: Row, points: Array, *, whole: bool) -> Family:
         """The family of a row through q; `whole`: the equations of its coupled joints are known."""
         power, slides, signature = metre_exponent(self.robot), slides_of(self.robot), row.signature
+        residual = tuple(rescaled(equation, slides, power) for equation in row.residual)
         values = [value for (value,) in row.sets]
         pinned = self.pins(signature.pinned, values[: len(signature.pinned)])
-        words = [_pin_words(one, slides) for one in pinned]
-        words += map(_relation_words, signature.relations, values[len(pinned) :])
-        words += [f"{rescaled(one, slides, power).pretty()} = 0" for one in row.residual]
-        if signature.coupled and not whole:
-            numbers = ", ".join(str(j + 1) for j in signature.coupled)
-            words.append(f"coupled: joints {' and '.join(numbers.rsplit(', ', 1))}")
+        relations = tuple(zip(signature.relations, values[len(pinned) :], strict=True))
+        local = LocalConditions(relations, residual, whole or not signature.coupled)
         if whole:
             equations = tuple(rescaled(one, slides, power) for one in row.system.equations)
         else:
             equations = ()
-        return self.record(signature, pinned, row.evidence, tuple(words), points, equations)
+        return self.record(signature, pinned, row.evidence, local, points, equations)
 
     def nameless(self, at: Inspection) -> Family:
         """q alone: an isolated singular configuration, or a place that neither tangents nor values explain."""
         joints, idle, rank = tuple(range(self.problem.n)), self.problem.idle.tolist(), conormal_rank(at)
         if rank == self.problem.n:
-            pinned, words = self.pins(joints, self.q.tolist()), ("an isolated singular configuration",)
-            return self.record(Signature(rank, joints, (), ()), pinned, "D has full rank", words, self.q[None])
-        how = "D has no clear rank here; the dimension is an upper bound"
-        words = ("no condition found around it",)
+            pinned, how = self.pins(joints, self.q.tolist()), FamilyEvidence(ObtainedFrom.FULL_RANK)
+            local = LocalConditions(isolated=True)
+            return self.record(Signature(rank, joints, (), ()), pinned, how, local, self.q[None])
+        how = FamilyEvidence(ObtainedFrom.UNCLEAR_RANK, clear_rank=False)
         free, coupled = (tuple(j for j in joints if idle[j] is still) for still in (True, False))
-        return self.record(Signature(rank, (), free, coupled), (), how, words, self.q[None], named=False)
+        return self.record(Signature(rank, (), free, coupled), (), how, LocalConditions(), self.q[None], named=False)
 
     def pins(self, joints: Sequence[int], values: Sequence[float]) -> tuple[Pin, ...]:
         """Joints (from 0) at values in metres, as those of the arm as given."""
@@ -263,7 +261,7 @@ class _Spot:
         return tuple(rescaled_pin(Pin(names[j].name, j + 1, (value,)), slides, power) for j, value in pairs)
 
     def record(
-        self, signature: Signature, pinned: tuple[Pin, ...], how: str, words: tuple[str, ...], points: Array,
+        self, signature: Signature, pinned: tuple[Pin, ...], how: FamilyEvidence, local: LocalConditions, points: Array,
         equations: tuple[Equation, ...] = (), *, named: bool = True,
     ) -> Family:  # fmt: skip
         """The record of a family through q; its name is taken from points (N, n) of it."""
@@ -285,7 +283,7 @@ class _Spot:
             lost_directions=np.zeros((0, 6)),  # whoever asks for the family of a configuration has them already
             lost_freedoms=(),
             evidence=how,
-            words=words,
+            local=local,
             slides=tuple(i + 1 for i in slides_of(self.robot)),
         )
 
@@ -298,25 +296,8 @@ def _values(linear: Linear, points: Array) -> Values:
     return tuple(canonical(value) if turns else value + 0.0 for value, turns in pairs)
 
 
-def _pin_words(pin: Pin, slides: tuple[int, ...]) -> str:
-    if pin.number - 1 in slides:
-        return f"q{pin.number} = " + f"{pin.values[0]:.4g} m".replace("-", "−")
-    return f"θ{pin.number} = {pretty_angle(pin.values[0])}"
-
-
-def _relation_words(multiples: Covector, value: float) -> str:
-    """A whole-number relation of angles for people: "θ3 + θ5 = 0", "2 θ2 − θ4 = π"."""
-    text = ""
-    for number, m in enumerate(multiples, start=1):
-        if m:
-            text += (" − " if m < 0 else " + ") if text else "−" if m < 0 else ""
-            text += (f"{abs(m)} " if abs(m) > 1 else "") + f"θ{number}"
-    return f"{text} = {pretty_angle(value)}"
-
-
 def _meeting(families: list[Family]) -> Family:
     """Several families meet at q: the largest one first."""
     name = FamilyName(meeting=tuple(dict.fromkeys(family.called for family in families)))
-    how = "; ".join(family.evidence for family in families)
-    words = tuple(" and ".join(family.words) for family in families)
-    return replace(families[0], called=name, equations=(), evidence=how, words=words, parts=tuple(families))
+    how = FamilyEvidence(ObtainedFrom.MEETING, parts=tuple(family.evidence for family in families))
+    return replace(families[0], called=name, equations=(), evidence=how, local=None, parts=tuple(families))

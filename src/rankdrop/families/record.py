@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.contradiction import Contradiction
+from rankdrop.families.evidence import FamilyEvidence
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
 from rankdrop.families.not_derived import NotDerived, NotDerivedKind
@@ -264,6 +265,23 @@ class Unseen:
         return how
 
 
+@dataclass(frozen=True)
+class LocalConditions:
+    """Conditions that hold on a family around one configuration, beyond joints at fixed values.
+
+    Attributes:
+        relations: whole numbers mᵢ and the value of Σ mᵢ θᵢ [rad].
+        residual: other equations, in the unit of length of the arm as given.
+        complete: the equations of coupled joints are all known.
+        isolated: no other configuration of this corank is around it.
+    """
+
+    relations: tuple[tuple[tuple[int, ...], float], ...] = ()
+    residual: tuple[Equation, ...] = ()
+    complete: bool = True
+    isolated: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class Family:
     """One family of singular configurations: a piece of the singular set with conditions of one form.
@@ -283,14 +301,13 @@ class Family:
         lost_directions: (k, 6) rows (v; ω), orthonormal, at the witness; none from a neighbourhood, nor where the
             derivation alone knows the family.
         lost_freedoms: what the tool cannot do, one for each freedom lost; none from a neighbourhood.
-        evidence: how the conditions were obtained: from a sample of the whole joint space, exactly, or from the
-            neighbourhood of one configuration.
+        evidence: how the conditions were obtained.
         soundness: the equations solved from random starts, and how many solutions have the corank or more; none were
             from a neighbourhood.
         explained: the fresh points of this corank, and how many lie on this family; none were tried from a
             neighbourhood.
-        words: of a neighbourhood: the conditions as sentences, and joints coupled by an equation that is not known. Of
-            pinned joints only the values that are met there are known, while a row of a table holds all.
+        local: of a neighbourhood: its conditions beyond pinned joints, of which only the values that are met there are
+            known, while a row of a table holds all; None for a row of a table, and where families meet.
         slides: of a neighbourhood: numbers of the joints that slide; elsewhere the equations show them.
         parts: of a neighbourhood: the families that meet at the configuration; empty where it lies on one only.
         exact: its exact conditions; None where the families were not derived exactly.
@@ -308,10 +325,10 @@ class Family:
     witness: tuple[float, ...]
     lost_directions: Array  # (k, 6)
     lost_freedoms: tuple[LostFreedom, ...]
-    evidence: str
+    evidence: FamilyEvidence
     soundness: Check = Check(0, 0)
     explained: Check = Check(0, 0)
-    words: tuple[str, ...] = ()
+    local: LocalConditions | None = None
     slides: tuple[int, ...] = ()
     parts: tuple[Family, ...] = ()
     exact: ExactConditions | None = None

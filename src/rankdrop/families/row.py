@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.inspection import HIGHER, ROUNDING, Covector, Signature, descents
 from rankdrop.families.record import Check, Family, ways_to
 from rankdrop.formula.equation import Equation, Mask, System, Term, normalised
@@ -324,7 +325,7 @@ class Row:
     sets: tuple[Values, ...]
     residual: tuple[Equation, ...]
     signature: Signature
-    evidence: str = ""
+    evidence: FamilyEvidence
     family: Family | None = None
 
     @cached_property
@@ -597,7 +598,7 @@ def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:
     signature = Signature(problem.n - family.dimension, joints, free, coupled)
     linear = Linear.of(problem.robot, signature.covectors(problem.n))
     residual = tuple(normalised(one.terms) for one in rest)
-    return Row(linear, tuple(pins[j] for j in joints), residual, signature, "exact condition", family)
+    return Row(linear, tuple(pins[j] for j in joints), residual, signature, FamilyEvidence(ObtainedFrom.EXACT), family)
 
 
 TRIES = 64  # round configurations that are looked at

@@ -23,6 +23,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.fit import find_rows
 from rankdrop.families.inspection import HIGHER, Inspection, inspect, not_singular, verify_points
 from rankdrop.families.name import FamilyName
@@ -442,10 +443,7 @@ def _unnamed(
         gap = np.ones(len(members))
     at = q[int(np.argmax(gap))]
     directions, lost = lost_motions(problem, at, q)
-    if regular:
-        kind = ""
-    else:
-        kind = "; D has no clear rank there, so that the dimension is an upper bound"
+    fresh = len(members) - cloud
     names = problem.robot.variables
     family = Family(
         id="",
@@ -459,8 +457,8 @@ def _unnamed(
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
         lost_freedoms=lost,
-        evidence=f"{cloud} points of the cloud and {len(members) - cloud} fresh ones, no condition found{kind}",
-        explained=Check(tested, len(members) - cloud),
+        evidence=FamilyEvidence(ObtainedFrom.CLOUD, cloud=cloud, fresh=fresh, clear_rank=regular),
+        explained=Check(tested, fresh),
         named=False,
     )
     return family, cloud

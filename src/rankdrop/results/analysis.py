@@ -27,7 +27,7 @@ from rankdrop.formula.equation import Equation
 from rankdrop.local.block import singular_values
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.contradictions import derivation_from_dict
-from rankdrop.results.estimate import unseen_of_sentence
+from rankdrop.results.estimate import evidence_of_sentence, unseen_of_sentence
 from rankdrop.results.names import name_of
 from rankdrop.results.old_files import conditions_of_derivation, exact_from_dict, freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
@@ -35,6 +35,7 @@ from rankdrop.results.settings import Settings as Settings
 from rankdrop.results.validate import at, check_analysis
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
+from rankdrop.robot.note import NoteOn
 from rankdrop.sections import Section, words_of
 from rankdrop.task import Task
 
@@ -254,7 +255,9 @@ def robot_from_dict(record: Record) -> Robot:
     """The robot of a record made by `robot_to_dict`."""
     lengths = list(record.get("lengths", {}).items())
     chain = [{key: value for key, value in joint.items() if value is not None} for joint in record["chain"]]
-    robot: Robot = restored(Robot, record | {"joints": chain, "task": record["made_for"], "lengths": lengths})
+    notes = [{"kind": NoteOn.GIVEN, "text": note} for note in record["notes"]]
+    fields = {"joints": chain, "task": record["made_for"], "lengths": lengths, "notes": notes}
+    robot: Robot = restored(Robot, record | fields)
     return robot
 
 
@@ -300,13 +303,14 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
         ResultFileError: an equation whose text and terms say different things.
     """
     checks = {name: _check(record[name], agree) for name, agree in (("soundness", "singular"), ("explained",) * 2)}
-    kinds, own = _family_types(), record.keys() - {"called", "equations", "exact"}
+    kinds, own = _family_types(), record.keys() - {"called", "equations", "evidence", "exact"}
     given = {name: restored(kind, (record | checks)[name]) for name, kind in kinds.items() if name in own}
     if "lost_freedoms" not in own:
         given["lost_freedoms"] = freedoms_of_sentences(
             record["lost_words"], robot, task, record["corank"], record["witness"]
         )
     given["called"] = name_of(record)
+    given["evidence"] = evidence_of_sentence(record["evidence"])
     if "exact" in record:
         given["exact"] = exact_from_dict(record["exact"])
     family = Family(**given, equations=tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]))

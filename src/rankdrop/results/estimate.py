@@ -1,4 +1,4 @@
-"""What a search may have missed, read from the sentence that files hold."""
+"""What a search may have missed, and how conditions were obtained, read from the sentences that files hold."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.record import Estimator, Unseen
 
 _ESTIMATORS: Sequence[tuple[str, Estimator]] = (
@@ -36,3 +37,19 @@ def unseen_of_sentence(sentence: str, estimate: float, upper: float) -> Unseen:
             if unseen.how == sentence:
                 return unseen
     return Unseen(estimate, upper, Estimator.STORED, text=sentence)
+
+
+_OF_ONE_WORD = (ObtainedFrom.EXACT, ObtainedFrom.VALUES, ObtainedFrom.FITTED, ObtainedFrom.SHARED_VALUES)
+"""Kinds that stand in files by their own words."""
+
+
+def evidence_of_sentence(sentence: str) -> FamilyEvidence:
+    """How the conditions of a family of a file were obtained.
+
+    Example:
+        >>> evidence_of_sentence("exact condition").kind
+        <ObtainedFrom.EXACT: 'exact condition'>
+    """
+    if sentence in _OF_ONE_WORD:
+        return FamilyEvidence(ObtainedFrom(sentence))
+    return FamilyEvidence(ObtainedFrom.STORED, text=sentence)

@@ -23,6 +23,7 @@ from rankdrop.local.special import Special
 from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion
 from rankdrop.results.explained import Summary
 from rankdrop.schema.arm import ARM_OF, FRAME, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+from rankdrop.text.family_conditions import local_conditions
 from rankdrop.text.lost_directions import lost_text
 from rankdrop.text.procedure import hunt_words
 from rankdrop.text.verdict import sentence_of, summary_lines
@@ -199,7 +200,7 @@ EXPLANATION_FAMILY = table(
     free=(many(Positive), "joints that do not matter", attrgetter("family.free")),
     coupled=(many(Positive), "joints tied together", attrgetter("family.coupled")),
     conditions=(many(str), "for reading",
-        lambda incidence: list(map(str, incidence.family.equations)) or incidence.family.words),
+        lambda incidence: list(map(str, incidence.family.equations)) or local_conditions(incidence.family)),
     equations=(many(str), "expressions in q1 … qn, sin, cos, pi that vanish on the family",
         attrgetter("family.equations")),
     residual=(num("distance", ge=0), "distance of the configuration to the family [rad]"),

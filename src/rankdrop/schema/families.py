@@ -213,7 +213,7 @@ FAMILY = table(
     lost_words=(many(str), "these in words, one sentence each", lambda family: lost_sentences(family.lost_freedoms)),
     soundness=SOUNDNESS,
     explained=SHARE,
-    evidence=(str, "how the conditions were obtained"),
+    evidence=(str, "how the conditions were obtained", lambda family: str(family.evidence)),
     exact=(optional(EXACT_CONDITIONS), "its exact conditions; absent where the families were not derived; since 0.3",
         lambda family: family.exact or UNSET),
 )

@@ -1,12 +1,39 @@
-"""One family in words, for a notebook."""
+"""One family in words, for a notebook, and how its conditions were obtained."""
 
 from __future__ import annotations
 
 from math import degrees
 
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.record import Family
 from rankdrop.sections import Section
 from rankdrop.text.lost import lost_sentences
+
+_EVIDENCE = {
+    ObtainedFrom.CLOUD: "{cloud} points of the cloud and {fresh} fresh ones, no condition found{bound}",
+    ObtainedFrom.NEIGHBOURS: "{neighbours} singular configurations around q with one tangent shape",
+    ObtainedFrom.FULL_RANK: "D has full rank",
+    ObtainedFrom.UNCLEAR_RANK: "D has no clear rank here; the dimension is an upper bound",
+    ObtainedFrom.STORED: "{text}",
+}
+"""What conditions were obtained from, where its name does not say it."""
+
+
+def evidence_words(evidence: FamilyEvidence) -> str:
+    """How the conditions of a family were obtained.
+
+    Example:
+        >>> evidence_words(FamilyEvidence(ObtainedFrom.CLOUD, cloud=12, fresh=3, clear_rank=True))
+        '12 points of the cloud and 3 fresh ones, no condition found'
+    """
+    if evidence.kind is ObtainedFrom.MEETING:
+        return "; ".join(map(str, evidence.parts))
+    bound = ""
+    if not evidence.clear_rank:
+        bound = "; D has no clear rank there, so that the dimension is an upper bound"
+    return _EVIDENCE.get(evidence.kind, evidence.kind.value).format(
+        cloud=evidence.cloud, fresh=evidence.fresh, neighbours=evidence.neighbours, bound=bound, text=evidence.text
+    )
 
 
 def sections_of(family: Family) -> tuple[Section, ...]:

@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from rankdrop.codec import Record
-from rankdrop.families.record import Family
+from rankdrop.families.inspection import Covector
+from rankdrop.families.record import Family, LocalConditions, Pin
+from rankdrop.formula.equation import pretty_angle
 from rankdrop.results.known import shipped_conditions_record
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.text.families import symbols as joint_symbols
 from rankdrop.text.families import values_in_degrees
-from rankdrop.text.words import numbers
+from rankdrop.text.words import listing, numbers
 
 LONGEST = 120
 """Characters of a condition that is printed; of a longer one the joints are named."""
@@ -76,7 +78,7 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
     """
     written = _written(robot, task, family)
     if written is None and not family.equations:
-        return family.words or ("no condition found",)
+        return local_conditions(family) or ("no condition found",)
     conditions, letters = _unpinned(family, written)
     short = [condition for condition in conditions if len(condition.text) <= LONGEST]
     long = [condition for condition in conditions if len(condition.text) > LONGEST]
@@ -90,6 +92,61 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
     if long:
         told.append(_long_words(long, exact=written is not None))
     return tuple(told)
+
+
+def local_conditions(family: Family) -> tuple[str, ...]:
+    """Conditions of a family that was found around one configuration; () for a row of a table.
+
+    Where families meet, a sentence for each.
+    """
+    if family.parts:
+        return tuple(" and ".join(local_conditions(part)) for part in family.parts)
+    if family.local is None:
+        return ()
+    return _around(family, family.local)
+
+
+def _around(family: Family, local: LocalConditions) -> tuple[str, ...]:
+    if local.isolated:
+        return ("an isolated singular configuration",)
+    if not family.named:
+        return ("no condition found around it",)
+    told = [_pin_words(pin, family.slides) for pin in family.pinned]
+    told += [_relation_words(multiples, value) for multiples, value in local.relations]
+    told += [f"{equation.pretty()} = 0" for equation in local.residual]
+    if not local.complete:
+        told.append(f"coupled: joints {listing([str(number) for number in family.coupled])}")
+    return tuple(told)
+
+
+def _pin_words(pin: Pin, slides: tuple[int, ...]) -> str:
+    """A joint at the value that is met here: "θ4 = 0", "q3 = 0.2 m"."""
+    if pin.number in slides:
+        return f"q{pin.number} = " + f"{pin.values[0]:.4g} m".replace("-", "−")
+    return f"θ{pin.number} = {pretty_angle(pin.values[0])}"
+
+
+def _relation_words(multiples: Covector, value: float) -> str:
+    """A whole-number relation of angles for people: "θ3 + θ5 = 0", "2 θ2 − θ4 = π"."""
+    text = ""
+    minus, plus = "−", ""
+    for number, multiple in enumerate(multiples, start=1):
+        if multiple == 0:
+            continue
+        if multiple < 0:
+            text += minus
+        else:
+            text += plus
+        text += _multiple(abs(multiple), number)
+        minus, plus = " − ", " + "
+    return f"{text} = {pretty_angle(value)}"
+
+
+def _multiple(factor: int, number: int) -> str:
+    """ "2 θ3"; "θ3" for the factor 1."""
+    if factor == 1:
+        return f"θ{number}"
+    return f"{factor} θ{number}"
 
 
 def _long_words(long: Sequence[_Condition], *, exact: bool) -> str:

@@ -61,14 +61,15 @@ _WORDED = {
     "Representation": "rankdrop.text.orientation", "Representations": "rankdrop.text.orientation",
     "LinkJacobian": "rankdrop.text.link_jacobian", "Agreement": "rankdrop.text.link_jacobian",
     "LostDirection": "rankdrop.text.directions", "FramedDirections": "rankdrop.text.directions",
-    "Idealised": "rankdrop.text.ideal", "Nearest": "rankdrop.text.nearest",
+    "Idealised": "rankdrop.text.ideal", "Escape": "rankdrop.text.ways_out", "Nearest": "rankdrop.text.nearest",
     "ScrewSystem": "rankdrop.text.screw_systems", "AlwaysSingular": "rankdrop.text.screw_systems",
     "Unfinished": "rankdrop.text.unfinished", "NotDerived": "rankdrop.text.unfinished",
     "Determinants": "rankdrop.text.determinants", "MinorsLeft": "rankdrop.text.determinants",
     "Minor": "rankdrop.text.determinants",
     "Search": "rankdrop.text.searches", "Unseen": "rankdrop.text.searches",
     "Contradiction": "rankdrop.text.contradictions",
-    "DerivationRemark": "rankdrop.text.remarks", "RobotNote": "rankdrop.text.robot_notes",
+    "DerivationRemark": "rankdrop.text.remarks", "RobotNote": "rankdrop.text.robots",
+    "Robot": "rankdrop.text.robots",
     "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",
 }  # fmt: skip
 """Class of a record -> module that words it."""

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from reference.kinematics import pose
 
-from rankdrop.robot.ideal import ideal, structure_words
+from rankdrop.robot.ideal import ideal, what_holds
 from rankdrop.robot.model import coarse_fingerprint
 from rankdrop.robot.note import NoteOn
 from rankdrop.robot.numbers import extent
@@ -84,7 +84,7 @@ def test_an_arm_within_a_millimetre_of_more_structure_says_why(name: str) -> Non
     """CAD exports have offsets of 0.1 mm and less that no drawing shows."""
     robot = open_robot(name)
     made, _ = ideal(robot, length=min(1e-3, 1e-3 * extent(robot) / 0.3))
-    if structure_words(made, robot):
+    if what_holds(made, robot):
         assert REASONS[name] in " ".join(robot.source.reference.split())
     else:
         assert name not in REASONS

@@ -15,10 +15,11 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.robot.dh import from_dh
-from rankdrop.robot.ideal import Tolerance, ideal, near_ideal, read_tolerance, structure_words
+from rankdrop.robot.ideal import Tolerance, ideal, near_ideal, read_tolerance, what_holds
 from rankdrop.robot.model import Robot
 from rankdrop.robot.numbers import Change, extent, numbers_of
 from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.text.robots import near_text
 from rankdrop.tolerances import SQUARE
 from robot.test_structure import noisy
 
@@ -93,7 +94,7 @@ def test_a_calibrated_arm_has_the_structure_of_its_drawing(name: str, rng: np.ra
     assert ideal(found, length=1e-3, angle=radians(0.5))[0] is found
     assert changes
     if NEAR.get(name, 1.0) > 1e-3 and name != "gen3":  # offsets below the tolerance, and Gen3's 0.35 mm, go too
-        assert structure_words(arm) == structure_words(found)
+        assert what_holds(arm) == what_holds(found)
     if name not in ("rcrrrr", "fetch8"):  # frames far from the axes, a link of 33 mm: small turns of them are long ways
         assert all(change.by < (0.005 if change.turns else 1.5e-3) for change in changes)
 
@@ -119,7 +120,7 @@ def test_offsets_of_hundreds_of_metres_in_a_calibrated_table_do_no_harm(name: st
     arm = table_of(noisy(open_robot(name), np.random.default_rng(seed), *CALIBRATED))
     assert max(abs(one.d) for one in numbers_of(arm, angle=1e-9, length=1e-9)) > 20
     found, changes = ideal(arm, length=1e-3, angle=radians(0.5))
-    assert structure_words(found) == structure_words(open_robot(name))
+    assert what_holds(found) == what_holds(open_robot(name))
     assert max(change.by for change in changes if not change.turns) < 1.5e-3
     true = numbers_of(open_robot(name), angle=1e-9, length=1e-9)
     for one, other in zip(numbers_of(found, angle=1e-9, length=1e-9), true, strict=True):
@@ -185,7 +186,7 @@ def wrist(a: float = 0.0, d: float = 0.0, twist: float = 0.0) -> Robot:
 def test_a_line_says_what_is_near_and_what_to_type(arm: Robot, text: str, typed: str) -> None:
     near = near_ideal(arm)
     assert near is not None
-    assert near.text == text
+    assert near_text(near) == text
     assert read_tolerance(near.tolerance.text) == read_tolerance(typed)
 
 
@@ -198,8 +199,8 @@ def test_the_tolerance_that_is_told_is_the_smallest_that_does_it(rng: np.random.
         length, angle = near.tolerance.length, near.tolerance.angle
         assert length is not None
         assert angle is not None
-        assert structure_words(ideal(arm, length=length, angle=angle)[0], arm) == near.gained
-        assert structure_words(ideal(arm, length=length, angle=angle / 3.5)[0], arm) != near.gained
+        assert what_holds(ideal(arm, length=length, angle=angle)[0], arm) == near.gained
+        assert what_holds(ideal(arm, length=length, angle=angle / 3.5)[0], arm) != near.gained
         assert near.length < 2 * length
         assert SQUARE < near.angle < 3 * angle
 
@@ -216,12 +217,12 @@ def test_a_long_arm_is_near_by_hundreds_of_millimetres() -> None:
             [0, -pi / 2, 0.4, 0], [0, pi / 2, 0.007, 0], [0, 0, 0.1, 0])]  # fmt: skip
     near = near_ideal(from_dh(rows, convention="standard"))
     assert near is not None
-    assert near.text == "this arm is within 140 mm of one with a spherical wrist"
+    assert near_text(near) == "this arm is within 140 mm of one with a spherical wrist"
 
 
 def test_more_than_two_gains_are_counted() -> None:
     near = near_ideal(open_robot("gen3"))
     assert near is not None
-    assert near.text == "this arm is within 13 mm of one with a spherical wrist, a spherical shoulder and 1 more"
+    assert near_text(near) == "this arm is within 13 mm of one with a spherical wrist, a spherical shoulder and 1 more"
     assert near.tolerance == Tolerance(pytest.approx(13e-3))  # type: ignore[arg-type]
     assert degrees(near.angle) == 0.0

@@ -665,7 +665,7 @@ def near_line(robot: arms.Robot, made: results.Idealised | None) -> dict[str, st
         near = None
     if near is None:
         return {}
-    return {"near": near.line}
+    return {"near": text_of.near_line(near)}
 
 
 def ideal_sections(

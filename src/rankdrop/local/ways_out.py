@@ -46,7 +46,7 @@ from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.options import check_value, option
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import brackets, unit
-from rankdrop.sections import Section, html
+from rankdrop.sections import html, words_of
 from rankdrop.solve import iterate, shortest
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
@@ -74,7 +74,6 @@ def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(int(i) + 1 for i in np.flatnonzero(row & depends)) for row in leaves)
 
 
-_ANSWER = {True: "yes", False: "no", None: "not known"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,24 +199,7 @@ class Escape:
 
     def _repr_html_(self) -> str:
         """For notebooks: per joint what it does alone, then the best direction and the self-motion."""
-        rows = tuple(
-            (
-                f"{one.number} {one.joint}", "never" if one.order is None else str(one.order), str(one.gain),
-                f"{one.rate:.4g}", f"{one.step:+.4g}", f"{one.sigma_after:.4g}", "yes" if one.within_limits else "no",
-            )
-            for one in self.single
-        )  # fmt: skip
-        columns = (
-            "joint", "order", "rank gained", "σ grows by [1/rad, 1/m]", "step [rad, m]", "σ then", "within limits",
-        )  # fmt: skip
-        direction = ", ".join(f"{x:+.4g}" for x in self.best_direction.delta)
-        after = (
-            f"best direction Δq = ({direction}) [rad, m]: σ = {self.best_direction.sigma_after:.4g}",
-            f"with the tool held still: {_ANSWER[self.avoidable]} ({self.avoidable_reason})",
-            f"at an edge of the reach: {_ANSWER[self.boundary]} ({self.boundary_reason})",
-        )
-        corank = f"corank {self.corank}"
-        return html([Section("Ways out", corank, columns=columns, rows=rows, texts=(0, 1, 6), after=after)])
+        return html(words_of(self).sections_of(self))
 
 
 def escape(

@@ -1,7 +1,7 @@
 """Ideal arms: the nearest one to a tolerance that the user names, and whether there is one to name.
 
 `ideal` is `rankdrop.robot.numbers.squared` with other tolerances; `near_ideal` finds the smallest of them with which an
-arm gains structure, and `structure_words` says what that is.
+arm gains structure, and `what_holds` says what that is.
 """
 
 from __future__ import annotations
@@ -9,8 +9,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from itertools import pairwise, product
 from math import ceil, degrees, floor, log10, pi, radians
+from typing import NamedTuple
 
 from rankdrop.errors import OptionError
 from rankdrop.robot.files import LONGEST_TEXT
@@ -21,10 +23,32 @@ from rankdrop.tolerances import NOTHING, SQUARE
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6}
 _TURNS = {"deg": radians(1.0), "°": radians(1.0), "rad": 1.0, "mrad": 1e-3}
 _ONE = re.compile(r"\s*+(\d++\.?\d*+(?:[eE][+-]?\d++)?|\.\d++(?:[eE][+-]?\d++)?)\s*+([A-Za-zµμ°]++)\s*+")
-_Fact = tuple[str, tuple[int, ...]]  # what, of which joints
 _WIDEST = radians(5.0)  # angles are multiples of 15°: at half of that every angle would be one
 _LONGEST = 0.1  # of the arm's size: with more it is another arm
 _WIDER = (1.0, 1.5, 2.0, 3.0)  # a frame may have to turn by more than the axes in it do
+
+
+class Hold(StrEnum):
+    """What holds between joint axes."""
+
+    POINT = "in one point"
+    SHOULDER = "spherical shoulder"
+    WRIST = "spherical wrist"
+    PARALLEL = "parallel"
+    COMMON = "on one line"
+    MEETING = "meeting"
+    SQUARE = "at right angles"
+    FLUSH = "no offset"
+
+
+class AxesHold(NamedTuple):
+    """What holds between which joint axes, numbers from 1; "no offset" is between the common normals of parallel ones.
+    """
+
+    what: Hold
+    joints: tuple[int, ...]
+
+
 NEAR = 0.015
 """Structure is near where it is missed by this share of the arm's size, or this angle [rad]: Gen3's 12 mm of 1.2 m are,
 20 mm between the axes of an elbow are a design."""
@@ -57,37 +81,15 @@ class Near:
     """An ideal arm that is near.
 
     Attributes:
-        gained: what holds in it exactly and in the arm itself only nearly, in words, the most telling first.
+        gained: what holds in it exactly and in the arm itself only nearly, the most telling first.
         length, angle: the largest change of a length [m] and of an angle [rad] on the way to it; 0 for none.
         tolerance: with which `ideal` finds it, in round numbers.
     """
 
-    gained: tuple[str, ...]
+    gained: tuple[AxesHold, ...]
     length: float
     angle: float
     tolerance: Tolerance
-
-    @property
-    def text(self) -> str:
-        """One line, without the command: "this arm is within 0.3 mm, 0.06° of one with a spherical wrist"."""
-        if self.length:
-            millimetres = float(f"{self.length * 1e3:.2g}")
-            parts = [f"{millimetres:g} mm"]
-        else:
-            parts = []
-        if self.angle:
-            parts += [f"{degrees(self.angle):.2g}°"]
-        if len(self.gained) > 2:
-            more = f" and {len(self.gained) - 2} more"
-        else:
-            more = ""
-        joint = ", " if more else " and "
-        return f"this arm is within {', '.join(parts)} of one with {joint.join(self.gained[:2])}{more}"
-
-    @property
-    def line(self) -> str:
-        """`text` and the option with which commands take the ideal arm."""
-        return f"{self.text}: see --ideal {self.tolerance.text}"
 
 
 def read_tolerance(text: str, *, where: str = "--ideal") -> Tolerance:
@@ -181,7 +183,7 @@ def near_ideal(robot: Robot) -> Near | None:
     Its tolerance is the smallest of two digits that finds all of it.
     """
     found, changes = squared(robot, angle=NEAR, length=NEAR * extent(robot))
-    gained = structure_words(found, robot)
+    gained = what_holds(found, robot)
     if not gained:
         return None
     length, twist, angle = (
@@ -208,18 +210,18 @@ def _wide(given: Tolerance, factor: float) -> Tolerance:
     return Tolerance(length, None if given.angle is None else _round_up(given.angle * factor, radians(1.0)))
 
 
-def _found_with(robot: Robot, tolerance: Tolerance, gained: tuple[str, ...]) -> Near | None:
+def _found_with(robot: Robot, tolerance: Tolerance, gained: tuple[AxesHold, ...]) -> Near | None:
     if tolerance.angle is not None and tolerance.angle > _WIDEST:
         return None
     made, moved = squared(robot, angle=tolerance.angle or SQUARE, length=tolerance.length)
-    if structure_words(made, robot) != gained:
+    if what_holds(made, robot) != gained:
         return None
     length, angle = (max((x.by for x in moved if x.turns is turns), default=0.0) for turns in (False, True))
     return Near(gained, length if length > meeting(robot) else 0.0, angle if angle > SQUARE else 0.0, tolerance)
 
 
-def structure_words(robot: Robot, less: Robot | None = None) -> tuple[str, ...]:
-    """What holds between the axes, in words for after "with", the most telling first.
+def what_holds(robot: Robot, less: Robot | None = None) -> tuple[AxesHold, ...]:
+    """What holds between the axes, the most telling first.
 
     Args:
         robot: an arm of exact structure.
@@ -233,10 +235,10 @@ def structure_words(robot: Robot, less: Robot | None = None) -> tuple[str, ...]:
     return tuple(_merged(new, len(robot.joints)))
 
 
-def _follows(fact: _Fact, known: set[_Fact]) -> bool:
+def _follows(fact: AxesHold, known: set[AxesHold]) -> bool:
     """Whether no offset along parallel axes is what each of them had without."""
     what, joints = fact
-    return what == "flush" and len(joints) > 1 and all((what, (joint,)) in known for joint in joints)
+    return what is Hold.FLUSH and len(joints) > 1 and all(AxesHold(what, (joint,)) in known for joint in joints)
 
 
 def _check(given: Tolerance, where: str) -> None:
@@ -257,36 +259,37 @@ def _round_up(value: float, unit: float) -> float:
     return float(f"{ceil(share / power) * power:.3g}") * unit
 
 
-def _holding(robot: Robot) -> list[_Fact]:
+def _holding(robot: Robot) -> list[AxesHold]:
+    """All that holds, each pair of axes by itself."""
     numbers = numbers_of(robot, angle=NOTHING, length=NOTHING)
     slides = [joint.slides for joint in robot.joints]
     return [*_points(numbers, slides), *_parallels(numbers, slides), *_pairs(numbers, slides)]
 
 
-def _points(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[_Fact]:
+def _points(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[AxesHold]:
     """Three joints in a row that turn about axes through one point."""
     for i in range(len(numbers) - 2):
         if not any(slides[i : i + 3]) and _point(numbers, i):
-            yield "point", (i + 1, i + 2, i + 3)
+            yield AxesHold(Hold.POINT, (i + 1, i + 2, i + 3))
 
 
-def _parallels(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[_Fact]:
+def _parallels(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[AxesHold]:
     """Pairs of parallel axes in a row, and runs of them without an offset along them."""
     for run in parallel_runs(numbers):
-        yield from (("parallel", (i + 1, j + 1)) for i, j in pairwise(run))
+        yield from (AxesHold(Hold.PARALLEL, (i + 1, j + 1)) for i, j in pairwise(run))
         inside = run[0] > 0 and run[-1] < len(numbers) - 1 and not any(slides[k] for k in run)
         if inside and abs(sum(along(numbers, run))) < NOTHING:
-            yield "flush", tuple(k + 1 for k in run)
+            yield AxesHold(Hold.FLUSH, tuple(k + 1 for k in run))
 
 
-def _pairs(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[_Fact]:
+def _pairs(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[AxesHold]:
     """Pairs of axes in a row that are one line, meet, or stand at right angles."""
     for i, (one, _) in enumerate(pairwise(numbers)):
         pair = (i + 1, i + 2)
         if abs(one.a) < NOTHING and not slides[i] and not slides[i + 1]:
-            yield ("common", pair) if parallel(one.twist) else ("meeting", pair)
+            yield AxesHold(Hold.COMMON if parallel(one.twist) else Hold.MEETING, pair)
         if abs(abs(one.twist) - pi / 2) < NOTHING:
-            yield "square", pair
+            yield AxesHold(Hold.SQUARE, pair)
 
 
 def _point(numbers: Sequence[Numbers], i: int) -> bool:
@@ -295,32 +298,32 @@ def _point(numbers: Sequence[Numbers], i: int) -> bool:
     return all(abs(x) < NOTHING for x in lengths) and not parallel(first.twist) and not parallel(middle.twist)
 
 
-_SAID = {
-    "parallel": "axes {} parallel", "common": "axes {} on one line", "meeting": "axes {} meeting",
-    "square": "axes {} at right angles", "flush": "no offset along axes {}",
-}  # fmt: skip
-"""Relation of axes -> its words, in this order."""
+_ORDER = (Hold.PARALLEL, Hold.COMMON, Hold.MEETING, Hold.SQUARE, Hold.FLUSH)
+"""Relations beyond axes in one point, the most telling first."""
 
 
-def _merged(facts: Sequence[_Fact], n: int) -> list[str]:
-    points = [joints for what, joints in facts if what == "point"]
-    names: dict[tuple[int, ...], str] = {(1, 2, 3): "a spherical shoulder"} if n > 3 else {}
-    names[n - 2, n - 1, n] = "a spherical wrist"
+def _merged(facts: Sequence[AxesHold], n: int) -> list[AxesHold]:
+    """Facts put together, without those that others imply.
+
+    Args:
+        facts: of pairs of axes, of three in one point, and of runs of parallel ones.
+        n: number of joints.
+    """
+    points = [fact.joints for fact in facts if fact.what is Hold.POINT]
+    names: dict[tuple[int, ...], Hold] = {(n - 2, n - 1, n): Hold.WRIST}
+    if n > 3:
+        names[1, 2, 3] = Hold.SHOULDER
     points.sort(key=lambda joints: (joints not in names, -joints[0]))
-    words = [names.get(joints, f"axes {_listed(joints)} in one point") for joints in points]
+    merged = [AxesHold(names.get(joints, Hold.POINT), joints) for joints in points]
     within = _in_points(points)
-    for what, text in _SAID.items():
-        kept = [joints for kind, joints in facts if kind == what]
-        if what in ("parallel", "common"):
-            kept = _chained(kept)
-        for joints in kept:
-            if joints in within and what != "square":
-                continue
-            if what == "flush" and len(joints) == 1:
-                words.append(f"no offset along axis {joints[0]}")
-            else:
-                words.append(text.format(_listed(joints)))
-    return words
+    for what in _ORDER:
+        alike = [fact.joints for fact in facts if fact.what is what]
+        if what in (Hold.PARALLEL, Hold.COMMON):
+            alike = _chained(alike)
+        if what is not Hold.SQUARE:
+            alike = [joints for joints in alike if joints not in within]
+        merged += [AxesHold(what, joints) for joints in alike]
+    return merged
 
 
 def _in_points(points: Iterable[tuple[int, ...]]) -> set[tuple[int, ...]]:
@@ -339,9 +342,3 @@ def _chained(pairs: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
         else:
             found.append(pair)
     return found
-
-
-def _listed(joints: Sequence[int]) -> str:
-    if len(joints) == 2:
-        return " and ".join(map(str, joints))
-    return ", ".join(map(str, joints))

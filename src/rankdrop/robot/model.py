@@ -27,7 +27,7 @@ from rankdrop.robot.note import RobotNote, as_note
 from rankdrop.robot.quantities import checked_lengths, degrees_text
 from rankdrop.robot.transform import Array as Array  # the name that all others take from here
 from rankdrop.robot.transform import dot, from_xyz_rpy, norm, times, unmasked
-from rankdrop.sections import Section, html
+from rankdrop.sections import html, words_of
 
 
 class JointKind(StrEnum):
@@ -296,7 +296,7 @@ class Robot:
 
     def _repr_html_(self) -> str:
         """For notebooks: the joints with their kinds and limits, angles in degrees."""
-        return html(_sections(self))
+        return html(words_of(self).sections_of(self))
 
 
 MOST_TURNS = 12
@@ -328,27 +328,6 @@ def _fixed(values: list[Any]) -> NDArray[Any]:
     array = np.array(values)
     array.flags.writeable = False
     return array
-
-
-def _sections(robot: Robot) -> tuple[Section, ...]:
-    rows = []
-    for number, joint in enumerate(robot.variables, start=1):
-        ends = (_end(limit, joint.unit) for limit in (joint.lower, joint.upper))
-        rows.append((str(number), joint.name, str(joint.kind), *ends))
-    followers = tuple(
-        f"{joint.name} follows {joint.mimic.leader}" for joint in robot.joints if joint.mimic is not None
-    )
-    title = f"{robot.n} joints from {robot.base} to {robot.tip}, task {robot.task}"
-    return (
-        Section(robot.name, title, (robot.about,) if robot.about else (), ("", "joint", "kind", "lower", "upper"),
-                tuple(rows), (1, 2), followers, tuple(map(str, robot.notes))),
-    )  # fmt: skip
-
-
-def _end(limit: float, unit: str) -> str:
-    if not np.isfinite(limit):
-        return "none"
-    return (f"{np.degrees(limit):.4g}°" if unit == "rad" else f"{limit:.4g} m").replace("-", "−")
 
 
 def check_joints(moving: int, where: str, *, steps: int = 0) -> None:

@@ -1,6 +1,6 @@
 """Notes for the reader of a robot description, as facts: choices that were made, things that were tolerated.
 
-`rankdrop.text.robot_notes` has the words.
+`rankdrop.text.robots` has the words.
 """
 
 from __future__ import annotations

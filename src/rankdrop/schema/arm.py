@@ -13,6 +13,7 @@ from rankdrop.families.record import Pin
 from rankdrop.robot.ideal import near_ideal
 from rankdrop.robot.model import Joint, Mimic, Source
 from rankdrop.task import Frame
+from rankdrop.text.robots import near_text
 from rankdrop.tolerances import Tolerances
 from rankdrop.units import WRITTEN
 
@@ -52,7 +53,7 @@ CHAIN = table(
 )
 NEAR = table(
     "near",
-    text=(str, "what it has, and how near it is"),
+    text=(str, "what it has, and how near it is", near_text),
     length=(num("m", ge=0), "largest change of a length on the way to it [m]"),
     angle=(num("rad", ge=0), "largest change of an angle [rad]"),
     ideal=(str, "what the option --ideal takes to find it", attrgetter("tolerance.text")),

@@ -76,6 +76,7 @@ from .procedure import hunt_words as hunt_words
 from .procedure import procedure_text as procedure_text
 from .remedies import NO_POSES as NO_POSES
 from .remedies import poses_written as poses_written
+from .robots import near_line as near_line
 from .special import family_label as family_label
 from .special import family_title as family_title
 from .special import place_name as place_name

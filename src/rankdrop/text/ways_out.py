@@ -31,6 +31,41 @@ SHARE = 0.02
 """A joint that moves less than this share of the fastest is left out of a direction."""
 
 
+_ANSWER = {True: "yes", False: "no", None: "not known"}
+
+
+def sections_of(out: Escape) -> tuple[Section, ...]:
+    """For notebooks: per joint what it does alone, then the best direction and the self-motion."""
+    best = out.best_direction
+    delta = ", ".join(f"{x:+.4g}" for x in best.delta)
+    section = Section(
+        "Ways out", f"corank {out.corank}",
+        columns=(
+            "joint", "order", "rank gained", "σ grows by [1/rad, 1/m]", "step [rad, m]", "σ then", "within limits",
+        ),
+        rows=tuple(map(_notebook_row, out.single)), texts=(0, 1, 6),
+        after=(
+            f"best direction Δq = ({delta}) [rad, m]: σ = {best.sigma_after:.4g}",
+            f"with the tool held still: {_ANSWER[out.avoidable]} ({out.avoidable_reason})",
+            f"at an edge of the reach: {_ANSWER[out.boundary]} ({out.boundary_reason})",
+        ),
+    )  # fmt: skip
+    return (section,)
+
+
+def _notebook_row(alone: JointEscape) -> tuple[str, ...]:
+    """What a joint does alone."""
+    order, limits = "never", "no"
+    if alone.order is not None:
+        order = str(alone.order)
+    if alone.within_limits:
+        limits = "yes"
+    return (
+        f"{alone.number} {alone.joint}", order, str(alone.gain), f"{alone.rate:.4g}", f"{alone.step:+.4g}",
+        f"{alone.sigma_after:.4g}", limits,
+    )  # fmt: skip
+
+
 def escape_sections(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Joints that lead out, best first; then the best motions of several, and what is known of the end effector."""
     if explanation.rank.corank:

@@ -1,12 +1,15 @@
-"""Notes on how a robot description was read, in words."""
+"""A robot for a notebook, notes on how its description was read, and the ideal arm that is near."""
 
 from __future__ import annotations
 
 from math import degrees, isfinite, nan, radians
 
 from rankdrop.options import advised
+from rankdrop.robot.ideal import AxesHold, Hold, Near
+from rankdrop.robot.model import Robot
 from rankdrop.robot.note import NoteOn, RobotNote
 from rankdrop.robot.quantities import count
+from rankdrop.sections import Section
 
 _FIXED = 8
 """So many links fixed to the tip are named."""
@@ -38,6 +41,37 @@ _NOTES = {
     NoteOn.NO_PACKAGE: "package {name!r} is not found: only files that are not read are in it",
     NoteOn.GIVEN: "{text}",
 }
+
+
+def sections_of(robot: Robot) -> tuple[Section, ...]:
+    """For notebooks: the joints with their kinds and limits, angles in degrees, and the notes."""
+    rows = []
+    for number, joint in enumerate(robot.variables, start=1):
+        lower, upper = _limit(joint.lower, joint.unit), _limit(joint.upper, joint.unit)
+        rows.append((str(number), joint.name, str(joint.kind), lower, upper))
+    followers = tuple(
+        f"{joint.name} follows {joint.mimic.leader}" for joint in robot.joints if joint.mimic is not None
+    )
+    about: tuple[str, ...] = ()
+    if robot.about:
+        about = (robot.about,)
+    section = Section(
+        robot.name, f"{robot.n} joints from {robot.base} to {robot.tip}, task {robot.task}", about,
+        columns=("", "joint", "kind", "lower", "upper"), rows=tuple(rows), texts=(1, 2), after=followers,
+        notes=tuple(map(str, robot.notes)),
+    )  # fmt: skip
+    return (section,)
+
+
+def _limit(value: float, unit: str) -> str:
+    """A limit of a joint: "none" where it is endless."""
+    if not isfinite(value):
+        return "none"
+    if unit == "rad":
+        text = f"{degrees(value):.4g}°"
+    else:
+        text = f"{value:.4g} m"
+    return text.replace("-", "−")
 
 
 def robot_note_words(note: RobotNote) -> str:
@@ -107,3 +141,49 @@ def _idealised(note: RobotNote) -> str:
         what.append(count(note.moved.number, "length"))
         most.append(f"{note.moved.most * 1e3:.3g} mm")
     return f"{' and '.join(what)} moved, at most {', '.join(most)}"
+
+
+_HOLDS = {
+    Hold.POINT: "axes {} in one point", Hold.SHOULDER: "a spherical shoulder", Hold.WRIST: "a spherical wrist",
+    Hold.PARALLEL: "axes {} parallel", Hold.COMMON: "axes {} on one line", Hold.MEETING: "axes {} meeting",
+    Hold.SQUARE: "axes {} at right angles", Hold.FLUSH: "no offset along axes {}",
+}  # fmt: skip
+_TOLD = 2
+"""So many gains of structure are named."""
+
+
+def hold_words(hold: AxesHold) -> str:
+    """What holds between axes, for after "with".
+
+    Example:
+        >>> hold_words(AxesHold(Hold.PARALLEL, (2, 3, 4))), hold_words(AxesHold(Hold.FLUSH, (3,)))
+        ('axes 2, 3, 4 parallel', 'no offset along axis 3')
+    """
+    joints = hold.joints
+    if len(joints) == 1:
+        return f"no offset along axis {joints[0]}"
+    if len(joints) == 2:
+        listed = f"{joints[0]} and {joints[1]}"
+    else:
+        listed = ", ".join(map(str, joints))
+    return _HOLDS[hold.what].format(listed)
+
+
+def near_text(near: Near) -> str:
+    """What an ideal arm nearby has, and how near it is: "this arm is within 0.3 mm, 0.06° of one with …"."""
+    far = []
+    if near.length:
+        millimetres = float(f"{near.length * 1e3:.2g}")
+        far.append(f"{millimetres:g} mm")
+    if near.angle:
+        far.append(f"{degrees(near.angle):.2g}°")
+    gains = [hold_words(hold) for hold in near.gained[:_TOLD]]
+    gained = " and ".join(gains)
+    if len(near.gained) > _TOLD:
+        gained = f"{', '.join(gains)} and {len(near.gained) - _TOLD} more"
+    return f"this arm is within {', '.join(far)} of one with {gained}"
+
+
+def near_line(near: Near) -> str:
+    """The same, and the option with which commands take the ideal arm."""
+    return f"{near_text(near)}: see {advised('ideal', near.tolerance.text)}"

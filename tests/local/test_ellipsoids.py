@@ -10,7 +10,8 @@ import pytest
 from rankdrop.configuration import at
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import joint_scale, sample
-from rankdrop.local.rates import ellipsoids, rate_limits
+from rankdrop.local.ellipsoids import ellipsoids
+from rankdrop.local.rates import rate_limits
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 

@@ -12,7 +12,7 @@ from reference import arms
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import decompose, joint_scale, sample
-from rankdrop.local.rates import damped_inverse, factor, pseudo_inverse, selective_inverse
+from rankdrop.local.inverses import damped_inverse, factor, pseudo_inverse, selective_inverse
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task

@@ -11,7 +11,7 @@ from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import decompose, sample, singular_values
 from rankdrop.local.directions import lost_directions
-from rankdrop.local.rates import factor
+from rankdrop.local.inverses import factor
 from rankdrop.local.redundant import (
     away_from_limits,
     away_from_singularity,

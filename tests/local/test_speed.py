@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.rates import rate_limits, slowest_motions
+from rankdrop.local.rates import rate_limits
+from rankdrop.local.slowest import slowest_motions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, revolute

@@ -34,7 +34,8 @@ from rankdrop.families.record import Family, SpeedDistance
 from rankdrop.kinematics import configurations, jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.posture import start_posture
-from rankdrop.local.rates import rate_limits, slowest_motions
+from rankdrop.local.rates import rate_limits
+from rankdrop.local.slowest import slowest_motions
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Frame, Task
 from rankdrop.tolerances import SPAN

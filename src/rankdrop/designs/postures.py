@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop.local import sample, singular_values
-from rankdrop.local.rates import slowest_motions
+from rankdrop.local.slowest import slowest_motions
 from rankdrop.poses import Aim
 from rankdrop.problem import Mask, Problem, into_limits
 from rankdrop.robot import Array, from_xyz_rpy

@@ -25,7 +25,7 @@ from rankdrop.families.record import Family, family_in_units
 from rankdrop.families.searching import Progress
 from rankdrop.formula.equation import REACHED, System
 from rankdrop.local.block import joint_scale, sample
-from rankdrop.local.rates import slowest_motions
+from rankdrop.local.slowest import slowest_motions
 from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array
 from rankdrop.solve import iterate, towards

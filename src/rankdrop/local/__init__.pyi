@@ -19,6 +19,7 @@ from .directions import readable_basis as readable_basis
 from .directions import ring_about as ring_about
 from .directions import words as words
 from .failures import failures_at as failures_at
+from .inverses import damped_inverse as damped_inverse
 from .minimax import gradient_tensor as gradient_tensor
 from .minimax import plane_rotation as plane_rotation
 from .minimax import spread as spread
@@ -42,15 +43,14 @@ from .posture import fault as fault
 from .posture import skeleton as skeleton
 from .posture import spine as spine
 from .posture import start_posture as start_posture
-from .rates import Slowest as Slowest
-from .rates import damped_inverse as damped_inverse
 from .rates import rate_growth as rate_growth
-from .rates import slowest_motions as slowest_motions
 from .redundant import null_space_motion as null_space_motion
 from .redundant import redundancy as redundancy
 from .redundant import self_motion as self_motion
 from .relations import relations_at as relations_at
 from .screw_systems import systems_at as systems_at
+from .slowest import Slowest as Slowest
+from .slowest import slowest_motions as slowest_motions
 from .ways_out import Direction as Direction
 from .ways_out import Escape as Escape
 from .ways_out import JointEscape as JointEscape

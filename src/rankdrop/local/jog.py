@@ -18,7 +18,7 @@ from rankdrop.configuration import Configuration
 from rankdrop.errors import OptionError
 from rankdrop.local.block import block
 from rankdrop.local.nearest import nearest_singularity
-from rankdrop.local.rates import slowest_motions
+from rankdrop.local.slowest import slowest_motions
 from rankdrop.questions import ExplainOptions
 from rankdrop.robot.model import Array
 from rankdrop.units import into_metres

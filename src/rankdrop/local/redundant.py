@@ -33,8 +33,9 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import configurations
 from rankdrop.local.block import block, generic_rank, joint_scale, read_only
 from rankdrop.local.directions import readable_basis
+from rankdrop.local.inverses import Factored, factor, task_sigma
 from rankdrop.local.orientation import WEAK, Displacement
-from rankdrop.local.rates import Factored, factor, joint_direction, task_sigma
+from rankdrop.local.rates import joint_direction
 from rankdrop.local.ways_out import FLAT, definite, distinct, forms, null_basis, vanishing
 from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, Robot

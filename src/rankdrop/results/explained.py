@@ -16,8 +16,8 @@ from rankdrop.local.directions import (
     Screw,
 )
 from rankdrop.local.ordered import Hunt, OrderedSubset
-from rankdrop.local.rates import StraightMotion
 from rankdrop.local.screw_systems import AlwaysSingular, ScrewSystem
+from rankdrop.local.slowest import StraightMotion
 from rankdrop.local.special import Special, specials_at
 from rankdrop.robot.model import Array
 

@@ -35,15 +35,17 @@ from rankdrop.local.directions import (
     readable_basis,
     screw_of,
 )
+from rankdrop.local.ellipsoids import Ellipsoids, ellipsoids
 from rankdrop.local.failures import Failures, failures_at
 from rankdrop.local.jog import Jog, jog_farther, jog_out
 from rankdrop.local.nearest import STARTS, Nearest, nearest_singularity, other_sheets
 from rankdrop.local.ordered import hunt, ordered_subsets
 from rankdrop.local.orientation import Representations, representation_at
-from rankdrop.local.rates import Ellipsoids, Rates, StraightMotion, ellipsoids, joint_rates, slowest_motions
+from rankdrop.local.rates import Rates, joint_rates
 from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.relations import Relation, relations_at
 from rankdrop.local.screw_systems import always_singular_reason, systems_at
+from rankdrop.local.slowest import StraightMotion, slowest_motions
 from rankdrop.local.special import specials_at
 from rankdrop.local.ways_out import Escape, JointEscape, escape
 from rankdrop.problem import wrap

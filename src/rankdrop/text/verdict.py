@@ -12,7 +12,7 @@ from textwrap import wrap
 import numpy as np
 
 from rankdrop.configuration import Cause
-from rankdrop.local.rates import StraightMotion
+from rankdrop.local.slowest import StraightMotion
 from rankdrop.options import advised
 from rankdrop.results.explained import Difference, DifferenceKind, Summary
 from rankdrop.results.explanation import Explanation

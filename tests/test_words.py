@@ -97,7 +97,8 @@ FOREIGN = {
     "codec.py": "messages of msgspec, docstrings, JSON", "options.py": "names of arguments",
     "designs/spec.py": "files of the user",
     "formula/reading.py": "conditions of the user", "distance/monitor.py": "names of arms, for C",
-    "path/read/files.py": "files of the user", "path/read/written_poses.py": "files of the user",
+    **dict.fromkeys(("path/read/arrays.py", "path/read/messages.py", "path/read/poses.py",
+                     "path/read/written_poses.py"), "files of the user"),
     **dict.fromkeys(("path/read/fanuc_tp.py", "path/read/inform.py", "path/read/krl.py", "path/read/program_record.py",
                      "path/read/rapid.py", "path/read/urscript.py"), "programs of the user"),
     "path/read/trajectory.py": "files of the user",
@@ -113,7 +114,7 @@ FOREIGN = {
 }  # fmt: skip
 """Modules that take texts apart which are no sentences of the package, and whose or what these are."""
 OWN = {
-    "formula/notation.py": 6, "formula/shortest.py": 1, "text/code.py": 6,
+    "formula/mathml.py": 2, "formula/notation.py": 4, "formula/shortest.py": 1, "text/code.py": 6,
     "text/conditions.py": 2, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
 }  # fmt: skip
 """Module -> places that take a sentence or a name apart that the package itself made: to be fewer, never more."""

@@ -56,7 +56,8 @@ def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
     from rankdrop.designs.spec import read_spec
     from rankdrop.jobs.running import JOB, JOURNAL, progress_of
     from rankdrop.kinematics import jacobian, pose
-    from rankdrop.path.read.files import holds_poses, read_poses, read_trajectory
+    from rankdrop.path.read.files import read_trajectory
+    from rankdrop.path.read.poses import holds_poses, read_poses
     from rankdrop.proof.record import sealed
     from rankdrop.results.analysis import Analysis
     from rankdrop.robot.ideal import read_tolerance

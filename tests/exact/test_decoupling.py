@@ -9,7 +9,7 @@ import pytest
 from reference.trig import value
 
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.determinants import decouple, parting_of
+from rankdrop.exact.decoupling import decouple, parting_of
 from rankdrop.exact.method_reason import PartingKind
 from rankdrop.exact.remark import near_structure
 from rankdrop.kinematics import jacobian, link_poses, task_jacobian

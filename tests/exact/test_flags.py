@@ -10,7 +10,7 @@ import pytest
 from rankdrop.codec import plain
 from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.determinants import decouple
+from rankdrop.exact.decoupling import decouple
 from rankdrop.exact.signs import between, configuration_flags, signs_of, zeros_between, zeros_of
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.dh import from_dh

@@ -17,7 +17,7 @@ pytest.importorskip("flint")
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.exact.determinants import decouple, parting_of
+from rankdrop.exact.decoupling import decouple, parting_of
 from rankdrop.exact.method_reason import PartingKind
 from rankdrop.exact.posture_changes import OPEN, decide_postures
 from rankdrop.formula.equation import Equation, System

@@ -8,8 +8,9 @@ from fractions import Fraction
 import pytest
 
 from rankdrop.algebra.ring import Form, Ring
-from rankdrop.formula.notation import Product, Sum, Symbol, Text, Wave, fourier, half_of, product, total, wave
+from rankdrop.formula.notation import Text
 from rankdrop.formula.shortest import gathered, length, shortest
+from rankdrop.formula.sums import Product, Sum, Symbol, Wave, fourier, half_of, product, total, wave
 
 
 def same(form, f, ring) -> bool:

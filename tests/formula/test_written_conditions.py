@@ -16,9 +16,10 @@ from rankdrop.algebra.polynomial import number_value, reduced_roots
 from rankdrop.algebra.ring import Ring
 from rankdrop.exact.letters import letters_text
 from rankdrop.families.record import exact_of
-from rankdrop.formula.notation import SUPERSCRIPT, C, Python, half_of
+from rankdrop.formula.notation import SUPERSCRIPT, C, Python
 from rankdrop.formula.reading import read
 from rankdrop.formula.shortest import ratio
+from rankdrop.formula.sums import half_of
 from rankdrop.formula.value import Quotient, Value
 from rankdrop.formula.writing import Condition
 from rankdrop.robot.dh import from_dh

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.ordered import hunt
+from rankdrop.local.cofactors import hunt
 from rankdrop.local.ways_out import escape
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -11,7 +11,9 @@ from reference import arms
 
 from rankdrop.errors import OptionError, RankdropError, RobotError
 from rankdrop.kinematics import jacobian
-from rankdrop.local.ordered import OrderedScrewSet, motion, ordered_subsets, report, session
+from rankdrop.local.instructions import session
+from rankdrop.local.ordered import OrderedScrewSet, motion, ordered_subsets
+from rankdrop.local.ordered_report import report
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import SPACE, resolve_task

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 from numpy.lib.format import write_array_header_1_0, write_array_header_2_0
 
-from rankdrop.path.read.files import read_arrays, read_trajectory
+from rankdrop.path.read.arrays import read_arrays
+from rankdrop.path.read.files import read_trajectory
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.files import MOST_MEMBERS
 from rankdrop.robot.open import open_robot
@@ -149,7 +150,7 @@ def test_members_are_counted_before_the_archive_is_opened(tmp_path: Path, monkey
     with pytest.raises(TrajectoryError, match=r"b\.npz: the archive has too many arrays; got 1001; allowed: at most"):
         read_trajectory(more, ARM)
     many = packed(tmp_path / "c.npz", {f"{i:0>100}": b"" for i in range(10_000)}, ZIP_STORED)
-    monkeypatch.setattr("rankdrop.path.read.files.ZipFile", lambda *_: pytest.fail("the list of members was read"))
+    monkeypatch.setattr("rankdrop.path.read.arrays.ZipFile", lambda *_: pytest.fail("the list of members was read"))
     with pytest.raises(TrajectoryError, match=r"c\.npz: the archive has too many arrays; allowed: at most 1,000"):
         read_trajectory(many, ARM)
 

@@ -13,7 +13,7 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
 from rankdrop.local.posture import fault
 from rankdrop.path.check.check import check_poses, within_limits
-from rankdrop.path.read.files import holds_poses, length_hint, read_poses
+from rankdrop.path.read.poses import holds_poses, length_hint, read_poses
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema

@@ -14,7 +14,7 @@ from rankdrop.kinematics import pose
 from rankdrop.path.check.check import check_poses
 from rankdrop.path.mend.as_poses import NoPoses, mended_poses
 from rankdrop.path.mend.remedies import mend_path
-from rankdrop.path.read.files import read_poses
+from rankdrop.path.read.poses import read_poses
 from rankdrop.path.read.written_poses import poses_bytes
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rankdrop.path.read.files import holds_poses, read_trajectory
+from rankdrop.path.read.files import read_trajectory
+from rankdrop.path.read.poses import holds_poses
 from rankdrop.path.read.trajectory import TrajectoryError, names_of, unit_hint
 from rankdrop.robot.open import open_robot
 

@@ -14,7 +14,7 @@ import pytest
 
 from rankdrop.distance.share import NearShare, SlowShare
 from rankdrop.families.record import Check
-from rankdrop.formula.notation import typeset
+from rankdrop.formula.mathml import typeset
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import skeleton
 from rankdrop.report.content import Content, content, page_data, standing

@@ -17,7 +17,8 @@ import pytest
 from rankdrop.cli.command import parse_configuration
 from rankdrop.errors import RankdropError, RobotError
 from rankdrop.path.read import files as message_file
-from rankdrop.path.read.files import parse_message, read_trajectory
+from rankdrop.path.read.files import read_trajectory
+from rankdrop.path.read.messages import parse_message
 from rankdrop.path.read.trajectory import parse_trajectory
 from rankdrop.robot import files, quantities
 from rankdrop.robot import open as opening
@@ -273,8 +274,8 @@ def test_an_archive_tells_its_size_before_it_is_unpacked(tmp_path: Path, monkeyp
     path = tmp_path / "bomb.npz"
     np.savez_compressed(path, q=np.zeros((20_000, 4)), other=np.zeros(10))
     assert read_trajectory(path, ARM).q.shape == (20_000, 4)
-    monkeypatch.setattr("rankdrop.path.read.files.LARGEST_ARRAY", 100_000)
-    monkeypatch.setattr("rankdrop.path.read.files.read_array", lambda *_, **__: pytest.fail("it was unpacked"))
+    monkeypatch.setattr("rankdrop.path.read.arrays.LARGEST_ARRAY", 100_000)
+    monkeypatch.setattr("rankdrop.path.read.arrays.read_array", lambda *_, **__: pytest.fail("it was unpacked"))
     with pytest.raises(RankdropError, match=r"bomb.npz, q: the array is too large"):
         read_trajectory(path, ARM)
 
@@ -296,7 +297,7 @@ def test_small_numbers_of_an_archive_do_not_become_large_ones(tmp_path: Path, mo
     path = tmp_path / "bytes.npz"
     np.savez_compressed(path, q=np.zeros((20_000, 4), dtype=np.int8))
     assert read_trajectory(path, ARM).q.shape == (20_000, 4)
-    monkeypatch.setattr("rankdrop.path.read.files.LARGEST_ARRAY", 100_000)
+    monkeypatch.setattr("rankdrop.path.read.arrays.LARGEST_ARRAY", 100_000)
     with pytest.raises(RankdropError, match=r"bytes.npz, q: the array is too large; got 80000 numbers"):
         read_trajectory(path, ARM)
 

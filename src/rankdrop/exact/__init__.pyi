@@ -1,9 +1,9 @@
 from .arm.chain import Chain as Chain
 from .arm.chain import exact_chain as exact_chain
 from .conjunctions import Distances as Distances
-from .determinants import Decoupling as Decoupling
+from .decoupling import Decoupling as Decoupling
+from .decoupling import decouple as decouple
 from .determinants import Determinants as Determinants
-from .determinants import decouple as decouple
 from .determinants import determinants_of as determinants_of
 from .methods import METHODS as METHODS
 from .methods import derive as derive

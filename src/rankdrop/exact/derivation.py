@@ -13,7 +13,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import WIDE, Chain
 from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.conjunctions import Derivation
-from rankdrop.exact.determinants import Decoupling, decouple, parting_of
+from rankdrop.exact.decoupling import Decoupling, decouple, parting_of
 from rankdrop.exact.families import real_points
 from rankdrop.exact.higher_coranks import HigherCorank, higher_coranks
 from rankdrop.exact.method_reason import MethodReason

@@ -34,8 +34,9 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.lint import round_points
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import name_family
-from rankdrop.formula.notation import Text, Wave
+from rankdrop.formula.notation import Text
 from rankdrop.formula.shortest import ratio
+from rankdrop.formula.sums import Wave
 from rankdrop.formula.writing import text_of
 from rankdrop.kinematics import one_configuration
 from rankdrop.lists import flat_map

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 from rankdrop.algebra.polynomial import Atom, Polynomial, flint
 from rankdrop.algebra.ring import Form, Ring, add_terms, numeric_terms
 from rankdrop.errors import OptionError
-from rankdrop.formula.notation import Product, Wave, added, half_of, number_of, wave
+from rankdrop.formula.sums import Product, Wave, added, half_of, number_of, wave
 from rankdrop.robot.model import Array
 
 LONGEST = 10_000

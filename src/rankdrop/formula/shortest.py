@@ -28,12 +28,12 @@ from rankdrop.algebra.polynomial import (
     used,
 )
 from rankdrop.algebra.ring import Form, Ring
-from rankdrop.formula.notation import (
+from rankdrop.formula.notation import Text
+from rankdrop.formula.sums import (
     Factor,
     Product,
     Sum,
     Symbol,
-    Text,
     Wave,
     factors_of,
     fourier,

@@ -21,20 +21,9 @@ from rankdrop.algebra.polynomial import (
     reduced_roots,
 )
 from rankdrop.algebra.ring import Ring
-from rankdrop.formula.notation import (
-    Factor,
-    Latex,
-    Product,
-    Python,
-    Sum,
-    Symbol,
-    Text,
-    Wave,
-    half_of,
-    in_parts,
-    product,
-)
+from rankdrop.formula.notation import Latex, Python, Text, in_parts
 from rankdrop.formula.shortest import FormSearch, factor_forms, single_angles, times, written_number
+from rankdrop.formula.sums import Factor, Product, Sum, Symbol, Wave, half_of, product
 from rankdrop.robot.model import Array
 
 FOLDED = 240

@@ -26,21 +26,9 @@ from rankdrop.algebra.ring import Ring, polynomial_of
 from rankdrop.algebra.roots import ROOTS, sums_over_roots
 from rankdrop.errors import OptionError
 from rankdrop.formula.equation import Equation, Term, normalised
-from rankdrop.formula.notation import (
-    Factor,
-    Latex,
-    Product,
-    Python,
-    Symbol,
-    Text,
-    Wave,
-    derivative,
-    factors_of,
-    fourier,
-    in_parts,
-    total,
-)
+from rankdrop.formula.notation import Latex, Python, Text, in_parts
 from rankdrop.formula.shortest import form_of, parts_of, shortest
+from rankdrop.formula.sums import Factor, Product, Symbol, Wave, derivative, factors_of, fourier, total
 
 _SAME = 1e-12  # angles closer than this are the same [rad]
 

@@ -41,13 +41,13 @@ from .mend.time_law import through as through
 from .read.example import example_path as example_path
 from .read.files import ENDINGS as ENDINGS
 from .read.files import WRITTEN as WRITTEN
-from .read.files import Poses as Poses
-from .read.files import holds_poses as holds_poses
-from .read.files import length_hint as length_hint
-from .read.files import read_poses as read_poses
 from .read.files import read_trajectory as read_trajectory
 from .read.files import trajectories_in as trajectories_in
 from .read.files import trajectory_bytes as trajectory_bytes
+from .read.poses import Poses as Poses
+from .read.poses import holds_poses as holds_poses
+from .read.poses import length_hint as length_hint
+from .read.poses import read_poses as read_poses
 from .read.program_record import is_program as is_program
 from .read.trajectory import Trajectory as Trajectory
 from .read.trajectory import is_bag as is_bag

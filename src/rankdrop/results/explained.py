@@ -11,11 +11,12 @@ from enum import StrEnum
 from rankdrop.configuration import Cause, Configuration
 from rankdrop.families.record import Family
 from rankdrop.local.circuits import Circuit
+from rankdrop.local.cofactors import Hunt
 from rankdrop.local.directions import (
     FramedDirections,
     Screw,
 )
-from rankdrop.local.ordered import Hunt, OrderedSubset
+from rankdrop.local.ordered import OrderedSubset
 from rankdrop.local.screw_systems import AlwaysSingular, ScrewSystem
 from rankdrop.local.slowest import StraightMotion
 from rankdrop.local.special import Special, specials_at

@@ -26,6 +26,7 @@ from rankdrop.families.record import Family, Incidence, families_at
 from rankdrop.families.searching import Outcome, refine
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, MOST_LISTED, circuits_at, make_all
+from rankdrop.local.cofactors import hunt
 from rankdrop.local.directions import (
     FRAMES,
     FramedDirections,
@@ -39,7 +40,7 @@ from rankdrop.local.ellipsoids import Ellipsoids, ellipsoids
 from rankdrop.local.failures import Failures, failures_at
 from rankdrop.local.jog import Jog, jog_farther, jog_out
 from rankdrop.local.nearest import STARTS, Nearest, nearest_singularity, other_sheets
-from rankdrop.local.ordered import hunt, ordered_subsets
+from rankdrop.local.ordered import ordered_subsets
 from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Rates, joint_rates
 from rankdrop.local.redundant import Redundancy, redundancy

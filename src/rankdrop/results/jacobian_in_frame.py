@@ -12,7 +12,7 @@ import numpy as np
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.codec import Result
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.determinants import ClosedInverse
+from rankdrop.exact.closed_inverse import ClosedInverse
 from rankdrop.formula.notation import Python
 from rankdrop.formula.value import FOLDED
 from rankdrop.robot.model import Array, Robot

@@ -11,10 +11,11 @@ from rankdrop.codec import Count, Positive, many, meanings, num, optional, pair,
 from rankdrop.configuration import Rank
 from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions
 from rankdrop.local.circuits import Circuit
+from rankdrop.local.cofactors import Hunt, HuntJoint
 from rankdrop.local.directions import Screw
 from rankdrop.local.ellipsoids import Ellipsoid, Ellipsoids, Index, PartSet
 from rankdrop.local.nearest import Nearest
-from rankdrop.local.ordered import Hunt, HuntJoint, OrderedSubset
+from rankdrop.local.ordered import OrderedSubset
 from rankdrop.local.orientation import Representation, Representations
 from rankdrop.local.rates import DirectionRates, Rates
 from rankdrop.local.redundant import RankNullity, Redundancy

@@ -13,13 +13,15 @@ from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import listed, triples
 from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, conditions_on
+from rankdrop.exact.decoupling import Decoupling, parting_of
 from rankdrop.exact.derivation import CorankOne
-from rankdrop.exact.determinants import Decoupling, MinorChoice, minor_name, parting_of
+from rankdrop.exact.determinants import MinorChoice, minor_name
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.suppression import Case, Dependence, Proof, Suppression
 from rankdrop.exact.tree import Tree
-from rankdrop.formula.notation import Step, Text, fourier
+from rankdrop.formula.notation import Step, Text
 from rankdrop.formula.shortest import single_angles
+from rankdrop.formula.sums import fourier
 from rankdrop.formula.value import Value
 from rankdrop.formula.writing import Condition, atoms_text, condition_text, count_alternatives, text_of
 from rankdrop.lists import flat_map

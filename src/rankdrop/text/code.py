@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.errors import OptionError
 from rankdrop.families.record import Family, exact_of
-from rankdrop.formula.notation import C, Latex, Python, functions_of, joints_of, latex_name
+from rankdrop.formula.notation import C, Latex, Python, latex_name
+from rankdrop.formula.sums import functions_of, joints_of
 from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.lists import flat_map
 from rankdrop.text.latex import as_text

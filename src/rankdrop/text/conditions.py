@@ -12,7 +12,7 @@ from typing import Any
 from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, Unreal, UnrealSet
 from rankdrop.families.record import Family, exact_of
 from rankdrop.formula.equation import pretty_angle
-from rankdrop.formula.notation import typeset
+from rankdrop.formula.mathml import typeset
 from rankdrop.lists import flat_map
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot, witness_text

@@ -6,17 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from rankdrop.local.ordered import (
-    GREATEST_RUN,
-    Disagreement,
-    Executed,
-    Hunt,
-    OrderedReport,
-    OrderedSubset,
-    Products,
-    Remark,
-    RemarkKind,
-)
+from rankdrop.local.cofactors import Hunt
+from rankdrop.local.instructions import Executed
+from rankdrop.local.ordered import OrderedSubset, Products
+from rankdrop.local.ordered_report import GREATEST_RUN, Disagreement, OrderedReport, Remark, RemarkKind
 from rankdrop.robot.model import Array
 from rankdrop.text.words import numbers, plural
 
@@ -106,7 +99,8 @@ def procedure_text(report: OrderedReport) -> str:
     """GR's procedure on an ordered screw set, one line a fact; lines end without blanks.
 
     Example:
-        >>> from rankdrop.local.ordered import OrderedScrewSet, report
+        >>> from rankdrop.local.ordered import OrderedScrewSet
+        >>> from rankdrop.local.ordered_report import report
         >>> from rankdrop.robot.open import open_robot
         >>> text = procedure_text(report(OrderedScrewSet.of(open_robot("rcrrrr"), [0.0] * 7)))
         >>> print(text.splitlines()[0])

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import BlockForm, listed, structure_of
-from rankdrop.exact.determinants import Loss, LostLine
+from rankdrop.exact.decoupling import Loss, LostLine
 from rankdrop.exact.method_reason import MethodReason, Parting, PartingKind
 from rankdrop.exact.remark import chain_remarks, near_structure
 from rankdrop.lists import flat_map

@@ -16,7 +16,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import first_and_last
 from rankdrop.exact.arm.structure import check_frame, frame_jacobian, sizes
-from rankdrop.exact.determinants import ClosedInverse, closed_inverse
+from rankdrop.exact.closed_inverse import ClosedInverse, closed_inverse
 from rankdrop.formula.shortest import single_angles
 from rankdrop.formula.value import Quotient, number_at
 from rankdrop.kinematics import check_robot, jacobian, one_configuration, pose

@@ -18,7 +18,8 @@ from rankdrop.path.check.prove import centred, chosen, first_open
 from rankdrop.path.check.record import CROSSING as CROSSES
 from rankdrop.path.check.record import FREE
 from rankdrop.path.curve import Curve, Place, boxes
-from rankdrop.path.read.files import holds_poses, read_poses, read_trajectory
+from rankdrop.path.read.files import read_trajectory
+from rankdrop.path.read.poses import holds_poses, read_poses
 from rankdrop.problem import Mask
 from rankdrop.proof.curves import AskedPath
 from rankdrop.proof.record import (

@@ -51,7 +51,8 @@ from rankdrop.path.check.survey import Survey, crossings
 from rankdrop.path.check.tool_line import half_turns, poses_at
 from rankdrop.path.check.turns import jump
 from rankdrop.path.curve import Curve, Place, curve
-from rankdrop.path.read.files import Poses, holds_poses, length_hint, read_poses, read_trajectory
+from rankdrop.path.read.files import read_trajectory
+from rankdrop.path.read.poses import Poses, holds_poses, length_hint, read_poses
 from rankdrop.path.read.trajectory import Trajectory, checked, checked_times, refuse_degrees, rows_of, unit_hint
 from rankdrop.poses.inverse import Aim, apart, distinct, near_and_within
 from rankdrop.problem import whole_turns

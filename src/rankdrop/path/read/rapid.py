@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from rankdrop.path.read.files import turned_by
+from rankdrop.path.read.poses import turned_by
 from rankdrop.path.read.program_record import (
     LONGEST_LINE,
     MILLIMETRE,

@@ -1,0 +1,302 @@
+"""Poses of the tip from files, what a Cartesian program says: columns of a table, or objects in JSON and YAML."""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.errors import RankdropError
+from rankdrop.path.read.files import text_of_file
+from rankdrop.path.read.messages import OBJECTS, all_or_none, documents, is_double
+from rankdrop.path.read.trajectory import (
+    BAGS,
+    UNITS,
+    Table,
+    TrajectoryError,
+    checked_times,
+    find_columns,
+    is_number,
+    name_and_unit,
+    names_of,
+    read_table,
+)
+from rankdrop.robot.files import (
+    MOST_ROWS,
+    RANGE,
+    allowed_range,
+    read_text,
+)
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.transform import from_xyz_rpy
+from rankdrop.text.path_files import MILLIMETRES
+
+QUATERNION, ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
+_LENGTHS = {"x", "y", "z"}
+_OTHER = {
+    **{f"{long}{letter}": f"q{letter}" for long in ("q_", "quat_", "orientation_", "orientation.")
+       for letter in "xyzw"},
+    **{f"{long}{letter}": letter for long in ("p", "p_", "pos_", "position_", "position.", "t") for letter in "xyz"},
+}  # fmt: skip
+"""Other names of columns."""
+_TURNS = {"orientation": QUATERNION, "rpy": ANGLES}
+_AXES = {"orientation": tuple("xyzw")}  # names of the numbers in an object
+_UNIT_LENGTH = 1e-3  # a quaternion's length may be off by this: digits of a file
+_FAR = 20.0  # reaches: positions beyond it look like millimetres
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Poses of the tip, in order.
+
+    Attributes:
+        name: of the file.
+        matrices: (P, 4, 4) in the base frame [m].
+        times: (P,) increasing [s]; None where the file has none.
+        turned: the file gives orientations; else only positions are meant.
+        unused: columns that were passed over.
+        notes: what a reader should know of how the file was read.
+    """
+
+    name: str
+    matrices: Array
+    times: Array | None
+    turned: bool
+    unused: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+
+def holds_poses(path: Path, robot: Robot) -> bool:
+    """Whether a file holds poses: columns x, y, z and not every joint, or an object with `poses`.
+
+    A file that cannot be read holds none; whoever reads it then says why.
+    """
+    ending = path.suffix.lower()
+    if not path.is_file() or ending in (".npy", ".npz", *BAGS):
+        return False
+    try:
+        text = read_text(path)
+        if ending in OBJECTS:
+            return list_in(loaded_poses(text, str(path), yaml=ending != ".json")) is not None
+        words = names_of(text, str(path))
+    except RankdropError:
+        return False
+    joints = {joint.name for joint in robot.variables}
+    return {_column_name(word) for word in words} >= _LENGTHS and not joints <= set(words)
+
+
+def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
+    """Poses from a file.
+
+    CSV: a line of names, x, y, z, and either qx, qy, qz, qw or roll, pitch, yaw (R = Rz·Ry·Rx, as in URDF); a time
+    column if there is one; units behind a name ("x [mm]", "roll [deg]"), else metres and radians. JSON or YAML: a list,
+    or an object with `poses` (a PoseArray, a Path), of objects with `position` ([x, y, z], or by name), `orientation`
+    (the quaternion [x, y, z, w], or by name) or `rpy`, and `time`; `length`: "mm" and `angle`: "deg" beside `poses`.
+
+    Args:
+        path: the file.
+        deg: angles without a unit are in degrees.
+
+    Raises:
+        TrajectoryError: with file, row or line, and column.
+        MissingExtraError: YAML, and PyYAML is not installed.
+    """
+    file, name = Path(path), str(path)
+    text, ending = text_of_file(file), file.suffix.lower()
+    if ending in OBJECTS:
+        return _poses_of_objects(loaded_poses(text, name, yaml=ending != ".json"), name, deg=deg)
+    return _poses_of_rows(text, name, deg=deg)
+
+
+def length_hint(poses: Poses, reach: float) -> str | None:
+    """A line of warning where positions look like millimetres; None where they do not."""
+    most = float(np.abs(poses.matrices[:, :3, 3]).max())
+    if most <= _FAR * reach:
+        return None
+    return MILLIMETRES.format(most)
+
+
+def turned_by(quaternion: Array, where: Callable[[int], str]) -> NDArray[np.float64]:
+    """(N, 3, 3) rotations of quaternions (N, 4) x, y, z, w.
+
+    Raises:
+        TrajectoryError: one is not of length one, to 1e-3.
+    """
+    size = np.linalg.norm(quaternion, axis=1)
+    for i in np.flatnonzero(np.abs(size - 1.0) > _UNIT_LENGTH)[:1].tolist():
+        raise TrajectoryError("the quaternion is not of length one", where=where(i), got=f"length {size[i]:.6g}",
+                              allowed="x, y, z, w of length 1")  # fmt: skip
+    x, y, z, w = (quaternion / size[:, None]).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.asarray(np.moveaxis(np.array(rows), 2, 0))
+
+
+def _column_name(word: str) -> str:
+    """A column's name, without its unit, as it is known here."""
+    plain = name_and_unit(word.strip())[0].lower()
+    return _OTHER.get(plain, plain)
+
+
+def _measure(name: str) -> tuple[str, str] | None:
+    """A column of a pose, and what it measures."""
+    key = _column_name(name)
+    kinds = {**dict.fromkeys(_LENGTHS, "length"), **dict.fromkeys(ANGLES, "angle"),
+             **dict.fromkeys(QUATERNION, "number")}  # fmt: skip
+    if key in kinds:
+        return (key, kinds[key])
+    return None
+
+
+def pose_table(
+    text: str, name: str, *, deg: bool
+) -> tuple[Table, dict[Hashable, tuple[int, float]], int | None, tuple[str, ...]]:
+    """A table of poses; place and factor (to rad and m) of each of its columns; that of the time; those that turn.
+
+    Raises:
+        TrajectoryError: these are no columns of poses.
+    """
+    table = read_table(text, name)
+    if all(map(is_number, table.head)):
+        raise TrajectoryError("the columns have no names", where=table.where,
+                              allowed="x, y, z and qx, qy, qz, qw or roll, pitch, yaw")  # fmt: skip
+    columns, time, _ = find_columns(table.head, table.where, _measure, deg=deg)
+    turn = next((keys for keys in (QUATERNION, ANGLES) if columns.keys() >= set(keys)), ())
+    if columns.keys() != {*_LENGTHS, *turn}:
+        raise TrajectoryError(
+            "poses need other columns", where=table.where, got=", ".join(table.head),
+            allowed="x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone",
+        )  # fmt: skip
+    return table, columns, time, turn
+
+
+def _poses_of_rows(text: str, name: str, *, deg: bool) -> Poses:
+    table, columns, time, turn = pose_table(text, name, deg=deg)
+    places, factors = zip(*(columns[key] for key in ("x", "y", "z", *turn)), strict=True)
+    values = table.block(places) * np.array(factors)
+    matrices = _matrices(values, turn, table.place)
+    used = {place for place, _ in columns.values()} | {time}
+    unused = tuple(word for place, word in enumerate(table.head) if place not in used)
+    return Poses(Path(name).name, matrices, table.times(time), bool(turn), unused, table.notes)
+
+
+def _matrices(values: Array, turn: tuple[str, ...], place: Callable[[int], str]) -> Array:
+    """(N, 4, 4) from rows of x, y, z and what turns.
+
+    Raises:
+        TrajectoryError: a length or an angle is beyond the range of all readers, a quaternion is not of length one.
+    """
+    measures = ["length"] * 3 + ["angle" if turn == ANGLES else "number"] * len(turn)
+    beyond = np.abs(values) > [RANGE[measure] for measure in measures]
+    for i, column in np.argwhere(beyond)[:1].tolist():
+        raise TrajectoryError("the value is too large", where=place(i), got=f"{values[i, column]:g}",
+                              allowed=allowed_range(measures[column]))  # fmt: skip
+    made = np.tile(np.eye(4), (len(values), 1, 1))
+    if turn == QUATERNION:
+        made[:, :3, :3] = turned_by(values[:, 3:], place)
+    elif turn:
+        made = np.array([from_xyz_rpy((0.0, 0.0, 0.0), row[3:].tolist()) for row in values])
+    made[:, :3, 3] = values[:, :3]
+    return made
+
+
+def loaded_poses(text: str, name: str, *, yaml: bool) -> Any:
+    """The first document with poses; None where there is none."""
+    return next((document for document in documents(text, name, yaml=yaml) if list_in(document) is not None), None)
+
+
+def list_in(found: Any) -> list[Any] | None:
+    """The list of poses of an object, or the list itself; None where there is none."""
+    if isinstance(found, dict):
+        rows = found.get("poses")
+    else:
+        rows = found
+    if isinstance(rows, list) and rows and pose_in(rows[0]) is not None:
+        return rows
+    return None
+
+
+def pose_in(row: Any) -> dict[str, Any] | None:
+    """The object with the position: the entry itself, or its `pose` (PoseStamped); None where it is no pose."""
+    if isinstance(row, dict) and "position" not in row:
+        inner = row.get("pose", row)
+    else:
+        inner = row
+    if isinstance(inner, dict) and "position" in inner:
+        return inner
+    return None
+
+
+def _poses_of_objects(found: Any, name: str, *, deg: bool) -> Poses:
+    rows = list_in(found)
+    if rows is None:
+        raise TrajectoryError("there are no poses in it", where=name, allowed="a list of objects with a position")
+    if len(rows) > MOST_ROWS:
+        raise TrajectoryError("there are too many poses", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
+    about = found if isinstance(found, dict) else {}
+    units = {
+        "position": unit_of(about, "length", "m", ("m", "mm"), name), "orientation": 1.0,
+        "rpy": unit_of(about, "angle", "deg" if deg else "rad", tuple(UNITS["angle"]), name),
+    }  # fmt: skip
+
+    def place(row: int) -> str:
+        return f"{name}, pose {row + 1}"
+
+    first = pose_in(rows[0]) or {}
+    turn = next((key for key in _TURNS if key in first), "")
+    values = np.array([_numbers_of_pose(entry, turn, units, place(row)) for row, entry in enumerate(rows)])
+    listed = [_numbers([entry["time"]], "t", place(row), "time")[0] if "time" in entry else None
+              for row, entry in enumerate(rows)]  # fmt: skip
+    times = all_or_none(listed, "pose", "time", place)
+    if times is None:
+        when = None
+    else:
+        when = checked_times(times, place)
+    keys = _TURNS.get(turn, ())
+    return Poses(Path(name).name, _matrices(values, keys, place), when, bool(turn), ())
+
+
+def _numbers_of_pose(entry: Any, turn: str, units: dict[str, float], where: str) -> list[float]:
+    """x, y, z [m] and what turns, of one pose."""
+    inner = pose_in(entry)
+    if inner is None:
+        raise TrajectoryError("there is no position", where=where, got=reprlib.repr(entry))
+    own = next((key for key in _TURNS if key in inner), "")
+    if own != turn:
+        raise TrajectoryError("the pose has another form than the first", where=where, got=own or "none",
+                              allowed=turn or "a position alone")  # fmt: skip
+    keys = {"position": tuple("xyz"), **({turn: _AXES.get(turn, ANGLES)} if turn else {})}
+    return [number * units[key] for key, axes in keys.items() for number in _numbers(inner[key], axes, where, key)]
+
+
+def unit_of(about: dict[str, Any], key: str, default: str, allowed: tuple[str, ...], name: str) -> float:
+    """Metres or radians in the unit of length or angle that an object of poses states, or in its default."""
+    unit = about.get(key, default)
+    if unit not in allowed:
+        raise TrajectoryError(f"there is no such unit of {key}", where=name, got=unit, allowed=", ".join(allowed))
+    return next(fits[unit] for fits in UNITS.values() if unit in fits)
+
+
+def _numbers(value: Any, keys: Any, where: str, what: str) -> list[float]:
+    """Numbers from a list, or from an object by name."""
+    if isinstance(value, dict):
+        listed = [value.get(key) for key in keys]
+    else:
+        listed = value
+    if not isinstance(listed, list) or len(listed) != len(keys):
+        raise TrajectoryError(f"the {what} has not {len(keys)} numbers", where=where, got=reprlib.repr(value),
+                              allowed=", ".join(keys))  # fmt: skip
+    for value in listed:
+        if not is_double(value) or not isfinite(value):
+            raise TrajectoryError(f"the {what} has a value that is no finite number", where=where,
+                                  got=reprlib.repr(value))  # fmt: skip
+    return [float(value) for value in listed]

@@ -16,12 +16,11 @@ import pytest
 
 from rankdrop.cli.command import parse_configuration
 from rankdrop.errors import RankdropError, RobotError
-from rankdrop.path.read import files as message_file
+from rankdrop.path.read import messages as message_file
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.path.read.messages import parse_message
 from rankdrop.path.read.trajectory import parse_trajectory
-from rankdrop.robot import files, quantities
-from rankdrop.robot import open as opening
+from rankdrop.robot import files, formats, quantities
 from rankdrop.robot import urdf as urdf_reader
 from rankdrop.robot.ideal import read_tolerance
 from rankdrop.robot.mesh_file import LARGEST_MESH, MOST_FACES, MOST_INSTANCES, MOST_MESHES, MOST_VERTICES
@@ -137,10 +136,10 @@ def test_comments_before_the_root_are_passed_over_once(monkeypatch: pytest.Monke
             Text.looked += 1
             return str.find(self, *given)
 
-    assert opening._root_tag(Text("<!--" * 10_000)) == ""
+    assert formats._root_tag(Text("<!--" * 10_000)) == ""
     assert Text.looked <= 3
-    assert opening._root_tag("<?xml?> < <!-- <sdf> --> <!----> <mujoco a='1'>") == "mujoco"
-    assert opening._root_tag("<!-- <mujoco>") == ""
+    assert formats._root_tag("<?xml?> < <!-- <sdf> --> <!----> <mujoco a='1'>") == "mujoco"
+    assert formats._root_tag("<!-- <mujoco>") == ""
 
 
 def urdf(origin: str = "", **changed: str) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import RobotError, UnknownRobotError
-from rankdrop.robot import files
+from rankdrop.robot import files, formats
 from rankdrop.robot import open as opening
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
@@ -229,14 +229,21 @@ def test_what_is_wrong_in_a_plain_file_is_told_with_its_line(tmp_path: Path, tex
 def test_a_new_format_is_a_reader_and_an_entry_of_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its module and `FORMATS`: two files; base, tip and arguments are refused where it has none."""
 
-    def read(file: opening.RobotFile) -> Robot:
+    def read(file: formats.RobotFile) -> Robot:
         return from_dh([(float(word), 0, 0, 0) for word in file.text.split()], convention="standard", name="links")
 
-    entry = opening.Format(lambda file: file.suffix == ".lengths", read, links=False)
-    monkeypatch.setattr(opening, "FORMATS", (entry, *opening.FORMATS))
+    entry = formats.Format("lengths", (".lengths",), lambda file: file.suffix == ".lengths", read, links=False)
+    monkeypatch.setattr(formats, "FORMATS", (entry, *formats.FORMATS))
     path = tmp_path / "arm.lengths"
     path.write_text("0.4 0.3 0.2", encoding="utf-8")
     assert opening.open_robot(path).home[:3, 3].tolist() == pytest.approx([0.9, 0, 0])
     for given in ({"tip": "hand"}, {"base": "foot"}, {"args": {"a": 1}}):
         with pytest.raises(RobotError):
             opening.open_robot(path, **given)
+    other, sdf = tmp_path / "arm.other", tmp_path / "arm.sdf"
+    other.write_text("nothing known", encoding="utf-8")
+    sdf.write_text("<sdf/>", encoding="utf-8")
+    with pytest.raises(RobotError, match="give a file in lengths, xacro"):
+        opening.open_robot(other)
+    with pytest.raises(RobotError, match=r"SDF is not read.*lengths, xacro"):
+        opening.open_robot(sdf)

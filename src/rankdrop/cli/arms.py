@@ -80,7 +80,7 @@ def _listed(entries: Sequence[catalogue.CatalogEntry], text: str) -> Iterator[Re
         for entry in entries:
             if entry.maker == maker:
                 table.add_row(f"  {entry.name}", str(entry.n), entry.task, entry.about)
-    hint = "Or give a file: URDF, xacro, MJCF, or a DH or screw table in TOML. Where the numbers come from: --json."
+    hint = f"Or give a file: {catalogue.format_names()}. Where the numbers come from: --json."
     yield from (table, "", hint)
 
 

@@ -468,9 +468,9 @@ class Output(Options):
 
 
 NO_OPTIONS, NO_IDEAL, NO_TOOL, OUTPUT = ArmOptions(), IdealOptions(), ToolOptions(), Output()
-ROBOT = Annotated[str, Parameter(
-    help="Name in the catalogue (`rankdrop robots`) or a file (.urdf, .xacro, .xml, .toml)."
-)]  # fmt: skip
+ROBOT_FILES = ", ".join(arms.format_endings())
+ROBOT_HELP = f"Name in the catalogue (`rankdrop robots`) or a file ({ROBOT_FILES})."
+ROBOT = Annotated[str, Parameter(help=ROBOT_HELP)]
 Q = Annotated[str, Parameter(
     help="One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.",
     allow_leading_hyphen=True,

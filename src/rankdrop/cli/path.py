@@ -8,6 +8,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from cyclopts import Parameter
+
 from rankdrop import cover as covers
 from rankdrop import jobs, results, text
 from rankdrop import path as paths
@@ -16,6 +18,7 @@ from rankdrop.cli.command import (
     DRAWN,
     NO_OPTIONS,
     PAGES,
+    ROBOT_HELP,
     ArmOptions,
     Done,
     Output,
@@ -169,7 +172,7 @@ OF_ONE_PATH = ("figure", "html", "rows", "certificate", "model_tolerance")
 
 @command
 def path(
-    robot: str | None = None,
+    robot: Annotated[str | None, Parameter(help=ROBOT_HELP)] = None,
     /,
     *files: str,
     arm: ArmOptions = NO_OPTIONS,
@@ -205,7 +208,6 @@ def path(
     with --out run the same command to continue; 2: bad input.
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         files: CSV (joints by name or q1 ... qn, a time column if there is one), .npy, .npz, JSON or YAML of a
             JointTrajectory, or ROS bags (.bag, .db3, .mcap, the folder of a recording); or folders of these. Poses of
             the tip, joined by straight moves: CSV with x, y, z and qx, qy, qz, qw or roll, pitch, yaw, or JSON or YAML

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from rankdrop import results
 from rankdrop import robot as arms
 from rankdrop.cli import exits
-from rankdrop.cli.command import NO_IDEAL, OUTPUT, PROGRESS, IdealOptions, Output, command, open_ideal
+from rankdrop.cli.command import NO_IDEAL, OUTPUT, PROGRESS, ROBOT_FILES, IdealOptions, Output, command, open_ideal
 from rankdrop.cli.terminal import Report, check_different, check_target, say, write_bytes, write_json
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.options import Options, option
@@ -66,7 +66,7 @@ class ReportOptions(Options):
 @command
 def report(
     robot: Annotated[str, Parameter(
-        help="Name in the catalogue, file (.urdf, .xacro, .xml, .toml), or analysis (.json, `rankdrop analyze`)."
+        help=f"Name in the catalogue, file ({ROBOT_FILES}), or analysis (.json, `rankdrop analyze`)."
     )],
     /,
     *,

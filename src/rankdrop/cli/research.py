@@ -312,7 +312,7 @@ def _with_path(
 
 @command
 def aspects(
-    robot: str,
+    robot: ROBOT,
     /,
     *,
     q: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
@@ -347,7 +347,6 @@ def aspects(
     2: bad input.
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         q: A configuration that gives the pose to solve: one number per joint [rad, m]. Default: poses of random ones.
         deg: Angles without a unit are in degrees, and so are those printed.
     """
@@ -455,7 +454,6 @@ def tolerant(
     Exit code 0: a configuration tolerates every single failure; 3: none was found; 2: bad input.
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         deg: Angles of --q without a unit are in degrees.
     """
     model, task = open_arm(robot, arm)

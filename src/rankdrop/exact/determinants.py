@@ -265,6 +265,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
 
 
 def factored_value(ring: Ring, p: Polynomial, work: Work) -> Value:
+    """A polynomial over the ring as a value, in factors where the work allows it."""
     # a longer one takes minutes and gigabytes to factor
     work.check()
     return Value(ring, p, None if p == 0 or len(p) > MANY else ring.factors_within(p, work.left))

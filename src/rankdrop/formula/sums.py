@@ -361,6 +361,7 @@ def leaves_of(form: Product) -> Iterator[Wave | Symbol]:
 
 
 def leaves(factor: Factor) -> Iterator[Wave | Symbol]:
+    """The lengths, slides and waves of a factor, those in sums as well."""
     if isinstance(factor, Sum):
         for part in factor.parts:
             yield from leaves_of(part)

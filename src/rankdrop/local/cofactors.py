@@ -1,6 +1,6 @@
 """Which joints lead out of a singular configuration by the matrix of cofactors (Hunt), and what a finite motion says.
 
-A square Jacobian of corank 1 has the cofactors c_ij = ∂ det J/∂J_ij, so that ∂ det J/∂q_j tells how fast σ grows.
+A square Jacobian of corank 1 has the cofactors c_ij = ∂ det J/∂J_ij, so that ∂ det J/∂q_j says how fast σ grows.
 """
 
 from __future__ import annotations

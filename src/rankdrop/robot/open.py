@@ -6,29 +6,24 @@ import difflib
 import re
 import tomllib
 import unicodedata
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
-from importlib import import_module, resources
+from importlib import resources
 from importlib.resources.abc import Traversable
 from os import PathLike
 from pathlib import Path
 
 from rankdrop.errors import RobotError, UnknownRobotError
-from rankdrop.robot.files import name_of_file, read_text, read_xml
+from rankdrop.robot.files import read_text
+from rankdrop.robot.formats import BLANK, RobotFile, format_endings, format_names, format_of
 from rankdrop.robot.model import Robot
 from rankdrop.robot.note import NoteOn, RobotNote
 from rankdrop.robot.numbers import link_lengths
-from rankdrop.robot.toml_file import parsed_toml, robot_from_toml
+from rankdrop.robot.toml_file import robot_from_toml
 
-_SUFFIXES = (".toml", ".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
-_TAG = re.compile(r"<([A-Za-z_][\w.:-]*)")
-_BLANK = "\ufeff \t\r\n"
-_FORMATS = "DH or screw TOML, URDF, xacro or MJCF, or plain screws (six numbers a line)"
 _SEVERAL = {"cylindrical": 2, "spherical": 3}  # variables of the joints of a screw file that are not one
 _SUGGESTED, _TELLING = 3, 2  # names that an error suggests; letters of a text from which it is looked for inside names
-_POINTER = "version https://git-lfs.github.com/"
-_FROM_SDF = "convert it to MJCF with sdf2mjcf (PyPI: sdformat-mjcf), or give the URDF or xacro that it was made from"
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,10 +94,10 @@ def open_robot(
         _refuse_links(path, tip, base)
         return _from_catalog(path)
     text = read_text(path)
-    if not text.strip(_BLANK):
-        raise RobotError("the file is empty", where=str(path), allowed=_FORMATS)
+    if not text.strip(BLANK):
+        raise RobotError("the file is empty", where=str(path), allowed=format_names())
     file = RobotFile(path, text, base, tip, as_written, packages or {}, args or {}, xacro)
-    form = next(form for form in FORMATS if form.holds(file))
+    form = format_of(file)
     if not form.links:
         _refuse_links(str(path), tip, base)
     robot = form.read(file)
@@ -134,107 +129,6 @@ def names_an_arm(name: str) -> bool:
     except UnknownRobotError:
         return False
     return True
-
-
-@dataclass(frozen=True, slots=True)
-class RobotFile:
-    """A file that describes a robot, and what the caller of `open_robot` asks for."""
-
-    path: Path
-    text: str
-    base: str | None = None
-    tip: str | None = None
-    as_written: bool = False
-    packages: Mapping[str, str | PathLike[str]] = field(default_factory=dict)
-    args: Mapping[str, object] = field(default_factory=dict)
-    xacro: bool = False
-
-    @property
-    def suffix(self) -> str:
-        """Of the path, in small letters: ".urdf"."""
-        return self.path.suffix.lower()
-
-    @property
-    def root(self) -> str:
-        """The tag of the first element; "" for what is no XML."""
-        is_xml = self.suffix != ".toml" and self.text.lstrip(_BLANK).startswith("<")
-        if is_xml:
-            return _root_tag(self.text) or "?"
-        return ""
-
-
-@dataclass(frozen=True, slots=True)
-class Format:
-    """A format of robot files. A new one is a module that reads it, and an entry of `FORMATS`.
-
-    Attributes:
-        holds: whether a file has this format, by a look at its name and its text.
-        read: the robot of a file; imports the reader, since an arm of the catalogue needs none.
-        links, arguments: whether its files have links to name as base and tip; arguments.
-    """
-
-    holds: Callable[[RobotFile], bool]
-    read: Callable[[RobotFile], Robot]
-    links: bool = True
-    arguments: bool = False
-
-
-def _reader(name: str, *given: str) -> Callable[[RobotFile], Robot]:
-    """The reader "module.function" of a file: it takes a path, `as_written`, and what else of the file is `given`."""
-
-    def read(file: RobotFile) -> Robot:
-        module, _, function = name.partition(".")
-        reader = getattr(import_module(f"rankdrop.robot.{module}"), function)
-        robot: Robot = reader(file.path, as_written=file.as_written, **{key: getattr(file, key) for key in given})
-        return robot
-
-    return read
-
-
-def _read_toml(file: RobotFile) -> Robot:
-    return robot_from_toml(file.text, file=str(file.path), default_name=name_of_file(file.path),
-                           as_written=file.as_written)  # fmt: skip
-
-
-def _holds_screws(file: RobotFile) -> bool:
-    from rankdrop.robot.screws import is_screw_list
-
-    return not file.root and file.suffix != ".toml" and is_screw_list(file.text)
-
-
-def _read_urdf(file: RobotFile) -> Robot:
-    from rankdrop.robot.urdf import from_urdf
-    from rankdrop.robot.xacro import uses_xacro
-
-    if "<xacro:" in file.text and uses_xacro(read_xml(file.text, str(file.path))):  # a comment may name xacro too
-        raise RobotError(
-            "the file has xacro elements and does not end in .xacro; expanding it can run any command",
-            where=str(file.path), mend="if you trust it: xacro=True", typed="if you trust it: --xacro",
-        )  # fmt: skip
-    return from_urdf(file.text, base=file.base, tip=file.tip, file=str(file.path), as_written=file.as_written)
-
-
-def _refuse_other(file: RobotFile) -> Robot:
-    if file.root:
-        raise RobotError("SDF is not read", where=str(file.path), got="<sdf>", allowed=_FORMATS, mend=_FROM_SDF)
-    if file.text.startswith(_POINTER):
-        raise RobotError("the file is a pointer of Git LFS, not the file itself", where=str(file.path),
-                         mend="fetch it: git lfs pull")  # fmt: skip
-    raise RobotError("the file is neither TOML nor XML", where=str(file.path), allowed=", ".join(_SUFFIXES[:-1]),
-                     mend=f"give a file in {_FORMATS}")  # fmt: skip
-
-
-FORMATS = (
-    Format(lambda file: file.xacro or file.suffix == ".xacro",
-           _reader("xacro.from_xacro", "base", "tip", "packages", "args"), arguments=True),
-    Format(lambda file: file.root == "mujoco", _reader("models.from_mjcf", "base", "tip")),
-    Format(lambda file: file.root == "sdf", _refuse_other),
-    Format(lambda file: file.root != "", _read_urdf),
-    Format(_holds_screws, _reader("screws.from_screw_list"), links=False),
-    Format(lambda file: file.suffix == ".toml" or _is_toml(file.text), _read_toml, links=False),
-    Format(lambda _: True, _refuse_other),
-)
-"""The first that holds a file reads it."""
 
 
 def source_text(name_or_path: str) -> tuple[str, str] | None:
@@ -301,29 +195,6 @@ def _from_catalog(name: str) -> Robot:
     return robot_from_toml(text, file=f"catalogue {name}.toml", default_name=name, kind="catalogue")
 
 
-def _root_tag(text: str) -> str:
-    """The tag of the first element, by a look: whether the text is sound is for its reader to say."""
-    at = 0
-    while (at := text.find("<", at)) >= 0:
-        if text.startswith("<!--", at):
-            at = text.find("-->", at + 4)
-            if at < 0:
-                break
-        elif found := _TAG.match(text, at):
-            return found[1]
-        else:
-            at += 1
-    return ""
-
-
-def _is_toml(text: str) -> bool:
-    try:
-        parsed_toml(text, "")
-    except RobotError as error:
-        return not error.what.startswith("this is not TOML")  # what is too much of it is for its reader to say
-    return True
-
-
 def _refuse_links(name: str, tip: str | None, base: str | None) -> None:
     for label, link in (("tip", tip), ("base", base)):
         if link is not None:
@@ -376,7 +247,7 @@ def _unknown(name: str) -> UnknownRobotError:
         shown = name
     else:
         shown = name[:499] + "…"
-    if "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES):
+    if "/" in name or "\\" in name or name.lower().endswith((*format_endings(), ".sdf")):
         before = re.split(r"[/\\]", name, maxsplit=1)[0]  # "LR Mate 200iD/7L": the catalogue has lrmate200id
         mend = _meant(_same_names(Path(name).stem) or _listed_names(before))  # ur5e.urdf: the catalogue has ur5e
         return UnknownRobotError("there is no such file", got=repr(shown), allowed=None, mend=mend)

@@ -78,6 +78,7 @@ def read_trajectory(
 
 
 def text_of_file(file: Path) -> str:
+    """The text of a file, with its errors as those of a trajectory."""
     try:
         return read_text(file)
     except RankdropError as error:

@@ -16,13 +16,16 @@ from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.orientation import rotation_vector
 from rankdrop.path import mend_path
 from rankdrop.path.check.check import PathQuestion, check_file, check_poses
-from rankdrop.path.check.follow import _Walk, follow
-from rankdrop.path.check.passing import Departure
-from rankdrop.poses.inverse import rotation, solutions
+from rankdrop.path.check.follow import Followed, _Walk, follow
+from rankdrop.path.check.passing import Departure, Move
+from rankdrop.path.check.solution_curve import follow_curve
+from rankdrop.poses.inverse import Aim, rotation, solutions
 from rankdrop.questions import PathOptions
+from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
+TOLERANCE = (1e-4, 1e-4)  # of the tip [m, rad]
 SAMPLE = """name = "sample-manipulator"
 [home]
 xyz = [0, 0, 2]
@@ -95,6 +98,29 @@ def singular_near(robot, q, joint: int) -> np.ndarray:
         middle = (low + high) / 2
         low, high = (middle, high) if det(low) * det(middle) > 0.0 else (low, middle)
     return np.concatenate([q[:joint], [low], q[joint + 1:]])
+
+
+def determinant(robot: Robot, q: np.ndarray) -> float:
+    return float(np.linalg.det(task_jacobian(robot, q, resolve_task(None, robot))))
+
+
+def lost_direction(robot: Robot, q: np.ndarray) -> np.ndarray:
+    """(6,) unit vector in m and rad, without a share of any motion of the tool at q."""
+    task = resolve_task(None, robot)
+    lost = np.linalg.svd(task_jacobian(robot, q, task))[0][:, -1]
+    lost[:3] /= task.scale(robot)
+    return np.asarray(lost / np.linalg.norm(lost))
+
+
+def followed_across(name: str, joint: int, near: list[float], along: list[float], start: list[float]) -> Followed:
+    """A line of 0.08 whose middle is singular, and which has no share along the motion that is lost there."""
+    robot = open_robot(name)
+    q = singular_near(robot, np.array(near), joint)
+    lost = lost_direction(robot, q)
+    way = np.array(along) - (lost @ along) * lost
+    home = pose(robot, q[None])[0]
+    ends = np.array([at(home, way, s) for s in (-0.04, 0.04)])
+    return follow(robot, ends, start, limits=False, tolerance=TOLERANCE, through=True)
 
 
 @pytest.mark.by_hand
@@ -189,16 +215,18 @@ def test_a_start_that_waits_at_a_singularity_is_turned_before_the_tool_moves() -
     np.testing.assert_allclose(np.degrees(found.q[0]), [0, 0, 0, 90, 0, -90], atol=1e-6)
 
 
-@pytest.mark.parametrize("degrees", [1e-3, 1e-2, 0.0688833])
-def test_a_line_that_misses_a_wrist_does_not_fold_back(degrees: float) -> None:
-    """Of a PUMA, by some 1e-7 rad: joint 4 turns half around, in departures from rest that lead nowhere."""
+@pytest.mark.slow
+@pytest.mark.parametrize("degrees", [1e-3, 0.0688833])
+def test_a_line_that_misses_a_wrist_goes_on_behind_it(degrees: float) -> None:
+    """Of a PUMA, by some 1e-7 rad: joint 4 turns half around at rest, and the determinant keeps its sign."""
     robot = open_robot("puma560")
     q = np.radians([-2.285303, 25.054618, 9.727722, 106.948241, degrees, -4.826506])
     poses = line(robot, q, [-0.234686, -0.427842, -0.872854, 0, 0, 0], 0.0, -0.1, 0.1)
     back = follow(robot, poses[:2], q, limits=False)
     found = follow(robot, poses[1:], back.last, limits=False, tolerance=(1e-4, 1e-3), through=True)
-    assert 1.49 < found.reached < 1.5
-    assert (found.complete, found.reason, found.folds) == (False, "singular", False)
+    assert (found.complete, [passed.rest for passed in found.passed]) == (True, [True])
+    assert np.sign(determinant(robot, found.last)) == np.sign(determinant(robot, back.last))
+    assert abs(found.q[-1, 3] - found.q[0, 3]) == pytest.approx(np.pi, abs=0.3)
 
 
 @pytest.mark.slow
@@ -270,3 +298,60 @@ def test_a_corner_of_the_joints_within_a_straight_move_needs_a_rest(turned: floa
     back = Departure(place, np.array([-1.0, 0.1]), False)
     first, last = _Walk._straight_on(walk, made, [back, corner])
     assert (first.q is corner.q, first.rest, last.q is back.q) == (True, rest, True)
+
+
+def test_a_line_across_a_self_motion_stays_on_its_own_curve() -> None:
+    """The shoulder of the UR5e: joint 4 turns by 370 rad/m where the tool could stand still and turn it as well."""
+    found = followed_across(
+        "ur5e", 1, [0.298, 1.931, -1.065, 0.924, -0.045, -0.877], [0.618, 0.19, -0.676, 0.196, -0.102, -0.276],
+        [-0.1018, 2.02, -0.8274, 2.0769, 0.4039, -2.3419],
+    )  # fmt: skip
+    assert (found.complete, [passed.rest for passed in found.passed]) == (True, [False])
+    assert found.passed[0].place == pytest.approx(1.5, abs=1e-5)
+    np.testing.assert_allclose(found.q[-1], [0.698, 2.247, -1.486, 5.431, 0.423, -5.270], atol=1e-3)
+
+
+@pytest.mark.parametrize(("name", "near", "along", "start", "reached"), [
+    ("lrmate200id", [0.5, 1.201, 1.398, -1.17, 3.132, 0.252], [0.568, -0.562, -0.565, 0.086, -0.017, -0.185],
+     [0.5466, 1.1593, 1.3865, -2.2772, 3.1914, -0.866], 0.0102066),
+    ("ur10e", [-0.682, 0.803, 1.379, 0.017, -0.01, 0.637], [0.089, -0.072, 0.463, 0.28, 0.114, -0.825],
+     [-0.7944, 0.7232, 1.7976, -2.4795, -0.1455, 2.8056], 0.00090976),
+])  # fmt: skip
+def test_a_line_folds_back_after_the_crossing_or_before_it(
+    name: str, near: list[float], along: list[float], start: list[float], reached: float
+) -> None:
+    joint = 4
+    found = followed_across(name, joint, near, along, start)
+    assert (found.complete, found.folds, found.reason) == (False, True, "singular")
+    assert -0.04 + 0.08 * (found.reached - 1.0) == pytest.approx(reached, abs=2e-6)
+    assert not any(passed.rest for passed in found.passed)
+
+
+@pytest.mark.parametrize("degrees", [1e-3, 1e-2, 0.0688833])
+def test_two_curves_that_pass_closely_are_no_crossing(degrees: float) -> None:
+    """A PUMA misses its wrist by some 1e-7 rad; from 0.03 rad before, the first steps of the curve are long."""
+    robot = open_robot("puma560")
+    q = np.radians([-2.285303, 25.054618, 9.727722, 106.948241, degrees, -4.826506])
+    poses = line(robot, q, [-0.234686, -0.427842, -0.872854, 0, 0, 0], 0.0, -0.02, 0.1)
+    start = follow(robot, poses[:2], q, limits=False).last
+    move = Move(Aim(robot, resolve_task(None, robot)), poses[1:], 0.0)
+    move.seen_from(start)
+    part = follow_curve(move, start, None)
+    assert part is not None
+    sides = {np.sign(determinant(robot, row)) for row in part.q}
+    assert sides == {np.sign(determinant(robot, start))}
+    assert all(crossing.rest for crossing in part.crossings)
+
+
+def test_a_turn_next_to_corank_two_is_found() -> None:
+    """A KR 6 whose wrist is stretched, with joint 4 near zero: the motion that is lost turns by 90° within 0.3° of it.
+    """
+    robot = open_robot("kr6r900")
+    q = np.array([-1.16557, 0.1234, 0.08981, 0.81043, np.pi, -0.86664])
+    along = [0.9181, 0.38227, -0.10468, 0.0, 0.0, 0.0]
+    found = follow(robot, line(robot, q, along, 0.0, 0.04), q, limits=False, tolerance=TOLERANCE, through=True)
+    assert found.reason == "turn"
+    turn = found.turn.to
+    assert turn[3] == pytest.approx(-0.003, abs=3e-4)
+    assert abs(lost_direction(robot, turn) @ along) < 1e-9
+    np.testing.assert_allclose(pose(robot, turn[None]), line(robot, q, along, 0.0), atol=1e-11)

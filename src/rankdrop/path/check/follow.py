@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike
 from rankdrop import _core
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import singular_values
-from rankdrop.path.check.passing import Departure, Turn, departures, internal_turn
+from rankdrop.path.check.passing import Departure, Move, Turn, departures, internal_turn
+from rankdrop.path.check.solution_curve import CurvePart, follow_curve
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import numbered
 from rankdrop.poses.inverse import Aim
@@ -224,6 +225,7 @@ class _Progress:
         seen: place and configuration (n,) some tries before.
         folds: the branch folds back at the singularity at which it ends.
         turn: the internal turn that it needs to go on.
+        heading: (n + 1,) direction of the solution curve at `now`; None where no such curve was followed to it.
     """
 
     now: Array
@@ -240,6 +242,7 @@ class _Progress:
     seen: tuple[float, Array] = field(init=False)
     folds: bool = False
     turn: Turn | None = None
+    heading: Array | None = None
 
     def __post_init__(self) -> None:
         self.rows.append(self.now[None])
@@ -339,14 +342,18 @@ class _Walk:
             if (step is None or made.joint >= 0) and made.length >= _SHORTEST:
                 made.length = (ahead - made.place) / 2
                 return True
+        heading = None
         if step is None:
-            step, made.folds, made.turn = self._onward(made)
+            step, heading = self._onward(made)
             made.joint = self._stopping_joint(step)
         if step is None or made.joint >= 0:
             return False
         if self.passed and self.passed[-1].place == made.place + 1.0 and not self.passed[-1].rest:
             made.rows, made.places, step = self._spanned(made.rows, made.places, step)
         made.keep(*step, between=self.tolerance is not None, growth=self.growth)
+        made.heading = heading
+        if made.folds:
+            return False
         if self.through:
             made.side = self._side(made.now)
         return True
@@ -417,33 +424,114 @@ class _Walk:
             return end
         return q
 
-    def _onward(self, made: _Progress) -> tuple[tuple[Array, Array] | None, bool, Turn | None]:
-        """From a configuration at or next to a singularity: a step ahead; else whether the branch folds back there, and
-        the turn that it needs first.
+    def _onward(self, made: _Progress) -> tuple[tuple[Array, Array] | None, Array | None]:
+        """From a configuration at or next to a singularity: a step ahead, and the direction of the solution curve at
+        its end, where it was followed. Without a step, note whether the branch folds back, and the turn that it needs.
         """
         now, place = made.now, made.place
         following = int(place) + 1
         if self._still(now, self.poses[following : following + 1])[0]:
-            return (np.array([float(following)]), now[None]), False, None
+            return (np.array([float(following)]), now[None]), None
         sigma = singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1]
         if not self.decides or sigma > _SMALL:
-            return None, False, None
-        if len(self.passed) >= _CREEPS and place + 1.0 - self.passed[-_CREEPS].place < _CREPT:
-            del self.passed[-_CREEPS:]
-            return None, False, None
+            return None, None
+        if self.aim.square and (sigma > _SINGULAR or made.heading is not None):
+            move = Move(self.aim, self.poses, place)
+            move.seen_from(now)
+            part = follow_curve(move, now, made.heading)
+            if part is not None:
+                return self._along_curve(made, move, part)
+            if sigma > _SINGULAR:
+                return None, None
+        if self._leads_nowhere(place):
+            return None, None
+        return self._departed(made, sigma), None
+
+    def _leads_nowhere(self, place: float) -> bool:
+        """The last departures were close together; they are no longer counted."""
+        if len(self.passed) < _CREEPS or place + 1.0 - self.passed[-_CREEPS].place >= _CREPT:
+            return False
+        del self.passed[-_CREEPS:]
+        return True
+
+    def _departed(self, made: _Progress, sigma: float) -> tuple[Array, Array] | None:
+        """As `_onward`, by the local geometry of a singular configuration."""
+        now, place = made.now, made.place
         found, folds = departures(self.aim, self.poses, place, now)
         found = self._straight_on(made, found)
         for departure in found:
             step = self._leap(now, place, departure)
             if step is not None and (self._beyond(step[1]) < 0 or departure is found[-1]):
                 self.passed.append(Passed(place + 1.0, departure.rest))
-                return step, False, None
+                return step
+        made.folds = folds and not found
         if found or folds or sigma > _SINGULAR:
-            return None, folds, None
+            return None
         end = internal_turn(self.aim, self.poses, place, now, limits=self.limits)
-        if end is None:
-            return None, False, None
-        return None, False, Turn(place + 1.0, now, end)
+        if end is not None:
+            made.turn = Turn(place + 1.0, now, end)
+        return None
+
+    def _along_curve(
+        self, made: _Progress, move: Move, part: CurvePart
+    ) -> tuple[tuple[Array, Array] | None, Array | None]:
+        """As `_onward`, for a part of the solution curve that was followed from `made.now`."""
+        at, q = np.array([move.place_at(w) for w in part.w]), part.q
+        made.folds = part.folds
+        if not len(at):
+            return None, None
+        count = self._within(q)
+        if count < len(q):
+            at, q, made.folds = at[:count], q[:count], False
+        crossings = [crossing for crossing in part.crossings if move.place_at(crossing.w) <= at[-1]]
+        at, q = np.append(made.place, at), np.vstack([made.now, q])
+        step = self._joined(at, q)
+        if step is None:
+            made.folds = False
+            return None, None
+        for crossing in crossings:
+            if not crossing.rest:
+                step = self._without_crossing(made, at, q, crossing.q) or step
+            self.passed.append(Passed(move.place_at(crossing.w) + 1.0, crossing.rest))
+        if at[-1] == move.k + 1.0:
+            return step, None
+        return step, part.heading
+
+    def _within(self, q: Array) -> int:
+        """How many of the first rows (K, n) keep the joint limits; 1 at least, so that the joint is known."""
+        for k, row in enumerate(q):
+            if self._beyond(row) >= 0:
+                return max(1, k)
+        return len(q)
+
+    def _joined(self, at: Array, q: Array) -> tuple[Array, Array] | None:
+        """Places after the first one, and configurations, from those (K,) and (K, n) of a solution curve."""
+        pieces = []
+        for k in range(len(at) - 1):
+            off = float(np.linalg.norm((q[k + 1] - q[k]) / self.aim.joints))
+            piece = self._filled(at[k : k + 2], q[k : k + 2], off)
+            if piece is None:
+                return None
+            pieces.append(piece)
+        return np.concatenate([piece[0] for piece in pieces]), np.concatenate([piece[1] for piece in pieces])
+
+    def _without_crossing(self, made: _Progress, at: Array, q: Array, crossing: Array) -> tuple[Array, Array] | None:
+        """As `_joined`, without rows so near to a crossing that their rates are ill-conditioned, those before the first
+        one too; None where no row leads over it.
+        """
+        near = np.linalg.norm((q - crossing) / self.aim.joints, axis=1) < _CLEAR
+        near[-1] = False
+        if not near[0]:
+            return self._joined(at[~near], q[~near])
+        rows, places = np.concatenate(made.rows), np.concatenate(made.places)
+        far = np.flatnonzero(np.linalg.norm((rows - crossing) / self.aim.joints, axis=1) >= _CLEAR)
+        base = int(far.max(initial=0))
+        if int(places[base]) != int(made.place):
+            return None
+        over = self._joined(np.append(places[base], at[~near]), np.vstack([rows[base], q[~near]]))
+        if over is not None:
+            made.rows, made.places = [rows[: base + 1]], [places[: base + 1]]
+        return over
 
     def _straight_on(self, made: _Progress, found: list[Departure]) -> list[Departure]:
         """Departures, those first that go on in the direction in which the joints arrive.

@@ -32,11 +32,18 @@ _DIRECTIONS = 6  # random ones of a kernel of more than one dimension
 _FAR = 12.0  # |Δq| of a smooth departure at most, in steps
 _PROPORTIONAL = 0.25  # how far Δq may be from twice that of half the way; √2 or less where it is not smooth
 _BENT = 0.5  # share of a kernel motion that the corrector may add
-_CLOSE = 1e-12
+_CLOSE, _ARRIVED = 1e-12, 1e-10  # of an error: of Newton's method while it has rounds left, and at its end
 _ROUNDS = 12
 _STILL = 1e-9  # of w: the tool stands still
 _SECOND = 1e-4  # σ_(r−1) below which the corank is 2 or more, and nothing is decided
-_ALONG, _POINTS = 0.05, 260  # along a self-motion [rad]; points each way, two turns of two joints
+_ALONG = 0.05  # steps along a self-motion [rad]
+_POINTS = 400  # … each way; two turns of two joints are 260 of the longest
+_KEPT = 0.9  # cosine between the directions lost at two of them at least: next to corank 2 it turns fast
+_NOT_NEEDED = 1e-7  # |u·ξ| of a move that does not need the lost direction
+_SMALL = 1e-3  # of a second difference along (x, w)
+_DEFINITE = 1e-6  # of a quadratic form: it is definite, or rounding decides
+_FLAT = 1e-6  # w of a unit direction of a self-motion
+_CROSSED = 0.1  # share of a step that the corrector may add, and of w that is left at least
 _DELTA = 1e-6  # of a difference quotient of the pose
 
 
@@ -74,10 +81,11 @@ class Turn:
     rest_reached: float = 0.0
 
 
-class _Move:
-    """One straight move of a tool path, seen from a configuration on it."""
+class Move:
+    """One straight move of a tool path, the one that begins or goes on at a place, seen from a configuration there."""
 
-    def __init__(self, aim: Aim, poses: Array, k: int, place: float) -> None:
+    def __init__(self, aim: Aim, poses: Array, place: float) -> None:
+        k = min(int(place + 1e-12), len(poses) - 2)
         self.aim, self.start, self.end, self.k, self.place = aim, poses[k], poses[k + 1], k, place
         at = place - k
         self._ends = between(self.start, self.end, np.array([at - _DELTA, at + _DELTA]))
@@ -91,6 +99,17 @@ class _Move:
         self.size = float(np.linalg.norm(rate))
         return np.asarray(rate / self.size if self.size > 0.0 else rate)
 
+    @property
+    def room(self) -> float:
+        """The way to the end of the move."""
+        return (self.k + 1 - self.place) * self.size
+
+    def place_at(self, w: float) -> float:
+        """Place of the tool path a way w on."""
+        if w >= self.room:
+            return float(self.k + 1)
+        return self.place + w / self.size
+
     def target(self, w: float) -> Array:
         """(1, 4, 4) pose a way w on; the move is continued beyond its ends."""
         return between(self.start, self.end, np.array([self.place - self.k + w / self.size]))
@@ -100,6 +119,33 @@ class _Move:
         found, arrived = self.aim.solve(self.target(w), guess[None])
         if arrived[0]:
             return np.asarray(found[0])
+        return None
+
+    def missing(self, y: Array) -> Array:
+        """(m,) e at y = (x, w): the error from the pose of q = S x to the pose at w."""
+        return np.asarray(self.aim.error(self.target(float(y[-1])), (y[:-1] * self.aim.joints)[None])[0])
+
+    def slopes(self, y: Array) -> Array:
+        """(m, n + 1) of −e at y = (x, w), q = S x: (J, −ξ), ξ = dx/dw at w in the axes that the task has at q."""
+        now = (y[:-1] * self.aim.joints)[None]
+        delta = _DELTA * self.size
+        behind, ahead = (self.aim.error(self.target(y[-1] + part), now)[0] for part in (-delta, delta))
+        xi = (ahead - behind) / (2 * delta)
+        return np.hstack([self.aim.jacobian(now)[0], -xi[:, None]])
+
+    def on_plane(self, guess: Array, across: Array) -> Array | None:
+        """(n + 1,) the solution y = (x, w) on the plane through a guess across directions (k, n + 1) or (n + 1,).
+
+        None where Newton's method does not arrive.
+        """
+        y, across = guess, np.atleast_2d(across)
+        for _ in range(_ROUNDS):
+            off = np.concatenate([self.missing(y), across @ (guess - y)])
+            if np.linalg.norm(off) <= _CLOSE:
+                return y
+            y = y + np.linalg.lstsq(np.vstack([self.slopes(y), across]), off, rcond=1e-13)[0]
+        if np.linalg.norm(self.missing(y)) <= _ARRIVED:
+            return y
         return None
 
 
@@ -123,22 +169,78 @@ def departures(aim: Aim, poses: Array, place: float, q: Array) -> tuple[list[Dep
         Departures, smooth ones first, then those that begin with a larger step; and whether there is none because the
         branch folds back: the path was followed by finite motion, and all of it is behind.
     """
-    k = min(int(place + 1e-12), len(poses) - 2)
-    move = _Move(aim, poses, k, place)
+    move = Move(aim, poses, place)
     xi = move.seen_from(q)
     if move.size <= _STILL:
         return [], False
     _, sigma, kernel = _local(aim, q)
     if len(sigma) > 1 and sigma[-2] < _SECOND:
         return [], False
-    room = (k + 1 - place) * move.size  # of this move
-    found = list(_smooth(move, q, xi, kernel, room))
+    room = move.room
+    found = _crossing(move, q, xi, room) or list(_smooth(move, q, xi, kernel, room))
     if found:
         return found, False
     return _from_rest(move, q, kernel, room)
 
 
-def _smooth(move: _Move, q: Array, xi: Array, kernel: Array, room: float) -> Iterator[Departure]:
+def _crossing(move: Move, q: Array, xi: Array, room: float) -> list[Departure]:
+    """Curves that cross where the move has no share along the direction that is lost, flattest first.
+
+    The kernel of (J, −ξ) is a plane of (x, w) there. On solution curves uᵀe vanishes to second order, which is a
+    quadratic form on that plane: its zeros are the directions of the curves, that of a self-motion (w = 0) among them.
+    """
+    aim = move.aim
+    u, _, kernel = _local(aim, q)
+    if kernel.shape[1] != 1 or abs(float(u @ xi)) > _NOT_NEEDED:
+        return []
+    y = np.append(q / aim.joints, 0.0)
+    plane = np.linalg.svd(move.slopes(y))[2][-2:]
+    ways = [way for way in _zeros(_second_order(move, y, u, plane), plane) if way[-1] > _FLAT]
+    ways.sort(key=lambda way: -float(way[-1]))
+    found = [_end_along(move, y, way, room) for way in ways]
+    return [departure for departure in found if departure is not None]
+
+
+def _end_along(move: Move, y: Array, way: Array, room: float) -> Departure | None:
+    """A smooth departure from y = (x, w) along a unit vector."""
+    for step in _STEPS:
+        guess = y + step * way
+        end = move.on_plane(guess, way)
+        if end is None or np.linalg.norm(end - guess) > _CROSSED * step:
+            continue
+        if _CROSSED * step * way[-1] < end[-1] <= room:
+            return Departure(move.place_at(float(end[-1])), end[:-1] * move.aim.joints, False)
+    return None
+
+
+def _second_order(move: Move, y: Array, u: Array, plane: Array) -> Array:
+    """(2, 2) the quadratic form d²(uᵀe) on a plane (2, n + 1) on which uᵀe vanishes to first order."""
+
+    def second(way: Array) -> float:
+        ends = [u @ move.missing(y + sign * _SMALL * way) for sign in (1.0, -1.0)]
+        return float(sum(ends)) / _SMALL**2
+
+    first, last, both = second(plane[0]), second(plane[1]), second(plane[0] + plane[1])
+    mixed = (both - first - last) / 2
+    return np.array([[first, mixed], [mixed, last]])
+
+
+def _zeros(form: Array, plane: Array) -> list[Array]:
+    """Unit vectors of a plane on which a quadratic form is zero, with w ≥ 0; none where it is definite, or nearly so.
+    """
+    values, axes = np.linalg.eigh(form)
+    low, high = values
+    if low >= -_DEFINITE or high <= _DEFINITE:
+        return []
+    parts = np.sqrt(np.array([high, -low]))  # low · high + high · (−low) = 0
+    found = []
+    for sign in (1.0, -1.0):
+        way = (axes @ (parts * np.array([1.0, sign]))) @ plane
+        found.append(np.asarray(_same_way(way / np.linalg.norm(way), np.eye(len(way))[-1])))
+    return found
+
+
+def _smooth(move: Move, q: Array, xi: Array, kernel: Array, room: float) -> Iterator[Departure]:
     """Δq proportional to Δw."""
     aim = move.aim
     ahead = aim.step(q[None], xi[None])[0] / aim.joints
@@ -166,12 +268,12 @@ def _smooth(move: _Move, q: Array, xi: Array, kernel: Array, room: float) -> Ite
                 if any(np.linalg.norm(gone - other) < 0.05 * step for other in known):
                     continue
                 known.append(gone)
-                yield Departure(_place(move, w, room), end, False)
+                yield Departure(move.place_at(w), end, False)
         if known:
             return
 
 
-def _from_rest(move: _Move, q: Array, kernel: Array, room: float) -> tuple[list[Departure], bool]:
+def _from_rest(move: Move, q: Array, kernel: Array, room: float) -> tuple[list[Departure], bool]:
     """Δq along the kernel first."""
     count = kernel.shape[1]
     ways = [np.eye(count)[i] for i in range(count)]
@@ -184,7 +286,7 @@ def _from_rest(move: _Move, q: Array, kernel: Array, room: float) -> tuple[list[
             lead, w, end = _lead(move, q, kernel, way, room)
             leads.append(lead)
             if end is not None:
-                found.append((w, Departure(_place(move, w, room), end, True)))
+                found.append((w, Departure(move.place_at(w), end, True)))
     found.sort(key=lambda pair: round(-pair[0], 9))
     folds = not found and _Lead.UNKNOWN not in leads and _Lead.BACK in leads
     return [departure for _, departure in found], folds
@@ -199,7 +301,7 @@ class _Lead(Enum):
     UNKNOWN = auto()
 
 
-def _lead(move: _Move, q: Array, kernel: Array, way: Array, room: float) -> tuple[_Lead, float, Array | None]:
+def _lead(move: Move, q: Array, kernel: Array, way: Array, room: float) -> tuple[_Lead, float, Array | None]:
     """Where a way along the kernel leads; ahead: w at the end of a step, and the configuration there."""
     for step in _STEPS:
         half = _along(move, q, kernel, 0.5 * step * way)
@@ -216,37 +318,21 @@ def _lead(move: _Move, q: Array, kernel: Array, way: Array, room: float) -> tupl
     return _Lead.UNKNOWN, 0.0, None
 
 
-def _along(move: _Move, q: Array, kernel: Array, offset: Array) -> tuple[Array, float] | None:
+def _along(move: Move, q: Array, kernel: Array, offset: Array) -> tuple[Array, float] | None:
     """Configuration on the path whose kernel part is `offset` (k,), and w there; None where Newton fails."""
     aim = move.aim
     x0 = q / aim.joints
-    x, w = x0 + kernel @ offset, 0.0
-    n = len(q)
-    for _ in range(_ROUNDS):
-        now = x * aim.joints
-        target = move.target(w)
-        error = np.concatenate([aim.error(target, now[None])[0], offset - kernel.T @ (x - x0)])
-        if np.linalg.norm(error) <= _CLOSE:
-            break
-        delta = _DELTA * move.size
-        ends = [aim.error(move.target(w + part), now[None])[0] for part in (-delta, delta)]
-        xi = (ends[1] - ends[0]) / (2 * delta)
-        top = np.hstack([aim.jacobian(now[None])[0], -xi[:, None]])
-        low = np.hstack([kernel.T, np.zeros((kernel.shape[1], 1))])
-        change = np.linalg.lstsq(np.vstack([top, low]), error, rcond=1e-13)[0]
-        x, w = x + change[:n], w + float(change[n])
+    across = np.hstack([kernel.T, np.zeros((kernel.shape[1], 1))])
+    y = move.on_plane(np.append(x0 + kernel @ offset, 0.0), across)
+    if y is None:
+        return None
+    x, w = y[:-1], float(y[-1])
     if np.linalg.norm(x - x0 - kernel @ offset) > _BENT * np.linalg.norm(offset):
         return None
     end = move.solved(w, x * aim.joints)
     if end is None or np.linalg.norm(end / aim.joints - x) > 1e-6:
         return None
     return end, w
-
-
-def _place(move: _Move, w: float, room: float) -> float:
-    if w >= room:
-        return float(move.k + 1)
-    return move.place + w / move.size
 
 
 def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: bool) -> Array | None:
@@ -259,8 +345,7 @@ def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: boo
     Returns:
         (n,), or None where the tool does not stand still along any curve through q, or no such point of it was found.
     """
-    k = min(int(place + 1e-12), len(poses) - 2)
-    move = _Move(aim, poses, k, place)
+    move = Move(aim, poses, place)
     if _local(aim, q)[2].shape[1] != 1:
         return None
     turns = [_first_turn(move, q, sign, limits=limits) for sign in (1.0, -1.0)]
@@ -271,7 +356,7 @@ def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: boo
     return None
 
 
-def _first_turn(move: _Move, q: Array, sign: float, *, limits: bool) -> tuple[float, Array] | None:
+def _first_turn(move: Move, q: Array, sign: float, *, limits: bool) -> tuple[float, Array] | None:
     """Along the self-motion from q one way, the first configuration where the lost direction leaves the path free.
 
     There the tool's next move ξ has no part along the lost direction u: uᵀξ changes its sign.
@@ -283,22 +368,31 @@ def _first_turn(move: _Move, q: Array, sign: float, *, limits: bool) -> tuple[fl
     u, _, kernel = _local(aim, q)
     heading = sign * kernel[:, 0]
     lost = float(u @ move.seen_from(q))
-    now, length = q, 0.0
+    now, length, step = q, 0.0, _ALONG
     for _ in range(_POINTS):
-        new = _next(move, now, heading, _ALONG)
-        if new is None or (limits and not _inside(aim, new)):
-            return None
-        step = (new - now) / aim.joints
-        length += float(np.linalg.norm(step))
-        heading = step / np.linalg.norm(step)
+        new = _next(move, now, heading, step)
+        if new is None or not _kept_way(aim, new, u):
+            step /= 2
+            continue
         other = _same_way(_local(aim, new)[0], u)
+        if limits and not _inside(aim, new):
+            return None
+        gone = (new - now) / aim.joints
+        length += float(np.linalg.norm(gone))
+        heading = gone / np.linalg.norm(gone)
         after = float(other @ move.seen_from(new))
         if lost * after <= 0.0 and abs(lost - after) > 1e-9:
             return length, _zero(move, now, new, u, lost, after)
         now, u, lost = new, other, after
+        step = min(2.0 * step, _ALONG)
         if length > 4 * _ALONG and _apart(aim, now, q) < 0.6 * _ALONG:
             return None
     return None
+
+
+def _kept_way(aim: Aim, q: Array, u: Array) -> bool:
+    """Whether the direction lost at a configuration is near enough to ±u to know its sign."""
+    return float(abs(_local(aim, q)[0] @ u)) >= _KEPT
 
 
 def _same_way(direction: Array, other: Array) -> Array:
@@ -314,7 +408,7 @@ def _apart(aim: Aim, q: Array, other: Array) -> float:
     return float(np.linalg.norm(apart / aim.joints))
 
 
-def _next(move: _Move, now: Array, heading: Array, step: float) -> Array | None:
+def _next(move: Move, now: Array, heading: Array, step: float) -> Array | None:
     """The next configuration with the same pose."""
     _, _, kernel = _local(move.aim, now)
     along = kernel @ (kernel.T @ heading)
@@ -328,7 +422,7 @@ def _next(move: _Move, now: Array, heading: Array, step: float) -> Array | None:
     return new
 
 
-def _zero(move: _Move, a: Array, b: Array, u: Array, at_a: float, at_b: float) -> Array:
+def _zero(move: Move, a: Array, b: Array, u: Array, at_a: float, at_b: float) -> Array:
     """The configuration between two of a self-motion at which u·ξ = 0, by regula falsi on the curve."""
     low, high = 0.0, 1.0
     best = a

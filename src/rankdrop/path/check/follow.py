@@ -486,8 +486,7 @@ class _Walk:
         crossings = [crossing for crossing in part.crossings if move.place_at(crossing.w) <= at[-1]]
         at, q = np.append(made.place, at), np.vstack([made.now, q])
         step = self._joined(at, q)
-        if step is None:
-            made.folds = False
+        if step is None:  # a fold stands even where its last rows are too near to each other
             return None, None
         for crossing in crossings:
             if not crossing.rest:

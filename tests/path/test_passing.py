@@ -17,7 +17,7 @@ from rankdrop.local.orientation import rotation_vector
 from rankdrop.path import mend_path
 from rankdrop.path.check.check import PathQuestion, check_file, check_poses
 from rankdrop.path.check.follow import Followed, _Walk, follow
-from rankdrop.path.check.passing import Departure, Move
+from rankdrop.path.check.passing import Departure, Move, internal_turn
 from rankdrop.path.check.solution_curve import follow_curve
 from rankdrop.poses.inverse import Aim, rotation, solutions
 from rankdrop.questions import PathOptions
@@ -355,3 +355,14 @@ def test_a_turn_next_to_corank_two_is_found() -> None:
     assert turn[3] == pytest.approx(-0.003, abs=3e-4)
     assert abs(lost_direction(robot, turn) @ along) < 1e-9
     np.testing.assert_allclose(pose(robot, turn[None]), line(robot, q, along, 0.0), atol=1e-11)
+
+
+def test_a_self_motion_of_unknown_lost_direction_is_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Next to corank 2 the lost direction is known nowhere but at the configuration itself."""
+    robot, q = open_robot("lrmate200id"), np.zeros(6)
+    aim, poses = Aim(robot, resolve_task(None, robot)), line(robot, q, [0, 1, 0, 0, 0, 0], 0.0, 0.1)
+    turned = internal_turn(aim, poses, 0.0, q, limits=False)
+    assert turned is not None
+    assert abs(np.degrees(turned[3])) == pytest.approx(90.0, abs=1e-6)
+    monkeypatch.setattr("rankdrop.path.check.passing._kept_way", lambda aim, new, u: np.abs(new - q).max() < 1e-15)
+    assert internal_turn(aim, poses, 0.0, q, limits=False) is None

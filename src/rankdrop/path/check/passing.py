@@ -37,6 +37,7 @@ _ROUNDS = 12
 _STILL = 1e-9  # of w: the tool stands still
 _SECOND = 1e-4  # σ_(r−1) below which the corank is 2 or more, and nothing is decided
 _ALONG = 0.05  # steps along a self-motion [rad]
+_SHORTEST = 1e-6  # of these steps: next to corank 2 the lost direction is not known
 _POINTS = 400  # … each way; two turns of two joints are 260 of the longest
 _KEPT = 0.9  # cosine between the directions lost at two of them at least: next to corank 2 it turns fast
 _NOT_NEEDED = 1e-7  # |u·ξ| of a move that does not need the lost direction
@@ -373,6 +374,8 @@ def _first_turn(move: Move, q: Array, sign: float, *, limits: bool) -> tuple[flo
         new = _next(move, now, heading, step)
         if new is None or not _kept_way(aim, new, u):
             step /= 2
+            if step < _SHORTEST:
+                return None
             continue
         other = _same_way(_local(aim, new)[0], u)
         if limits and not _inside(aim, new):

@@ -65,7 +65,6 @@ _RAMPS = 7  # lengths of a ramp that are tried, each twice the one before
 _ROWS = 24  # of a ramp at least
 ON_PATH = 1e-4  # a tool that leaves its path by less is on it, lengths divided by the length scale
 _LEAST, _GROWING = 0.3, 2.0  # share of that by which the tool is led aside at first; each time so many times more
-_FINE = 0.02  # joint motion between two rows where the tool is led, at most [rad; slides divided by the length scale]
 
 
 class Obstacle(StrEnum):
@@ -523,10 +522,6 @@ class Bumper:
                 rows = np.arange(int(np.floor(start)), int(np.ceil(end)))
                 gaps = np.diff(self.clock)[rows]
                 parts = np.ceil(gaps / (ramp / _ROWS)).astype(np.int64)
-                added += [row + np.arange(1, part) / part for row, part in zip(rows, parts, strict=True) if part > 1]
-            if bump.twist is not None:
-                rows = np.arange(int(np.floor(low)), int(np.ceil(high)))
-                parts = np.ceil(np.diff(self.lengths)[rows] / _FINE).astype(np.int64)
                 added += [row + np.arange(1, part) / part for row, part in zip(rows, parts, strict=True) if part > 1]
             ends = np.array([low, bump.core.low, bump.core.high, high])
             sparse = np.diff(self.clock)[np.floor(ends).astype(np.int64).clip(0, len(self.clock) - 2)]

@@ -366,3 +366,16 @@ def test_a_self_motion_of_unknown_lost_direction_is_not_followed(monkeypatch: py
     assert abs(np.degrees(turned[3])) == pytest.approx(90.0, abs=1e-6)
     monkeypatch.setattr("rankdrop.path.check.passing._kept_way", lambda aim, new, u: np.abs(new - q).max() < 1e-15)
     assert internal_turn(aim, poses, 0.0, q, limits=False) is None
+
+
+def test_a_branch_ends_where_its_curve_leaves_the_joint_limits() -> None:
+    """A line past the wrist of a KR 6 by 2e-5 rad: joint 4 turns to its limit at rest."""
+    robot = open_robot("kr6r900")
+    q = np.array([-0.13947310307939287, -1.3443310785425726, 1.6198181832201315, 0.20645006437293298, 2.25e-5,
+                  -0.12969866046623163])  # fmt: skip
+    start = [-0.08485148579282296, -1.3174626306785941, 1.8205332036668889, 0.2294501583446972, -0.23306827023547855,
+             -0.13182930933983059]  # fmt: skip
+    way = [0.1360287897407231, 0.3079085087800128, 0.9416413959584311, 0, 0, 0]
+    found = follow(robot, line(robot, q, way, -0.1, 0.1), start, tolerance=TOLERANCE, through=True)
+    assert (found.complete, found.reason, found.joint) == (False, "limit", 4)
+    assert found.last[3] == pytest.approx(robot.upper[3], abs=1e-2)

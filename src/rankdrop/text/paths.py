@@ -219,10 +219,10 @@ def passing_words(passed: Sequence[Any]) -> str:
         if len(passed) == 1:
             return "the branch goes on through it, at any speed"
         return "the branch goes on through each, at any speed"
-    rests = [f"{crossing.place:.5g}" for crossing in passed if crossing.rest]
+    rests = list(dict.fromkeys(f"{crossing.place:.5g}" for crossing in passed if crossing.rest))
     if rests == ["1"]:
         return "the path leaves the singularity at its start, from rest"
-    return f"the branch goes on where the arm rests for an instant, at pose {', '.join(rests[:_NAMED])}"
+    return f"the arm rests for an instant at pose {', '.join(rests[:_NAMED])}, where the branch goes on"
 
 
 def _violation(violation: Any, check: Any) -> str:

@@ -498,8 +498,8 @@ class _Walk:
 
     def _within(self, q: Array) -> int:
         """How many of the first rows (K, n) keep the joint limits; 1 at least, so that the joint is known."""
-        for k, row in enumerate(q):
-            if self._beyond(row) >= 0:
+        for k in range(len(q)):
+            if self._beyond(q[k : k + 1]) >= 0:
                 return max(1, k)
         return len(q)
 

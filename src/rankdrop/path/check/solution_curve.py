@@ -30,7 +30,7 @@ _GROWTH = 2.0  # of a step, where the last one was taken
 _LENGTH = 0.06  # of the part that is followed at a time [rad; slides scaled]
 _TRIES = 400
 _TURNED = 0.998  # cosine between two steps at least
-_BENT = 0.1  # share of a step that the corrector may add
+_OFF = 0.1  # share of the last step that the solution at the end of the move may be off its guess
 _SELF_MOTION = 1e-9  # σ_r of a point that may be on a self-motion
 _SECOND = 1e-4  # σ_(r−1) below which the corank is 2 or more, and nothing is decided
 _REGULAR = 1e-9  # smallest singular value of (J, −ξ) of a start without a heading
@@ -181,7 +181,7 @@ class _CurveWalk:
             return None
         gone = y - here.y
         way = gone / np.linalg.norm(gone)
-        if np.linalg.norm(y - guess) > _BENT * step or way @ here.way < _TURNED:
+        if way @ here.way < _TURNED:  # so the corrector adds 6 % of a step at most
             return None
         return self._point(y, way)
 
@@ -259,7 +259,7 @@ class _CurveWalk:
         share = min(1.0, (self.room - here.y[-1]) / max(gone[-1], _TINY))
         guess = (here.y + share * gone)[:-1]
         q = self.move.solved(self.room, guess * self.aim.joints)
-        most = max(_BENT * float(np.linalg.norm(gone)), _NEAR_END)
+        most = max(_OFF * float(np.linalg.norm(gone)), _NEAR_END)
         if q is None or np.linalg.norm(q / self.aim.joints - guess) > most:
             return None
         last = self._point(np.append(q / self.aim.joints, self.room), here.way)

@@ -168,10 +168,12 @@ def _root_tag(text: str) -> str:
 
 
 def _is_toml(text: str) -> bool:
-    from rankdrop.robot.toml_file import parsed_toml
+    from rankdrop.robot.toml_file import NotTomlError, parsed_toml
 
     try:
         parsed_toml(text, "")
-    except RobotError as error:
-        return not error.what.startswith("this is not TOML")  # what is too much of it is for its reader to say
+    except NotTomlError:
+        return False
+    except RobotError:
+        return True  # too much of it: its reader says so
     return True

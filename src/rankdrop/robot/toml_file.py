@@ -130,6 +130,10 @@ def robot_from_toml(
         raise relocate(error, file + (f", {error.where}" if error.where else "")) from None
 
 
+class NotTomlError(RobotError):
+    """A text is no TOML."""
+
+
 def parsed_toml(text: str, file: str, *, parse_float: Callable[[str], Any] = float) -> dict[str, Any]:
     """The tables of a TOML text whose keys have no more dots than the parser bears.
 
@@ -150,8 +154,8 @@ def parsed_toml(text: str, file: str, *, parse_float: Callable[[str], Any] = flo
         return tomllib.loads(text, parse_float=parse_float)
     except (ValueError, RecursionError) as error:  # also of a number of more digits than Python reads
         if "digits" in str(error):
-            raise RobotError("this is not TOML: a number has too many digits", where=file) from None
-        raise RobotError(f"this is not TOML: {str(error) or 'nested too deeply'}", where=file) from None
+            raise NotTomlError("this is not TOML: a number has too many digits", where=file) from None
+        raise NotTomlError(f"this is not TOML: {str(error) or 'nested too deeply'}", where=file) from None
 
 
 def _robot(

@@ -7,7 +7,7 @@ bounded where the elbow is almost straight.
 import numpy as np
 
 import rankdrop
-from rankdrop.local.rates import pseudo_inverse, selective_inverse
+from rankdrop.local.inverses import pseudo_inverse, selective_inverse
 from rankdrop.local.redundant import self_motion
 
 arm = rankdrop.open_robot("panda")

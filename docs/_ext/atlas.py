@@ -23,12 +23,15 @@ from sphinx.util.typing import ExtensionMetadata
 import rankdrop
 from rankdrop.families import Family, LostFreedom, upright
 from rankdrop.local import drawn_at
+from rankdrop.options import on_command_line
 from rankdrop.report.content import content
 from rankdrop.report.page import page as report_page
 from rankdrop.results import Analysis
 from rankdrop.results.known import shipped
 from rankdrop.robot import CatalogEntry, near_ideal, reach, search_catalog
+from rankdrop.robot.ideal import Near
 from rankdrop.text import joint_cell, joint_symbol, lost_note, lost_sentences
+from rankdrop.text.robots import hold_words, near_line, near_text
 
 _MOST = 40  # rows of a page; a calibrated arm has hundreds
 _SIZE = 150  # of a picture [px]
@@ -104,7 +107,7 @@ def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], dr
         f"explain {entry.name} --deg --q …`.",
         table + more,
         _cell(lost_note(robot, [lost for family in found.families[:_MOST] for lost in _kept(family)])),
-        near.line if near is not None else "",
+        _near_line(near),
         "Alike, with families of the same names: "
         + ", ".join(f"[{one.name}]({one.name}.md)" for one in alike[:12]) + "." if alike else "",
         f"Numbers: {entry.source}" if entry.source else "",
@@ -148,12 +151,13 @@ def index(
         families = found[entry.name].families
         names = (one.name for one in families[:_MOST])
         near = near_ideal(found[entry.name].robot)
-        words = " ".join([entry.name, entry.maker, entry.about, *entry.aliases, *names, *(near.gained if near else ())])
+        gained = map(hold_words, near.gained) if near else ()
+        words = " ".join([entry.name, entry.maker, entry.about, *entry.aliases, *names, *gained])
         rows.append(
             f'<tr data-words="{escape(words.lower())}"><td>{pictures[entry.name]}</td>'
             f'<td><a href="{entry.name}.html">{escape(entry.name)}</a><br>{escape(entry.about)}</td>'
             f"<td>{escape(entry.maker or 'from the literature')}</td><td>{_kinds(found[entry.name])}</td>"
-            f"<td>{_near(near.text if near else '', alike[entry.name])}</td></tr>"
+            f"<td>{_near(near_text(near) if near else '', alike[entry.name])}</td></tr>"
         )
     return (
         "# Atlas\n\nThe singularities of every arm of the catalogue, from the analyses that come with rankdrop.\n\n"
@@ -178,6 +182,14 @@ def _kinds(found: Analysis) -> str:
         for one in found.coranks if one.corank > 1 and found.of_corank(one.corank)
     ]  # fmt: skip
     return "<br>".join(told) or "none found"
+
+
+def _near_line(near: Near | None) -> str:
+    """Which ideal arm is near, and the option of the command line that takes it; "" for none."""
+    if near is None:
+        return ""
+    with on_command_line():
+        return near_line(near)
 
 
 def _near(near: str, alike: list[CatalogEntry]) -> str:

@@ -17,7 +17,7 @@ from rankdrop.local.orientation import rotation_vector
 from rankdrop.path import mend_path
 from rankdrop.path.check.check import PathQuestion, check_file, check_poses
 from rankdrop.path.check.follow import Followed, _Walk, follow
-from rankdrop.path.check.passing import Departure, Move, internal_turn
+from rankdrop.path.check.passing import Departure, Move, departures, internal_turn
 from rankdrop.path.check.solution_curve import follow_curve
 from rankdrop.poses.inverse import Aim, rotation, solutions
 from rankdrop.questions import PathOptions
@@ -379,3 +379,27 @@ def test_a_branch_ends_where_its_curve_leaves_the_joint_limits() -> None:
     found = follow(robot, line(robot, q, way, -0.1, 0.1), start, tolerance=TOLERANCE, through=True)
     assert (found.complete, found.reason, found.joint) == (False, "limit", 4)
     assert found.last[3] == pytest.approx(robot.upper[3], abs=1e-2)
+
+
+@pytest.mark.parametrize(("name", "joint", "near", "along", "ways"), [
+    ("ur5e", 1, [0.298, 1.931, -1.065, 0.924, -0.045, -0.877], [0.618, 0.19, -0.676, 0.196, -0.102, -0.276], 2),
+    ("lrmate200id", 4, [0.5, 1.201, 1.398, -1.17, 3.132, 0.252], [0.568, -0.562, -0.565, 0.086, -0.017, -0.185], 1),
+])  # fmt: skip
+def test_every_curve_that_leaves_a_crossing_is_found(
+    name: str, joint: int, near: list[float], along: list[float], ways: int
+) -> None:
+    """Flattest first, by reference kinematics; at the wrist the other curve is the self-motion, which is no way on."""
+    robot = open_robot(name)
+    q = singular_near(robot, np.array(near), joint)
+    lost = lost_direction(robot, q)
+    way = np.array(along) - (lost @ along) * lost
+    home = pose(robot, q[None])[0]
+    ends = np.array([at(home, way, s) for s in (-0.04, 0.04)])
+    found, folds = departures(Aim(robot, resolve_task(None, robot)), ends, 0.5, q)
+    assert (len(found), folds) == (ways, False)
+    for departure in found:
+        assert not departure.rest
+        np.testing.assert_allclose(pose(robot, departure.q[None])[0], at(home, way, 0.08 * departure.place - 0.04),
+                                   atol=1e-9)  # fmt: skip
+    turned = [float(np.linalg.norm(departure.q - q) / (departure.place - 0.5)) for departure in found]
+    assert turned == sorted(turned)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from rankdrop.path.check.solution_curve import _CurveWalk, _Point, follow_curve
+from rankdrop.path.check.solution_curve import CurvePart, _CurveWalk, _Point, follow_curve
 from rankdrop.robot.model import Array
 
 
@@ -40,13 +41,27 @@ class Plane:
         return None if end is None else end[:2]
 
 
+def followed(move: Plane, q: Array) -> CurvePart:
+    """The last part of a curve, with the crossings of all: to a fold, or to the end of the move."""
+    part, crossings = follow_curve(move, q, None), []
+    for _ in range(20):
+        assert part is not None
+        crossings += part.crossings
+        if part.folds or part.w[-1] == move.room:
+            break
+        walk = _CurveWalk(move)  # the way is counted from the start of the move
+        walk.points.append(walk.begun(np.append(part.q[-1], part.w[-1]), part.heading))
+        part = walk.run()
+    else:
+        pytest.fail("the curve has no end")
+    return replace(part, crossings=tuple(crossings))
+
+
 def test_a_curve_folds_back_where_its_way_is_largest() -> None:
     """w = 0.05 − (x − 0.1)²"""
     move = Plane(lambda x, w: w - 0.05 + (x - 0.1) ** 2, 1.0)
-    part = follow_curve(move, np.array([0.1 - np.sqrt(0.05), 0.0]), None)
-    while part is not None and not part.folds:
-        part = _onward(move, part)
-    assert part is not None
+    part = followed(move, np.array([0.1 - np.sqrt(0.05), 0.0]))
+    assert part.folds
     assert part.q[-1, 0] == pytest.approx(0.1, abs=1e-4)
     assert part.q[-1, 1] == pytest.approx(0.05, abs=1e-8)
 
@@ -54,10 +69,7 @@ def test_a_curve_folds_back_where_its_way_is_largest() -> None:
 def test_a_curve_that_folds_back_at_the_end_of_the_move_has_reached_it() -> None:
     """w = 0.05 − x², and a move of 0.05."""
     move = Plane(lambda x, w: w - 0.05 + x**2, 0.05)
-    part = follow_curve(move, np.array([-np.sqrt(0.05), 0.0]), None)
-    while part is not None and not part.folds and part.w[-1] < 0.05:
-        part = _onward(move, part)
-    assert part is not None
+    part = followed(move, np.array([-np.sqrt(0.05), 0.0]))
     assert (part.folds, part.w[-1]) == (False, 0.05)
     assert part.q[-1, 0] == pytest.approx(0.0, abs=1e-4)
 
@@ -85,13 +97,6 @@ def test_a_crossing_in_the_last_step_is_noted(room: float) -> None:
     assert [crossing.w for crossing in part.crossings] == [pytest.approx(0.03, abs=1e-6)]
 
 
-def _onward(move: Plane, part: Any) -> Any:
-    """The next part; the walk measures the way from the start of the move."""
-    walk = _CurveWalk(move)
-    walk.points.append(walk.begun(np.append(part.q[-1], part.w[-1]), part.heading))
-    return walk.run()
-
-
 def test_where_two_curves_cross_the_one_that_arrives_goes_on() -> None:
     """(x − w)(x + 2 w) = 0, shifted: from x = w through the crossing at w = 0.03."""
     move = Plane(lambda x, w: (x - (w - 0.03)) * (x + 2 * (w - 0.03)), 0.06)
@@ -108,11 +113,7 @@ def test_two_curves_that_pass_each_other_are_not_crossed(off: float, folds: bool
     move = Plane(lambda x, w: (x - (w - 0.03)) * (x + 2 * (w - 0.03)) - off, 0.06)
     start = move.solved(0.0, np.array([-0.03, 0.0]))
     assert start is not None
-    part = follow_curve(move, start, None)
-    while part is not None and part.w[-1] < 0.0599 and not part.folds:
-        assert part.crossings == ()
-        part = _onward(move, part)
-    assert part is not None
+    part = followed(move, start)
     assert (part.folds, part.crossings) == (folds, ())
     assert part.q[-1, 0] == pytest.approx(end, abs=1e-5)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from math import inf, nan
+from math import inf
 
 from rankdrop.sections import words_of
 
@@ -74,7 +74,7 @@ class RobotNote:
     other: str = ""
     instead: str = ""
     end: str = ""
-    value: float = nan
+    value: float = 0.0
     limits: tuple[float, float] = (-inf, inf)
     number: int = 0
     fixed: tuple[str, ...] = ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, isfinite, nan, radians
+from math import degrees, isfinite, radians
 
 from rankdrop.options import advised
 from rankdrop.robot.ideal import AxesHold, Hold, Near
@@ -83,7 +83,7 @@ def robot_note_words(note: RobotNote) -> str:
 left out (left, right)"
     """
     lower, upper = note.limits
-    most = max((abs(limit) for limit in note.limits if isfinite(limit)), default=nan)
+    most = max((abs(limit) for limit in note.limits if isfinite(limit)), default=0.0)
     return _NOTES[note.kind].format(
         name=note.name, other=note.other, instead=note.instead, end=note.end, value=note.value,
         value_in_rad=radians(note.value), lower=lower, upper=upper, most=most, in_rad=radians(most),
@@ -185,5 +185,12 @@ def near_text(near: Near) -> str:
 
 
 def near_line(near: Near) -> str:
-    """The same, and the option with which commands take the ideal arm."""
-    return f"{near_text(near)}: see {advised('ideal', near.tolerance.text)}"
+    """The same, and what takes the ideal arm: the option of commands, or the function."""
+    within = near.tolerance
+    given = []
+    if within.length is not None:
+        given.append(f"length={within.length:.12g}")
+    if within.angle is not None:
+        given.append(f"angle={within.angle:.12g}")
+    function = f"rankdrop.robot.ideal.ideal(robot, {', '.join(given)})"
+    return f"{near_text(near)}: see {advised('ideal', within.text, python=function)}"

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.record import Estimator, Unseen
 from rankdrop.families.searching import binomial_upper, none_found, unseen
-from rankdrop.results.estimate import unseen_of_sentence
+from rankdrop.results.estimate import evidence_of_sentence, unseen_of_sentence
 
 
 def test_without_singletons_it_is_the_rule_of_three():
@@ -58,3 +59,20 @@ def test_bound_holds_at_least_nineteen_times_in_twenty(rng):
 )  # fmt: skip
 def test_a_file_that_has_the_estimate_in_words_is_read_as_counts(result: Unseen) -> None:
     assert unseen_of_sentence(result.how, result.estimate, result.upper) == result
+
+
+@pytest.mark.parametrize(("sentence", "kind"), [
+    ("exact condition", ObtainedFrom.EXACT), ("values verified", ObtainedFrom.VALUES),
+    ("fitted, then verified", ObtainedFrom.FITTED), ("shared values, verified", ObtainedFrom.SHARED_VALUES),
+    ("12 points of the cloud and 3 fresh ones, no condition found", ObtainedFrom.STORED),
+])  # fmt: skip
+def test_the_evidence_of_a_file_keeps_its_sentence(sentence: str, kind: ObtainedFrom) -> None:
+    found = evidence_of_sentence(sentence)
+    assert (found.kind, str(found)) == (kind, sentence)
+
+
+def test_evidence_without_a_clear_rank_bounds_the_dimension() -> None:
+    assert str(FamilyEvidence(ObtainedFrom.CLOUD, cloud=12, fresh=3, clear_rank=False)) == (
+        "12 points of the cloud and 3 fresh ones, no condition found; D has no clear rank there, so that the "
+        "dimension is an upper bound"
+    )

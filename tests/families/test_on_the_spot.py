@@ -207,3 +207,11 @@ def test_a_relation_of_angles_in_words(multiples: tuple[int, ...], value: float,
     found = name_on_the_spot(robot, [0.3, -1.0, 0.0, 0.4, 0.7, 1.0], resolve_task(None, robot), 1)
     local = LocalConditions(relations=((multiples, value),))
     assert local_conditions(replace(found, pinned=(), local=local)) == (words,)
+
+
+def test_a_place_without_conditions_says_why() -> None:
+    robot = open_robot("ur5")
+    found = name_on_the_spot(robot, [0.3, -1.0, 0.0, 0.4, 0.7, 1.0], resolve_task(None, robot), 1)
+    alone = replace(found, local=LocalConditions(isolated=True))
+    assert local_conditions(alone) == ("an isolated singular configuration",)
+    assert local_conditions(replace(found, named=False)) == ("no condition found around it",)

@@ -15,6 +15,7 @@ import pytest
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.orientation import rotation_vector
 from rankdrop.path import mend_path
+from rankdrop.path.check import passing
 from rankdrop.path.check.check import PathQuestion, check_file, check_poses
 from rankdrop.path.check.follow import Followed, _Walk, follow
 from rankdrop.path.check.passing import Departure, Move, departures, internal_turn
@@ -403,3 +404,33 @@ def test_every_curve_that_leaves_a_crossing_is_found(
                                    atol=1e-9)  # fmt: skip
     turned = [float(np.linalg.norm(departure.q - q) / (departure.place - 0.5)) for departure in found]
     assert turned == sorted(turned)
+
+
+def test_the_flattest_curve_comes_first_whatever_the_order_of_zeros(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = open_robot("ur5e")
+    q = singular_near(robot, np.array([0.298, 1.931, -1.065, 0.924, -0.045, -0.877]), 1)
+    lost = lost_direction(robot, q)
+    way = np.array([0.618, 0.19, -0.676, 0.196, -0.102, -0.276])
+    way -= (lost @ way) * lost
+    home = pose(robot, q[None])[0]
+    aim, ends = Aim(robot, resolve_task(None, robot)), np.array([at(home, way, s) for s in (-0.04, 0.04)])
+    first = [departure.place for departure in departures(aim, ends, 0.5, q)[0]]
+    zeros = passing._zeros
+    monkeypatch.setattr(passing, "_zeros", lambda *given: zeros(*given)[::-1])
+    assert [departure.place for departure in departures(aim, ends, 0.5, q)[0]] == first
+
+
+@pytest.mark.parametrize(("form", "count"), [
+    ([[1, 0], [0, 1]], 0), ([[-1, 0], [0, -2]], 0), ([[1, 0], [0, 0]], 0), ([[1, 0], [0, -4]], 2),
+    ([[0, 1], [1, 0]], 2), ([[1, 0], [0, -1e-9]], 0),
+])  # fmt: skip
+def test_zeros_of_a_quadratic_form(form: list[list[float]], count: int) -> None:
+    """None where rounding would decide."""
+    plane = np.array([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0]])
+    found = passing._zeros(np.array(form, dtype=float), plane)
+    assert len(found) == count
+    for way in found:
+        x = plane @ way
+        assert x @ np.array(form) @ x == pytest.approx(0.0, abs=1e-12)
+        assert np.linalg.norm(way) == pytest.approx(1.0)
+        assert way[-1] >= 0.0

@@ -16,7 +16,7 @@ from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.options import on_command_line
 from rankdrop.robot.dh import from_dh
-from rankdrop.robot.ideal import Tolerance, ideal, near_ideal, read_tolerance, what_holds
+from rankdrop.robot.ideal import Hold, Tolerance, ideal, near_ideal, read_tolerance, what_holds
 from rankdrop.robot.model import Robot
 from rankdrop.robot.numbers import Change, extent, numbers_of
 from rankdrop.robot.open import open_robot, robot_names
@@ -239,3 +239,11 @@ def test_the_line_on_an_ideal_arm_says_what_takes_it() -> None:
     assert what_holds(ideal(arm, length=0.013)[0], arm) == near.gained
     with on_command_line():
         assert near_line(near) == f"{near_text(near)}: see --ideal 13mm"
+
+
+def test_a_wrist_says_that_its_axes_meet_and_not_at_which_angle() -> None:
+    """Of the PUMA: axes in one point meet in pairs, which is not said again; right angles between them are."""
+    held = what_holds(open_robot("puma560"))
+    assert held[0] == (Hold.WRIST, (4, 5, 6))
+    assert [joints for what, joints in held if what is Hold.MEETING] == [(1, 2)]
+    assert [joints for what, joints in held if what is Hold.SQUARE] == [(1, 2), (3, 4), (4, 5), (5, 6)]

@@ -33,3 +33,9 @@ def test_an_option_is_written_as_the_reader_writes_it() -> None:
     assert str(note) == "2 lengths squared, at most 1 µm; as_written=True keeps the file's numbers"
     with on_command_line():
         assert str(note).endswith("; --as-written keeps the file's numbers")
+
+
+def test_of_many_links_at_the_tip_eight_are_named() -> None:
+    links = tuple("abcdefghi")
+    assert "; fixed to it: a, b, c, d, e, f, g, h …" in str(RobotNote(NoteOn.TIP, "t", fixed=links))
+    assert str(RobotNote(NoteOn.TIP, "t", fixed=links[:8])).endswith("; fixed to it: a, b, c, d, e, f, g, h")

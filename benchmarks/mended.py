@@ -156,7 +156,9 @@ def one(number: int, rows: int, folder: Path) -> measure.Row:
         elif fixed.exists():
             best = mending["found"][0]
             row["remedy"] = best["kind"]
-            again, *_ = run("path", name, str(fixed), "--quiet", *near)
+            with fixed.open(encoding="utf-8") as written:
+                as_joints = "joint_1" in written.readline()  # what is not free as poses is written as joint values
+            again, *_ = run("path", name, str(fixed), "--quiet", *([] if as_joints else near))
             row["mended"] = float(again == 0 and best["verdict"] == "free")
             off = best["tool_off"]
             row["tool mm"], row["tool deg"] = 1e3 * off["m"], float(np.degrees(off["rad"] or 0.0))

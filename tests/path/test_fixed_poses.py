@@ -100,6 +100,26 @@ def test_poses_that_are_too_fast_get_more_time() -> None:
     assert made.times[-1] > 2.0
 
 
+def test_a_redundant_arm_keeps_its_limits_from_a_start_of_nine_digits() -> None:
+    """Near the wrist of an iiwa 14: its joints go a little elsewhere from there, and the times leave room for that."""
+    arm, t = open_robot("iiwa14"), np.linspace(0.0, 2.0, 60)
+    first, rates = np.array([0.0, 40.0, 10.0, -80.0, 10.0, 0.0, 0.0]), np.array([2.0, 3.0, 2.0, 5.0, 3.0, 0.0, 6.0])
+    q = np.radians(first + np.outer(t, rates))
+    q[:, 5] = np.radians(20.0) * np.cos(np.pi * t / 2.0)
+    poses = pose(arm, q)
+    side = np.exp(-(((t - 1.0) / 0.2) ** 2))
+    poses[:, :3, :3] = _turned(0.004 * side) @ poses[:, :3, :3]
+    check = check_poses(arm, poses, t / 10.0, start=q[0], branches=False)
+    assert check.verdict == "too fast"
+    remedy = mend_path(check, kinds=("slow-down",)).best
+    assert remedy is not None
+    made = mended_poses(check, remedy)
+    assert not isinstance(made, NoPoses)
+    assert made.times is not None
+    faster = check_poses(arm, made.matrices, made.times * (1.0 - 5e-5), start=q[0], branches=False)
+    assert faster.verdict == "free"
+
+
 def _turned(angle: Array) -> Array:
     """(N, 3, 3) turns about X."""
     out = np.tile(np.eye(3), (len(angle), 1, 1))

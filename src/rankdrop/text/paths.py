@@ -24,10 +24,13 @@ from rankdrop.text.words import (
     CHECKED_POINTING,
     NEVER_TILTS,
     NEVER_TURNS,
+    above_limit,
     angle,
     minus,
     motion,
     plural,
+    rounded_down,
+    rounded_up,
     short,
 )
 from rankdrop.tolerances import NEAR
@@ -232,7 +235,7 @@ def _violation(violation: Any, check: Any) -> str:
         if isfinite(violation.distance):
             name = _place(check, violation.foot, violation.name)
             near = f", {short(degrees(violation.distance), 2)}° from a singularity ({name})"
-        limit = f"{short(violation.amount, 3)} times the limit of joint {violation.joint} {when(violation.place)}{near}"
+        limit = f"{above_limit(violation.amount)} limit of joint {violation.joint} {when(violation.place)}{near}"
         if violation.proven:
             return f"not possible at the programmed speed: {limit}"
         return f"the rate of joint {violation.joint} could not be proven to keep its limit"
@@ -299,7 +302,8 @@ def _verified_line(check: Any) -> str:
     tip = ""
     if check.tool is not None:
         size = 1e3 / counted_length(check.robot)
-        tip = f"; the tip stays within {_up(size * check.tool.off)} mm and {_up(1e3 * check.tool.turned)} mrad"
+        off, turned = rounded_up(size * check.tool.off), rounded_up(1e3 * check.tool.turned)
+        tip = f"; the tip stays within {off} mm and {turned} mrad"
     if check.evaluations == 1:
         cover = "1 enclosure covers"
     else:
@@ -391,7 +395,7 @@ def _advice(check: Any) -> str:
         return "run the same command again"
     if check.verdict == "too fast":
         worst = max(violation.amount for violation in check.violations if violation.what == "rate")
-        return f"run it at {short(1 / worst, 2)} of the speed, or let {_remedies()} compute a new time law or path"
+        return f"run it at {rounded_down(1 / worst)} of the speed, or let {_remedies()} compute a new time law or path"
     if check.tool is not None:
         advice = _tool_advice(check)
         if advice is not None:
@@ -554,7 +558,7 @@ def crossing_lines(stretch: Any, check: Any, *, deg: bool, full: bool) -> Iterab
     if stretch.speed_factor < 1.0:
         joint = check.robot.variables[stretch.slowest - 1]
         yield (f"    too fast for {joint.name}: {stretch.rates[stretch.slowest - 1]:.4g} {joint.unit}/s, its limit is "
-               f"{joint.velocity:.4g}; {stretch.speed_factor:.3g} of the speed keeps it")  # fmt: skip
+               f"{joint.velocity:.4g}; {rounded_down(stretch.speed_factor)} of the speed keeps it")  # fmt: skip
 
 
 def stretch_place(check: Any, stretch: Any) -> str:
@@ -628,6 +632,8 @@ def _speed_cell(stretch: Any) -> str:
     """The factor of the speed that keeps the velocity limits on a stretch."""
     if isnan(stretch.speed_factor):
         return "–"
+    if stretch.speed_factor < 1.0:
+        return f"× {rounded_down(stretch.speed_factor)}"
     return f"× {stretch.speed_factor:.3g}"
 
 
@@ -656,13 +662,6 @@ def _far(distance: float) -> str:
     if isfinite(distance):
         return short(distance, 3)
     return "?"
-
-
-def _up(value: float) -> str:
-    """Two digits, rounded up: what is printed is proven as well."""
-    if value > 0.0:
-        return short(float(np.nextafter(value * 1.05, np.inf)), 2)
-    return "0"
 
 
 def _joint(robot: Robot, number: int) -> str:

@@ -6,15 +6,13 @@ from collections.abc import Iterator, Sequence
 from math import degrees, isfinite
 from typing import Any
 
-import numpy as np
-
 from rankdrop.lists import flat_map
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.text.paths import crossing_lines, free_words, joints_words, stretch_place, turn_words
 from rankdrop.text.remedies import joint_moves, tool_off_words
-from rankdrop.text.words import angle, motion, plural, short
+from rankdrop.text.words import above_limit, angle, motion, plural, rounded_down, rounded_up, short
 from rankdrop.tolerances import NEAR
 from rankdrop.units import counted_length
 
@@ -136,7 +134,7 @@ def _broken(check: Any) -> Iterator[str]:
             joint = f"joint {violation.joint} ({check.robot.variables[violation.joint - 1].name})"
             where = _in_line(move.line, move.text)
             if violation.what == "rate" and violation.proven:
-                times = f"{short(violation.amount, 3)} times the limit of {joint}"
+                times = f"{above_limit(violation.amount)} limit of {joint}"
                 yield f"not possible at the programmed speed: {times} {where}"
             elif violation.what == "rate":
                 yield f"the rate of {joint} could not be proven to keep its limit {where}"
@@ -250,7 +248,7 @@ def _verified_lines(check: Any) -> Iterator[str]:
     off = max((part.off for part in check.parts), default=0.0)
     turned = max((part.turned for part in check.parts), default=0.0)
     if off > 0.0:
-        tip = f"; the tip stays within {_up(size * off)} mm and {_up(1e3 * turned)} mrad of its lines"
+        tip = f"; the tip stays within {rounded_up(size * off)} mm and {rounded_up(1e3 * turned)} mrad of its lines"
     else:
         tip = ""
     shares = ", ".join(dict.fromkeys(free_words(checked) for checked in check.checks))
@@ -259,13 +257,6 @@ def _verified_lines(check: Any) -> Iterator[str]:
     else:
         free = ""
     yield f"Verified: {spent:,} {plural('enclosure', spent)}{tip}{free}."
-
-
-def _up(value: float) -> str:
-    """Two digits, rounded up: what is printed is proven as well."""
-    if value > 0.0:
-        return short(float(np.nextafter(value * 1.05, np.inf)), 2)
-    return "0"
 
 
 def _lines_words(lines: Sequence[int]) -> str:
@@ -360,7 +351,8 @@ def remedy_words(remedy: Any, robot: Robot) -> str:
         return f"make it a joint move: its target is within reach in another posture ({goal})"
     if remedy.advice == "slower":
         other = "; or make it a joint move" if remedy.move.kind == "line" and remedy.factor < _SLOW else ""
-        return f"at {short(remedy.factor, 3)} of its speed{_speed_words(remedy)} it keeps the joint limits{other}"
+        share = rounded_down(remedy.factor, 3)
+        return f"at {share} of its speed{_speed_words(remedy)} it keeps the joint limits{other}"
     if remedy.advice == "out of reach":
         return "no configuration within the joint limits was found for its target: move the target"
     if remedy.advice == "none":
@@ -382,11 +374,11 @@ def _speed_words(remedy: Any) -> str:
     speed = remedy.move.speed
     if speed.linear is not None:
         allowed = 1e3 * speed.linear * remedy.factor
-        return f", {short(allowed, 3)} mm/s for {short(1e3 * speed.linear, 4)} mm/s,"
+        return f", {rounded_down(allowed, 3)} mm/s for {short(1e3 * speed.linear, 4)} mm/s,"
     if speed.share is not None:
-        return f", {short(100 * speed.share * remedy.factor, 3)} % for {short(100 * speed.share, 4)} %,"
+        return f", {rounded_down(100 * speed.share * remedy.factor, 3)} % for {short(100 * speed.share, 4)} %,"
     if speed.time is not None:
-        return f", in {short(speed.time / remedy.factor, 3)} s for {short(speed.time, 4)} s,"
+        return f", in {rounded_up(speed.time / remedy.factor, 3)} s for {short(speed.time, 4)} s,"
     return ""
 
 

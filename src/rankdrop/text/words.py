@@ -6,7 +6,7 @@ The failure of single joints, the most fault-tolerant configurations, and coveri
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import ceil, degrees, floor, inf, isinf, log10, pi, radians
 from typing import Any
 
@@ -43,6 +43,45 @@ def short(value: float, digits: int = 4) -> str:
     if value == 0:
         return "0"
     return minus(_EXPONENT.sub(_exponent, f"{value:.{digits}g}"))
+
+
+def rounded_down(value: float, digits: int = 2) -> str:
+    """A number with few digits that is never above it: a speed that keeps a limit keeps it as it is printed.
+
+    Example:
+        >>> rounded_down(0.9999955), rounded_down(2.39e-6), rounded_down(102.6, 3), rounded_down(0.0)
+        ('0.99', '2.3e−6', '102', '0')
+    """
+    return _rounded_by(floor, value, digits)
+
+
+def rounded_up(value: float, digits: int = 2) -> str:
+    """A number with few digits that is never below it: a bound that holds as it is printed.
+
+    Example:
+        >>> rounded_up(0.0101), rounded_up(99.1), rounded_up(1.2340001, 4)
+        ('0.011', '1e2', '1.235')
+    """
+    return _rounded_by(ceil, value, digits)
+
+
+def _rounded_by(whole: Callable[[float], int], value: float, digits: int) -> str:
+    if value <= 0.0 or isinf(value):
+        return short(value, digits)
+    unit = 10.0 ** (floor(log10(value)) - digits + 1)
+    return short(whole(value / unit) * unit, digits)
+
+
+def above_limit(times: float) -> str:
+    """What takes so many times its limit, before "limit": "822 times the", "0.00045 % above the".
+
+    Example:
+        >>> above_limit(822.04), above_limit(1.0000045), above_limit(1.02)
+        ('822 times the', '0.00045 % above the', '1.02 times the')
+    """
+    if times < 1.01:
+        return f"{short(100.0 * (times - 1.0), 2)} % above the"
+    return f"{short(times, 3)} times the"
 
 
 def _exponent(match: re.Match[str]) -> str:

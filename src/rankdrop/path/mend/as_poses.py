@@ -43,6 +43,7 @@ _PADDED = 2  # rows before and after a changed part that are followed with it
 _ON_BRANCH = 1e-6  # of a configuration from the remedy's at the end of a changed part [rad; slides scaled]
 _ROUNDS = 6  # of giving moves more time
 _SPARE = 1.0 + 1e-6  # of rates: times are rounded
+_REDUNDANT_SPARE = 1.0 + 1e-4  # of a redundant arm: from a start of nine digits its joints go a little elsewhere
 _SHORT = 1e-9  # a move that is shorter has no direction [rad; lengths divided by the length scale]
 
 
@@ -280,16 +281,19 @@ class _Writer:
     def _within_rates(self, matrices: Array, times: Array | None, branch: Followed) -> tuple[Curve, Array | None]:
         """A branch in time, and the times of its poses (T,), later where a joint would exceed its rate."""
         limits = rate_limits(self.robot)
+        spare, most_allowed = _SPARE, 1.0
+        if self.robot.n > self.task.m:
+            spare, most_allowed = _REDUNDANT_SPARE, 2.0 - _REDUNDANT_SPARE
         path = timed_branch(self.robot, self.task, matrices, times, branch)
         for _ in range(_ROUNDS):
             if path.rates is None or times is None:
                 break
             most = (path.rates / limits).max(axis=1)
-            if most.max(initial=0.0) <= 1.0:
+            if most.max(initial=0.0) <= most_allowed:
                 break
             move = np.minimum(np.floor(branch.place[:-1]).astype(np.int64) - 1, len(times) - 2)
             factor = np.ones(len(times) - 1)
-            np.maximum.at(factor, move, np.where(most > 1.0, most * _SPARE, 1.0))
+            np.maximum.at(factor, move, np.where(most > most_allowed, most * spare, 1.0))
             times = times[0] + np.concatenate([[0.0], np.cumsum(np.diff(times) * factor)])
             path = timed_branch(self.robot, self.task, matrices, times, branch)
         return path, times

@@ -230,7 +230,7 @@ def families(sheet: Sheet) -> None:
     both = {pair: _meeting(*pair) for pair in combinations(kg.FAMILIES, 2)}
     meet = [f"{one} and {two}" for (one, two), q in both.items() if len(q)]
     top = max(float(sigma6(q).max()) for q in both.values() if len(q))
-    apart = all(f.stratum.apart(g.stratum) is not None for f, g in combinations(ours.families, 2))
+    apart = all(f.stratum.separating_polynomial(g.stratum) is not None for f, g in combinations(ours.families, 2))
     sheet.claim(
         "abstract, section 3.4", "do the printed families meet",
         "no intersections between any two of the five families",

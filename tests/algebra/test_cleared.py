@@ -41,7 +41,7 @@ def rank_at(chain: Chain, columns, seed: int, pins: dict[int, str]) -> int:
 @pytest.mark.parametrize("robot", [gantry(1), gantry(2), gantry(3), open_robot("tiago")], ids=lambda one: str(one.n))
 def test_the_rank_is_that_of_the_jacobian_everywhere(robot: Robot) -> None:
     chain = exact_chain(robot)
-    columns, lower = chain.cleared
+    columns, lower = chain.cleared_columns
     assert lower >= 2
     assert len(columns) == chain.n - lower
     met = set()
@@ -62,7 +62,7 @@ def test_rows_left_out_are_screws_added(name: str, rows: str, frame: int) -> Non
     """The rank of a task's rows is that of the matrix with a screw for each other row, everywhere."""
     robot = open_robot(name)
     chain = exact_chain(robot, replace(resolve_task(rows, robot), frame=frame), lengths="numbers")
-    columns, lower = chain.cleared
+    columns, lower = chain.cleared_columns
     for seed in range(6):
         rng = random.Random(seed)
         pins = {j: rng.choice(["0", "pi", "pi/2"]) for j in rng.sample(chain.ring.revolute, seed)}
@@ -76,7 +76,7 @@ def test_rows_left_out_are_screws_added(name: str, rows: str, frame: int) -> Non
 def test_slides_in_all_directions_leave_the_wrist() -> None:
     """What turns the end effector is left: three rows of it, less the axis whose own link's frame is taken."""
     chain = exact_chain(gantry(3))
-    columns, lower = chain.cleared
+    columns, lower = chain.cleared_columns
     assert (lower, len(columns[0])) == (4, 2)
     assert rank_tree(chain, Work(60.0)).generic_rank == 6
 

@@ -12,8 +12,8 @@ pytest.importorskip("flint")
 from rankdrop.algebra.field import P, Point, complete, modulo, value_at
 from rankdrop.algebra.polynomial import COS_SIN, SIMPLE, flint, primitive
 from rankdrop.algebra.ring import Form, Ring, polynomial_of
-from rankdrop.algebra.solving import Solved, put
-from rankdrop.algebra.work import spent
+from rankdrop.algebra.solving import Solved, substitute_into_form
+from rankdrop.algebra.work import work_spent
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +78,7 @@ def test_factors_vanish_where_the_polynomial_does_and_nowhere_else(ring: Ring) -
         for f, power in found.letters:
             product = product * pow(value_at(ring, f, point), power, P) % P
         for atom, power in found.atoms:
-            if atom.pinned:
+            if atom.is_pin:
                 pins.setdefault(atom.joint, {})[atom.value] = power
                 seen_pins.add(atom.value)
                 root = {"0": 0, "pi/2": 1, "-pi/2": -1}.get(atom.value)
@@ -88,9 +88,9 @@ def test_factors_vanish_where_the_polynomial_does_and_nowhere_else(ring: Ring) -
             product = product * pow(value, power, P) % P
         # what is left out is a number and a power of 1 + t², which has no real zero
         half = ring.to_half(p).f
-        first = [half, *(f for f, _ in found.letters), *(atom.f for atom, _ in found.atoms if not atom.pinned)]
+        first = [half, *(f for f, _ in found.letters), *(atom.f for atom, _ in found.atoms if not atom.is_pin)]
         assert all(f.leading_coefficient() > 0 for f in first[1:])
-        powers = [*(k for _, k in found.letters), *(k for atom, k in found.atoms if not atom.pinned)]
+        powers = [*(k for _, k in found.letters), *(k for atom, k in found.atoms if not atom.is_pin)]
         number = half.leading_coefficient()
         for f, power in zip(first[1:], powers, strict=True):
             number /= f.leading_coefficient() ** power
@@ -129,7 +129,7 @@ def test_odd_half_angle_polynomials_have_a_square_with_their_zeros(ring: Ring) -
     rng = random.Random(5)
     point = random_point(ring, rng)
     assert value_at(ring, p, point) != 0
-    point = complete(ring, point.changed({"t1": (1 - 2 * point["t2"]) % P}), {})
+    point = complete(ring, point.replace_values({"t1": (1 - 2 * point["t2"]) % P}), {})
     assert point is not None
     assert value_at(ring, p, point) == 0
 
@@ -181,9 +181,9 @@ def test_units_are_without_a_real_zero() -> None:
 
 
 def test_factoring_counts_as_work(ring: Ring) -> None:
-    before = spent()
+    before = work_spent()
     ring.to_half(random_polynomial(ring, random.Random(4))).factors()
-    assert spent() > before
+    assert work_spent() > before
 
 
 def test_a_degree_that_is_told_counts_at_pi(ring: Ring) -> None:
@@ -202,7 +202,7 @@ def test_a_zero_at_pi_stays_when_a_solution_is_put_in() -> None:
     """(1 + cos θ2) counts for degree 2 in t2, whatever t1 is put in: t1 = t2 adds its own."""
     ring = Ring([1, 2])
     solved = Solved(0, ring.t[2], ring.half.constant(1))
-    form = put(ring.to_half((1 + ring.c[2]) * (1 - ring.c[1])), solved)
+    form = substitute_into_form(ring.to_half((1 + ring.c[2]) * (1 - ring.c[1])), solved)
     assert form.at_pi == ((2, 2),)
     assert {atom.key for atom, _ in form.factors().atoms} == {"θ2=pi", "θ2=0"}
 
@@ -211,7 +211,7 @@ def test_a_zero_at_pi_of_a_solved_variable_is_where_its_denominator_vanishes() -
     """t1 = 1 / (t2 − 2) is infinite at t2 = 2: a form with the factor cos(θ1/2) is zero there."""
     ring = Ring([1, 2])
     solved = Solved(0, ring.half.constant(1), ring.t[2] - 2)
-    form = put(Form(ring, ring.t[2], (1, 1)), solved)
+    form = substitute_into_form(Form(ring, ring.t[2], (1, 1)), solved)
     assert {atom.key for atom, _ in form.factors().atoms} == {"θ2=0", "t2 - 2"}
 
 

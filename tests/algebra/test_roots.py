@@ -68,16 +68,16 @@ def test_a_rounded_twist_is_not_called_exact() -> None:
     assert found.verdict.claims == ()
     assert "44.9° is rounded by" in found.verdict.sentence
     assert "exactly" not in found.verdict.sentence
-    assert {one.kind for one in found.chain.rounded} == {"twist"}
-    assert all(0 < abs(one.miss) < 1e-11 for one in found.chain.rounded)
+    assert {one.kind for one in found.chain.effective_roundings} == {"twist"}
+    assert all(0 < abs(one.miss) < 1e-11 for one in found.chain.effective_roundings)
 
 
 def test_a_length_that_is_no_decimal_is_rounded_unless_it_is_a_letter() -> None:
     rows = [{"a": 0.1 * 2**0.5, "alpha": 0.0, "d": 0.0}, {"a": 0.2, "alpha": 0.0, "d": 0.0},
             {"a": 0.0, "alpha": 0.0, "d": 0.0}]  # fmt: skip
     arm = from_dh(rows, convention="standard")
-    assert [one.kind for one in exact_chain(arm, "vx,vy,wz", lengths="numbers").rounded] == ["a"]
-    assert exact_chain(arm, "vx,vy,wz", lengths="letters").rounded == ()
+    assert [one.kind for one in exact_chain(arm, "vx,vy,wz", lengths="numbers").effective_roundings] == ["a"]
+    assert exact_chain(arm, "vx,vy,wz", lengths="letters").effective_roundings == ()
 
 
 @pytest.mark.parametrize("angle", [*range(-180, 181, 15), *range(-180, 181, 18)])
@@ -256,7 +256,7 @@ def test_images_read_once_are_those_of_the_polynomial() -> None:
     images = _Images(f)
     for prime in primes_with(ROOTS)[:2]:
         for roots in embeddings(ROOTS, prime):
-            assert images.at(roots, prime) == image_modulo(f, roots, prime)
+            assert images.with_roots(roots, prime) == image_modulo(f, roots, prime)
 
 
 def test_values_before_and_after_an_image_is_made_are_the_same() -> None:

@@ -13,10 +13,16 @@ pytest.importorskip("flint")
 from rankdrop.algebra import decompose as steps
 from rankdrop.algebra.decompose import cut, cut_half, decompose
 from rankdrop.algebra.field import PRIMES, Point, half_angle_value, value_at
-from rankdrop.algebra.polynomial import used
+from rankdrop.algebra.polynomial import variables_in
 from rankdrop.algebra.ring import Form, Ring
-from rankdrop.algebra.solving import Solved, plainly_positive, put, without_real_root, without_real_zero
-from rankdrop.algebra.work import GRACE, SAFETY, OutOfTime, Work, spent, tick
+from rankdrop.algebra.solving import (
+    Solved,
+    plainly_positive,
+    substitute_into_form,
+    without_real_root,
+    without_real_zero,
+)
+from rankdrop.algebra.work import GRACE, SAFETY, OutOfTime, Work, tick, work_spent
 from rankdrop.algebra.zeroset import ZeroSet, independent
 
 
@@ -123,9 +129,9 @@ def test_a_set_satisfies_conditions_without_lying_inside(ring: Ring) -> None:
     main = next(piece for piece in found if not piece.half_vanishes(a))
     main = replace(main, equations=(a * t[3] + b, other))
     assert both.satisfies(main), "A = B = 0 satisfies whatever is a combination of A and B"
-    assert not both.inside(main)
+    assert not both.lies_inside(main)
     assert len(independent([main, both])) == 2
-    assert main.inside(main)
+    assert main.lies_inside(main)
 
 
 def test_random_points_lie_on_their_set_and_a_sum_of_squares_has_its_points_too(ring: Ring) -> None:
@@ -145,18 +151,18 @@ def test_a_limit_on_work_ends_it(ring: Ring) -> None:
 
 def test_the_clock_counts_work_and_a_share_of_it_ends_with_its_block() -> None:
     work = Work(100.0)
-    before = spent()
+    before = work_spent()
     with work.share(0.1):
-        assert work.left == pytest.approx(10.0)
+        assert work.remaining == pytest.approx(10.0)
         tick(9e6)
         work.check()
         tick(2e6)
         with pytest.raises(OutOfTime, match="limit on work"):
             work.check()
-    assert spent() - before == pytest.approx(11.0)
+    assert work_spent() - before == pytest.approx(11.0)
     work.check()
-    assert work.left == pytest.approx(89.0)
-    assert work.again().left == pytest.approx(89.0)
+    assert work.remaining == pytest.approx(89.0)
+    assert work.again().remaining == pytest.approx(89.0)
 
 
 def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -165,7 +171,7 @@ def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> No
     work = Work(100.0)
     now += 0.9 * SAFETY * 100.0
     work.check()
-    assert work.left == pytest.approx(100.0), "time passes, no work is done"
+    assert work.remaining == pytest.approx(100.0), "time passes, no work is done"
     now += 0.2 * SAFETY * 100.0
     for one in (work, work.again()):
         with pytest.raises(OutOfTime, match="processor's time"):
@@ -173,7 +179,7 @@ def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> No
     work = Work(100.0)
     work.interrupt()
     assert work.time_left == GRACE
-    assert work.left == pytest.approx(100.0)
+    assert work.remaining == pytest.approx(100.0)
 
 
 def test_a_set_cut_where_its_solution_has_no_denominator_keeps_both_components(ring: Ring) -> None:
@@ -267,7 +273,7 @@ def test_what_is_known_of_a_set_speaks_of_its_free_joints_alone() -> None:
     assert {one.pins.get(2) for one in sets} == {"0", "pi"}
     assert any(one.known for one in sets)
     for one in sets:
-        assert not any(ring.index["t2"] in used(h) for h in (*one.equations, *one.known))
+        assert not any(ring.index["t2"] in variables_in(h) for h in (*one.equations, *one.known))
         assert cut(one, ring.s[3] * ring.c[5] + ring.c[3] * ring.s[5], Work())
 
 
@@ -277,7 +283,7 @@ def test_a_long_solution_of_few_variables_is_put_in() -> None:
     x, y = ring.t[1], ring.t[2]
     f = sum((x**i * y**j * (i + 2 * j + 1) for i in range(10) for j in range(10)), ring.half.constant(0))
     top = sum((y**k * (k + 3) for k in range(30)), ring.half.constant(0))
-    form = put(ring.form(f), Solved(0, top, ring.half.constant(2)))
+    form = substitute_into_form(ring.form(f), Solved(0, top, ring.half.constant(2)))
     at, value = 5, sum((k + 3) * 5**k for k in range(30))
     wanted = sum(value**i * at**j * (i + 2 * j + 1) * 2 ** (9 - i) for i in range(10) for j in range(10))
     assert form.f.subs({"t2": at}) == wanted

@@ -387,7 +387,7 @@ def test_redundant_arms_are_not_decoupled_and_it_is_said_why(name, kind, part):
 
 def test_an_arm_that_decouples_says_by_which_joints():
     found = parting_of(CHAINS["puma560"])
-    assert (found.kind, found.joints, found.part, found.found) == (PartingKind.POINT, (4, 5, 6), "wrist", True)
+    assert (found.kind, found.joints, found.part, found.parts_exactly) == (PartingKind.POINT, (4, 5, 6), "wrist", True)
 
 
 def test_an_arm_in_one_piece_and_one_always_singular():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rankdrop.algebra.work import Work, spent
+from rankdrop.algebra.work import Work, work_spent
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.tree import rank_tree
 from rankdrop.robot.open import open_robot
@@ -18,6 +18,6 @@ RISE = 1.5
 @pytest.mark.slow_at("canadarm2", "panda")
 @pytest.mark.parametrize("name", WORK)
 def test_the_work_of_a_derivation_does_not_rise(name: str) -> None:
-    before = spent()
+    before = work_spent()
     rank_tree(exact_chain(open_robot(name)), Work(60.0, 0))
-    assert spent() - before < RISE * WORK[name]
+    assert work_spent() - before < RISE * WORK[name]

@@ -11,7 +11,7 @@ from rankdrop.codec import plain
 from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.decoupling import decouple
-from rankdrop.exact.signs import between, configuration_flags, signs_of, zeros_between, zeros_of
+from rankdrop.exact.signs import configuration_flags, families_between, signs_of, zeros_between, zeros_of
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
@@ -103,7 +103,7 @@ def test_parity_of_crossings_is_the_difference_of_signs(name, rng):
     signs = signs_of(chain)
     parted = 0
     for first, second in rng.uniform(-np.pi, np.pi, (12, 2, 6)):
-        found = between(chain, first, second, signs=signs)
+        found = families_between(chain, first, second, signs=signs)
         assert sorted(found.parting + found.equal) == list(range(len(signs.factors)))
         assert not found.open
         parted += len(found.parting)
@@ -119,7 +119,7 @@ def test_parity_of_crossings_is_the_difference_of_signs(name, rng):
 def test_every_path_between_opposite_signs_crosses_and_it_is_said():
     chain = exact_chain(open_robot("puma560"))
     first, second = [0, 0.3, 0.2, 0, 0.5, 0], [0, 0.3, 0.2, 0, -0.5, 0]
-    found = between(chain, first, second)
+    found = families_between(chain, first, second)
     assert [found.first.flags[i].label for i in found.parting] == ["wrist +"]
     assert found.sentences()[0] == "Every path between them crosses wrist: axes 4 and 6 aligned (s5): its sign differs."
     (crossing,) = found.crossings
@@ -129,7 +129,7 @@ def test_every_path_between_opposite_signs_crosses_and_it_is_said():
 
 def test_equal_signs_prove_nothing_and_it_is_said():
     chain = exact_chain(open_robot("planar2r"))
-    found = between(chain, [0, 0.5], [0, 0.5 + 2 * np.pi])
+    found = families_between(chain, [0, 0.5], [0, 0.5 + 2 * np.pi])
     assert found.parting == ()
     assert "does not prove that a path without singularity exists" in found.sentences()[0]
     assert [one.kind for one in found.crossings] == ["crosses", "crosses"]
@@ -137,7 +137,7 @@ def test_equal_signs_prove_nothing_and_it_is_said():
 
 def test_a_zero_at_one_end_decides_nothing():
     chain = exact_chain(open_robot("planar2r"))
-    found = between(chain, [0, 0.0], [0, 0.5])
+    found = families_between(chain, [0, 0.0], [0, 0.5])
     assert found.open == (0,)
     assert [one.kind for one in found.crossings] == ["starts on"]
     assert "decides nothing: it is zero at one of the two" in " ".join(found.sentences())
@@ -145,7 +145,7 @@ def test_a_zero_at_one_end_decides_nothing():
 
 def test_a_segment_within_a_family_is_told():
     chain = exact_chain(open_robot("planar2r"))
-    assert [one.kind for one in between(chain, [0, 0], [1, 0]).crossings] == ["lies in"]
+    assert [one.kind for one in families_between(chain, [0, 0], [1, 0]).crossings] == ["lies in"]
 
 
 def test_zeros_between_finds_touches_and_none():

@@ -16,7 +16,7 @@ import pytest
 from rankdrop.algebra.field import P, Point, bivariate, common_zeros, complete, holds, roots, univariate
 from rankdrop.algebra.polynomial import SIMPLE, Equality
 from rankdrop.algebra.ring import Ring
-from rankdrop.algebra.work import Work, spent
+from rankdrop.algebra.work import Work, work_spent
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
@@ -192,7 +192,7 @@ def test_puma_has_elbow_shoulder_and_wrist() -> None:
     found = derived("puma560", "determinant")
     parts = [equality for c in found.conditions for equality in c.equal]
     assert [len(part.atoms) for part in parts] == [1, 1, 1, 1]
-    pins = {part.atoms[0].key for part in parts if part.atoms[0].pinned}
+    pins = {part.atoms[0].key for part in parts if part.atoms[0].is_pin}
     assert pins == {"θ5=0", "θ5=pi"}
     assert {str(f) for f in found.assumptions} == {"a2"}
 
@@ -351,9 +351,9 @@ def test_the_corank_of_all_rows_is_that_of_no_motion_at_all() -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_time_limit_holds_and_what_is_left_is_told(method: str) -> None:
-    before = spent()
+    before = work_spent()
     found = derive(chain_of("pa10"), method, 0.0)
-    assert spent() - before < 1.0
+    assert work_spent() - before < 1.0
     assert not found.complete
     assert found.left
 
@@ -364,9 +364,9 @@ def test_the_limit_holds_on_an_arm_without_any_structure(method: str) -> None:
     rows = [[round(x, 3) for x in (*rng.uniform(0.1, 0.5, 1), *rng.uniform(-1.5, 1.5, 1), 0.2, 0.0)] for _ in range(7)]
     chain = exact_chain(from_dh(rows, convention="standard"))
     assert len(chain.columns) == 7
-    before = spent()
+    before = work_spent()
     found = derive(chain, method, 0.02)
-    assert spent() - before < 2.0
+    assert work_spent() - before < 2.0
     assert not found.complete
     assert found.left
 
@@ -574,7 +574,7 @@ def test_auto_derives_corank_1_twice_where_another_method_can(name: str, task: s
 def test_coranks_that_no_configuration_has_are_derived_too() -> None:
     """Rows that numbers clear never lose rank: nothing is left below it."""
     chain = exact_chain(open_robot("px150"))
-    assert chain.cleared[1] > 0
+    assert chain.cleared_columns[1] > 0
     assert rank_tree(chain, Work(20.0)).lowest == 0
     assert rank_tree(chain, Work(20.0), lowest=4).lowest == 4
 

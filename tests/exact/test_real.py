@@ -18,7 +18,7 @@ from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact import families
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import full_rank, real_points, real_sets, reality
-from rankdrop.exact.family import Unreal, alone, merge
+from rankdrop.exact.family import Unreal, merge, row_of_set
 from rankdrop.exact.letters import sign_of
 from rankdrop.exact.tree import Drop
 from rankdrop.families.record import exact_of
@@ -168,7 +168,7 @@ def test_a_rank_that_is_a_little_higher_is_unclear_and_one_that_is_plainly_highe
 def test_a_condition_fails_where_it_is_more_than_rounding(chain: Chain) -> None:
     near, far = np.zeros((2, chain.n)), np.zeros((3, chain.n))
     near[:, 4], far[:, 4] = 1e-8, 1e-4  # sin θ5 = 0, as a condition on t5
-    assert families._away(chain, chain.ring.t[5], np.concatenate([near, far])) == 3
+    assert families._count_violations(chain, chain.ring.t[5], np.concatenate([near, far])) == 3
 
 
 def test_lengths_that_agree_to_their_digits_are_equal(chain: Chain) -> None:
@@ -187,7 +187,7 @@ def test_angles_in_all_combinations_make_one_row(chain: Chain) -> None:
     assert len(row.pieces) == 4
     assert row.texts == ("θ3 = 0 or π", "θ5 = 0 or π")
     assert sorted(len(row.pieces) for row in merge(pieces[:3])) == [1, 2]
-    assert alone(pieces[0]).pins == {3: ("0",), 5: ("0",)}
+    assert row_of_set(pieces[0]).pins == {3: ("0",), 5: ("0",)}
     f = ring.t[2] - ring.t[4]
     assert len(merge([pieces[0], replace(pieces[1], solved=(), equations=(f,))])) == 2
 

@@ -72,8 +72,8 @@ def test_siblings_are_told_apart(ring):
     one, two = (Equality((), p) for p in conditions(ring)[:2])
     whole = Stratum.whole(ring)
     left, right = whole.meet(one), whole.avoid(one).meet(two)
-    assert left.apart(right) == right.apart(left) == one.whole
-    assert left.apart(whole) is None
+    assert left.separating_polynomial(right) == right.separating_polynomial(left) == one.whole
+    assert left.separating_polynomial(whole) is None
 
 
 def test_what_lengths_alone_decide_is_put_into_other_conditions(ring):
@@ -102,7 +102,7 @@ def test_two_values_of_one_joint_contradict_each_other_and_the_lengths_are_noted
 def test_the_closed_conditions_hold_nothing_that_follows(ring):
     s, c = ring.s, ring.c
     stratum = Stratum.whole(ring).meet(Equality((), s[1] * s[3] + c[2])).meet(Equality((), s[1]))
-    assert [str(p) for p in stratum.closed] == ["s1", "c2"]
+    assert [str(p) for p in stratum.equations_with_pins] == ["s1", "c2"]
 
 
 def test_a_piece_knows_what_is_positive(ring):
@@ -114,7 +114,7 @@ def test_a_piece_knows_what_is_positive(ring):
 def test_points_of_a_set_are_where_its_inequations_hold(ring):
     t, rng = ring.t, random.Random(3)
     one, other = ring.atom(t[1] - t[2]), ring.atom(t[1] - 3 * t[2])
-    piece = ZeroSet(ring, {}, rest=(one.f * other.f,)).without(one)
+    piece = ZeroSet(ring, {}, rest=(one.f * other.f,)).remove_zeros(one)
     points = piece.points(rng, 10)
     assert len(points) == 10
     assert not any(holds(ring, one, point) for point in points)
@@ -123,5 +123,5 @@ def test_points_of_a_set_are_where_its_inequations_hold(ring):
 
 def test_a_set_is_not_inside_one_that_leaves_it_out(ring):
     there = ZeroSet(ring, {1: "0"})
-    assert there.inside(ZeroSet.whole(ring))
-    assert not there.inside(ZeroSet.whole(ring).without(ring.pin(1, "0")))
+    assert there.lies_inside(ZeroSet.whole(ring))
+    assert not there.lies_inside(ZeroSet.whole(ring).remove_zeros(ring.pin(1, "0")))

@@ -103,7 +103,7 @@ class TestEveryArm:
     def test_has_families_that_do_not_meet(self, name):
         families = derived(name).families
         for one, two in combinations(families, 2):
-            assert one.stratum.apart(two.stratum) is not None, (one.number, two.number)
+            assert one.stratum.separating_polynomial(two.stratum) is not None, (one.number, two.number)
 
     @pytest.mark.by_hand_at("xarm7", "fetch8")
     def test_explains_every_singular_configuration_found_numerically(self, name):

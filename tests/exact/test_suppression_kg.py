@@ -155,7 +155,7 @@ def test_there_are_five_families_with_the_conditions_of_equations_15_20_21_26_27
 
 def test_no_two_families_meet(found):
     for one, two in combinations(found.families, 2):
-        p = one.stratum.apart(two.stratum)
+        p = one.stratum.separating_polynomial(two.stratum)
         assert p is not None
         assert (p in one.stratum.equalities and p in two.stratum.inequalities) or (
             p in two.stratum.equalities and p in one.stratum.inequalities

@@ -13,7 +13,7 @@ from reference.arms import in_other_words, random_chain, remade, reversed_chain,
 pytest.importorskip("flint")
 
 from rankdrop.algebra.ring import Ring
-from rankdrop.algebra.work import Work, spent
+from rankdrop.algebra.work import Work, work_spent
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact import tree as rank_trees
 from rankdrop.exact.arm.chain import exact_chain
@@ -202,9 +202,9 @@ def test_odd_arms_do_not_fail(name: str) -> None:
 @pytest.mark.parametrize("kinds", ["rrrrrr", *slow("rrrrrrr", "rrrrrrrr")])
 def test_the_limit_holds_on_arms_without_structure(kinds: str) -> None:
     robot = random_chain(np.random.default_rng(1), kinds)
-    before = spent()
+    before = work_spent()
     found = conditions(robot, seconds=2.0)
-    assert spent() - before < 2.0 * 1.2 + 1.0
+    assert work_spent() - before < 2.0 * 1.2 + 1.0
     assert not found.complete
     assert found.left
 
@@ -288,6 +288,6 @@ def test_a_rank_is_lower_for_these_lengths_where_no_drop_holds(lengths, known, l
     ring, work = Ring([1], letters=["a", "b"]), Work()
     work.lengths = dict(zip("ab", map(Fraction, lengths), strict=True))
     columns = [[ring.letter["a"] * ring.c[1] - ring.letter["b"]]]
-    point = ZeroSet.where(ring, ring.pin(1, "0"))
+    point = ZeroSet.where_atom(ring, ring.pin(1, "0"))
     drops = [Drop(point, 0)] if known else []
     assert rank_trees._lower_for_these_lengths(columns, 1, [point], drops, work) == lower

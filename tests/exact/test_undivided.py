@@ -92,7 +92,7 @@ def test_no_set_is_lost_where_a_limit_ends_the_search_after_one_grew_too_long(mo
     tree = rank_tree(chain, Work(60.0))
     assert len(every) > 1
     assert {case.piece.key for case in tree.cases} == every
-    assert tree.stated
+    assert tree.is_stated
     assert not tree.complete
 
 

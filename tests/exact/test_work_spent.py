@@ -8,7 +8,7 @@ from __future__ import annotations
 import pytest
 
 from rankdrop import conditions, open_robot
-from rankdrop.algebra.work import spent
+from rankdrop.algebra.work import work_spent
 
 MEASURED = {
     "planar3r": 0.0077,
@@ -32,8 +32,8 @@ MEASURED = {
 @pytest.mark.by_hand_at("panda", "sawyer", "canadarm2")
 @pytest.mark.parametrize("name", list(MEASURED))
 def test_a_derivation_takes_no_more_than_half_as_much_work_again(name: str) -> None:
-    before = spent()
+    before = work_spent()
     found = conditions(open_robot(name), points=0, special=False, seconds=60.0)
-    work = spent() - before
+    work = work_spent() - before
     assert found.complete
     assert 0.3 * MEASURED[name] < work < 1.5 * MEASURED[name]

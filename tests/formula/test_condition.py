@@ -20,7 +20,7 @@ def atoms(name, **options):
     chain = exact_chain(open_robot(name), **options)
     rows = [[column[i] for column in chain.columns] for i in range(6)]
     found = chain.ring.factor(chain.ring.determinant(rows)).atoms
-    return chain, [Condition(chain.ring, atom.f) for atom, _ in found if not atom.pinned]
+    return chain, [Condition(chain.ring, atom.f) for atom, _ in found if not atom.is_pin]
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def test_what_is_printed_is_read_back(ring):
         assert {atom.key for atom in wanted} == {atom.key for atom in parse_condition(condition.text(), ring).atoms}
         kept = [factor for factor, _ in f.factor()[1] if factor.degrees()[: ring.moving] != (0,) * ring.moving]
         assert {ring.atom(factor).key for factor in kept if not ring.is_unit(factor)} >= {
-            atom.key for atom in wanted if not atom.pinned
+            atom.key for atom in wanted if not atom.is_pin
         }
         assert wanted
     for values in [("0", "pi"), ("pi/2", "-pi/2"), ("-pi/2",), ("pi",), ("0", "pi/2"), SIMPLE]:

@@ -453,7 +453,7 @@ def test_kg_the_families_are_disjoint_and_hold_every_singular_configuration():
     found = suppress(chain())
     assert found.complete
     assert all(max(family.ranks) < 6 for family in found.families)
-    assert all(f.stratum.apart(g.stratum) is not None for f, g in combinations(found.families, 2))
+    assert all(f.stratum.separating_polynomial(g.stratum) is not None for f, g in combinations(found.families, 2))
     q = singular_of_another()
     assert len(q) > 50
     assert np.min([satisfied(q, family.equalities) for family in found.families], axis=0).max() < 1e-5

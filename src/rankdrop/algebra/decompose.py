@@ -18,13 +18,13 @@ from typing import NamedTuple
 from rankdrop.algebra.factoring import factor
 from rankdrop.algebra.field import Point, residue, roots_at, solvable_in_space, value_at
 from rankdrop.algebra.gcd import divides, gcd
-from rankdrop.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, primitive, used, used_by
+from rankdrop.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, primitive, used_by, variables_in
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.solving import (
     Solved,
     atoms,
     binds_more,
-    combined,
+    combine_to_linear,
     divisions,
     eliminable,
     factors,
@@ -32,8 +32,8 @@ from rankdrop.algebra.solving import (
     nowhere,
     only_curves,
     pairs,
-    put,
     remainder,
+    substitute_into_form,
     unit,
     without_real_root,
     without_real_zero,
@@ -98,8 +98,8 @@ def decompose(
         return []
     found: list[ZeroSet] = []
     for system in _distinct(choices):
-        angles = {atom.joint: atom.value for atom in system if atom.pinned}
-        polynomials = [atom.f for atom in system if not atom.pinned]
+        angles = {atom.joint: atom.value for atom in system if atom.is_pin}
+        polynomials = [atom.f for atom in system if not atom.is_pin]
         if angles:
             there = [ring.form(f).at(angles) for f in polynomials]
             found += decompose(ring, {**pins, **angles}, there, most - len(angles), work, done)
@@ -123,13 +123,13 @@ def _irreducible(
     if any(without_real_root(f) for f in system):
         return []
     for f, g, k in divisions(ring, system):
-        if len(used(f)) == 1:  # numbers alone: powers of the variable from its degree on are known
+        if len(variables_in(f)) == 1:  # numbers alone: powers of the variable from its degree on are known
             others = [ring.form(h) for h in system if h is not g]
             return decompose(ring, pins, [*others, remainder(ring, g, f, k, work)], most, work, done)
     work.special = work.special or any(_always(ring, f, work) for f in system)
     found = list(_at_infinity(ring, pins, system, most, work, done))
-    inside = _eliminated(ring, pins, system, most, work, done)
-    return found + (_reduced(ring, pins, system, most, work, done) if inside is None else inside)
+    inside = _eliminate_linear(ring, pins, system, most, work, done)
+    return found + (_lower_by_pairs(ring, pins, system, most, work, done) if inside is None else inside)
 
 
 def _bound(ring: Ring, system: list[Polynomial], most: int, work: Work) -> bool:
@@ -166,7 +166,7 @@ def _share(first: Form, second: Form, work: Work) -> bool:
     return bool(at_pi) or bool(factors(first.ring, gcd(first.f, second.f), work))
 
 
-def _eliminated(
+def _eliminate_linear(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> list[ZeroSet] | None:
     """Solve one condition for a variable and go on with the others; None where none is linear in a variable."""
@@ -180,10 +180,10 @@ def _eliminated(
     if not unit(ring, solved.denominator):
         both = (*others, solved.numerator, solved.denominator)
         found += decompose(ring, pins, [ring.form(g) for g in both], most, work, done)
-    values = [put(ring.form(g), solved) for g in others]
+    values = [substitute_into_form(ring.form(g), solved) for g in others]
     for piece in decompose(ring, pins, values, most - 1, work, done):
         if not piece.half_vanishes(solved.denominator):
-            found += _solved_on(piece, f, solved.place, [g for g in others if solved.place in used(g)])
+            found += _solved_on(piece, f, solved.place, [g for g in others if solved.place in variables_in(g)])
     return found
 
 
@@ -199,8 +199,8 @@ def _solved_on(piece: ZeroSet, f: Polynomial, place: int, others: list[Polynomia
         replace(
             piece,
             solved=(Solved(place, -parts[0], parts[1]), *piece.solved),
-            equations=(*(primitive(h) for h, _ in factor(f) if place in used(h)), *piece.equations),
-            known=(*piece.known, *(_at_pins(piece, others) if used(parts[1]) else ())),
+            equations=(*(primitive(h) for h, _ in factor(f) if place in variables_in(h)), *piece.equations),
+            known=(*piece.known, *(_at_pins(piece, others) if variables_in(parts[1]) else ())),
         )
     ]
 
@@ -211,13 +211,13 @@ def _at_pins(piece: ZeroSet, conditions: list[Polynomial]) -> list[Polynomial]:
     return [f for f in here if f != 0]
 
 
-def _reduced(
+def _lower_by_pairs(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> list[ZeroSet]:
     """No condition is linear: combine two of them into one that is, or into one with a variable less."""
-    found = _divided(ring, pins, system, most, work, done)
+    found = _divide_conditions(ring, pins, system, most, work, done)
     if found is None:
-        found = _combined(ring, pins, system, most, work, done)
+        found = _combine_conditions(ring, pins, system, most, work, done)
     if found is not None:
         return found
     if len(system) <= 2:
@@ -225,13 +225,13 @@ def _reduced(
     return _several(ring, pins, system, most, work)
 
 
-def _divided(
+def _divide_conditions(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> list[ZeroSet] | None:
     """The zeros with the remainder of one condition by another in its place; None where no division lowers a degree."""
     for f, g, k in divisions(ring, system):
         work.check()
-        raised = {place for place in used(f) if place < ring.moving} - {k}
+        raised = {place for place in variables_in(f) if place < ring.moving} - {k}
         if any(k in done.raised_by_lowering(place) for place in raised):
             continue  # divisions that raise one another's degrees would never end
         there = done._replace(lowered=done.lowered | {(k, place) for place in raised})
@@ -241,7 +241,7 @@ def _divided(
     return None
 
 
-def _combined(
+def _combine_conditions(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> list[ZeroSet] | None:
     """The zeros with a combination of two conditions that has factors, or is linear; None where none has or is."""
@@ -253,7 +253,7 @@ def _combined(
         if pair in done.combined or not eliminable(f, g, k):
             continue
         done = done._replace(combined=done.combined | {pair})
-        both = combined(ring, f, g, k)
+        both = combine_to_linear(ring, f, g, k)
         if both == 0:
             continue
         parts = factors(ring, both, work)
@@ -307,7 +307,7 @@ def _variables(ring: Ring, conditions: Sequence[Polynomial]) -> set[int]:
     return {place for place in used_by(conditions) if place < ring.moving}
 
 
-def _held(ring: Ring, pins: dict[int, str], system: list[Polynomial], held: list[Polynomial]) -> ZeroSet:
+def _zeros_where(ring: Ring, pins: dict[int, str], system: list[Polynomial], held: list[Polynomial]) -> ZeroSet:
     """The zeros of some of the conditions at which the others vanish as well."""
     others = without(system, held)
     zero = tuple(map(ring.trig_zero_set, others))
@@ -332,7 +332,7 @@ def _from_two(
         held = [f, g, *tops]
         if len(held) != max(size, 2) or not _variables(ring, held) >= places:
             continue
-        found = _held(ring, pins, system, held)
+        found = _zeros_where(ring, pins, system, held)
         if found.samples:
             others = without(system, held)
             return [*_free_on_top(ring, pins, [f, g], tops, others, most, work), found]
@@ -347,7 +347,7 @@ def _from_three(ring: Ring, pins: dict[int, str], system: list[Polynomial], work
     for three in islice(combinations(sorted(system, key=len), 3), _TRIPLES):
         if _variables(ring, three) >= places and solvable_in_space(three, ring.moving):
             work.check()
-            found = _held(ring, pins, system, list(three))
+            found = _zeros_where(ring, pins, system, list(three))
             if found.samples:
                 return [found]
     return None
@@ -365,7 +365,7 @@ def _curves_alone(ring: Ring, pins: dict[int, str], system: list[Polynomial], wo
     for f, g in combinations(sorted(system, key=len), 2):
         if _variables(ring, [f, g]) >= places:
             work.check()
-            found = _held(ring, pins, system, [f, g])
+            found = _zeros_where(ring, pins, system, [f, g])
             if found.samples and only_curves(system, ring.moving, work.lengths):
                 return [found]
             break
@@ -377,7 +377,7 @@ def _tops(ring: Ring, base: list[Polynomial], system: list[Polynomial], count: i
     held, tops = used_by(base), list[Polynomial]()
     waiting = without(sorted(system, key=len), base)
     while len(tops) < count:
-        own = [(h, {p for p in used(h) if p < ring.moving} - held) for h in waiting]
+        own = [(h, {p for p in variables_in(h) if p < ring.moving} - held) for h in waiting]
         top = next(((h, new) for h, new in own if len(new) == 1), None)
         if top is None:
             break
@@ -394,7 +394,8 @@ def _tower(ring: Ring, system: list[Polynomial]) -> tuple[list[Polynomial], list
         free = [
             f for f in base
             if any(
-                place < ring.moving and not any(g is not f and place in used(g) for g in base) for place in used(f)
+                place < ring.moving and not any(g is not f and place in variables_in(g) for g in base)
+                for place in variables_in(f)
             )
         ]  # fmt: skip
         if not free:
@@ -419,7 +420,7 @@ def _free_on_top(
     for number, top in enumerate(tops):
         before = [*base, *tops[:number]]
         known = used_by(before)
-        own = next(place for place in used(top) if place < ring.moving and place not in known)
+        own = next(place for place in variables_in(top) if place < ring.moving and place not in known)
         others = [ring.form(f) for f in (*before, *tops[number + 1 :], *besides)]
         found += decompose(ring, pins, [*others, *ring.form(top).coefficients(own)], most, work)
     return found
@@ -427,7 +428,7 @@ def _free_on_top(
 
 def _always(ring: Ring, f: Polynomial, work: Work) -> bool:
     """Whether a condition always holds for the arm's own lengths."""
-    if not work.lengths or not any(place >= ring.moving for place in used(f)):
+    if not work.lengths or not any(place >= ring.moving for place in variables_in(f)):
         return False
     values = Point({name: 7 + 11 * place**3 for place, name in enumerate(ring.names)})
     values.update((name, residue(value)) for name, value in work.lengths.items())
@@ -444,8 +445,8 @@ def _distinct(choices: list[list[Atom]]) -> list[dict[Atom, None]]:
             if any(atom in system for atom in choice):
                 longer.append(system)
                 continue
-            pins = {atom.joint for atom in system if atom.pinned}
-            longer += [{**system, atom: None} for atom in choice if not (atom.pinned and atom.joint in pins)]
+            pins = {atom.joint for atom in system if atom.is_pin}
+            longer += [{**system, atom: None} for atom in choice if not (atom.is_pin and atom.joint in pins)]
         systems = []
         for system in sorted(longer, key=len):
             if not any(other.keys() <= system.keys() for other in systems):
@@ -484,14 +485,14 @@ def cut(zero_set: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
         else:
             inside, outside = (None, zero_set)
         if inside is not None:
-            if atom.pinned:
-                pieces += pinned(zero_set, atom.joint, atom.value, work, zero_set.codimension)
+            if atom.is_pin:
+                pieces += components_with_pin(zero_set, atom.joint, atom.value, work, zero_set.codimension)
             else:
                 pieces += [inside]
         if outside is None:
             return pieces
-        if atom.pinned:
-            parts = pinned(outside, atom.joint, atom.value, work)
+        if atom.is_pin:
+            parts = components_with_pin(outside, atom.joint, atom.value, work)
         else:
             parts = cut_half(outside, atom.f, work)
         if parts and parts[0] is zero_set:
@@ -520,13 +521,13 @@ def meet(zero_set: ZeroSet, polynomials: Sequence[Polynomial], work: Work) -> li
 
 def zero_where(ring: Ring, atom: Atom) -> Polynomial:
     """A trigonometric polynomial that is zero, over the reals and modulo P, where an atom holds and nowhere else."""
-    if not atom.pinned:
+    if not atom.is_pin:
         return ring.trig_zero_set(atom.f)
     cosine, sine = COS_SIN[atom.value]
     return ring.one - ring.c[atom.joint] * cosine - ring.s[atom.joint] * sine
 
 
-def pinned(zero_set: ZeroSet, joint: int, value: str, work: Work, codimension: int = 0) -> list[ZeroSet]:
+def components_with_pin(zero_set: ZeroSet, joint: int, value: str, work: Work, codimension: int = 0) -> list[ZeroSet]:
     """The components of a set on which a joint stands at a simple angle.
 
     Args:
@@ -559,14 +560,14 @@ def cut_half(zero_set: ZeroSet, f: Polynomial, work: Work) -> list[ZeroSet]:
     taken = {solved.place for solved in zero_set.solved}
     for joint, _ in form.at_pi:
         if joint not in zero_set.pins and ring.index[f"t{joint}"] not in taken:
-            pieces += pinned(zero_set, joint, "pi", work)
+            pieces += components_with_pin(zero_set, joint, "pi", work)
     # where a denominator vanishes, the condition as it was given still binds the solved variable
-    if any(solved.place in used(f) and used(solved.denominator) for solved in zero_set.solved):
+    if any(solved.place in variables_in(f) and variables_in(solved.denominator) for solved in zero_set.solved):
         given = [f]
     else:
         given = []
     for part in factors(ring, form.f, work):
-        cuts = _with(zero_set, part, work)
+        cuts = _cut_irreducible(zero_set, part, work)
         if given:
             pieces += [replace(piece, known=(*piece.known, *_at_pins(piece, given))) for piece in cuts]
         else:
@@ -590,12 +591,12 @@ def with_points(pieces: Sequence[ZeroSet], work: Work) -> list[ZeroSet]:
     return [piece for piece in pieces if piece.samples]
 
 
-def _with(zero_set: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet]:
+def _cut_irreducible(zero_set: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet]:
     """An irreducible set cut by an irreducible polynomial in variables that are still free on it."""
     ring = zero_set.ring
     atom = ring.atom(h)
-    if atom.pinned:
-        return pinned(zero_set, atom.joint, atom.value, work)
+    if atom.is_pin:
+        return components_with_pin(zero_set, atom.joint, atom.value, work)
     h = atom.f
     if any(divides(h, solved.denominator) for solved in zero_set.solved):
         return []  # the solution does not exist there: see `_edges`
@@ -620,7 +621,7 @@ def _on_top(zero_set: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet] | Non
     """
     ring = zero_set.ring
     bound = used_by(zero_set.rest)
-    own = [place for place in used(h) if place < ring.moving and place not in bound]
+    own = [place for place in variables_in(h) if place < ring.moving and place not in bound]
     if not own:
         return None
     place = min(own, key=lambda k: int(h.degrees()[k]))
@@ -644,7 +645,7 @@ def _normal(zero_set: ZeroSet, f: Polynomial) -> Form:
         else:
             counted = form.f.degrees()
         if counted[solved.place]:
-            form = put(form, solved)
+            form = substitute_into_form(form, solved)
     return form
 
 

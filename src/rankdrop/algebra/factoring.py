@@ -20,7 +20,7 @@ from rankdrop.algebra.polynomial import (
     reduced_roots,
     root_relations,
     roots_in,
-    used,
+    variables_in,
     variables_of,
 )
 from rankdrop.algebra.roots import residues_of_roots
@@ -124,9 +124,9 @@ def _split(f: Polynomial) -> list[Polynomial]:
         return flat_map(_split, (content, quotient(f, content)))
     for shift in range(_SHIFTS):
         look()
-        turned = _shifted(f, shift)
+        turned = _shift_by_roots(f, shift)
         found = norm(turned)[0].factor()[1]
-        parts = [_shifted(gcd(turned, piece), -shift) for piece, _ in found]
+        parts = [_shift_by_roots(gcd(turned, piece), -shift) for piece, _ in found]
         if len(found) > 1:
             return flat_map(_split, (part for part in parts if not is_number(part)))
         if found[0][1] == 1 and all(turned.degrees()[place] for place, _ in root_relations(f.context())):
@@ -139,7 +139,7 @@ def _split(f: Polynomial) -> list[Polynomial]:
 def _content(f: Polynomial) -> Polynomial | None:
     """A factor without one of the variables of f; None where every factor has them all."""
     roots = {place for place, _ in root_relations(f.context())}
-    for place in used(f):
+    for place in variables_in(f):
         if place in roots:
             continue
         content = f.context().constant(0)
@@ -180,7 +180,7 @@ def _slices_irreducible(f: Polynomial) -> bool:
     """
     roots = {place for place, _ in root_relations(f.context())}
     degrees = f.degrees()
-    places = [place for place in used(f) if place not in roots]
+    places = [place for place in variables_in(f) if place not in roots]
     if len(places) < 3:
         return False
     x = min(places, key=lambda place: int(degrees[place]))
@@ -218,7 +218,7 @@ def _squarefree(f: Polynomial) -> Polynomial | None:
     return quotient(f, common)
 
 
-def _shifted(f: Polynomial, shift: int) -> Polynomial:
+def _shift_by_roots(f: Polynomial, shift: int) -> Polynomial:
     """f(x + shift · Σ k w_k) for one of its variables: its norm has no square for almost every shift."""
     if shift == 0:
         return f

@@ -15,7 +15,7 @@ from math import lcm, prod
 from typing import Any
 
 from rankdrop.algebra.matrix import entries
-from rankdrop.algebra.polynomial import COS_SIN, TANGENT, Atom, Polynomial, flint, used, used_by
+from rankdrop.algebra.polynomial import COS_SIN, TANGENT, Atom, Polynomial, flint, used_by, variables_in
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.roots import PRIMES, ROOTS, Number, Surd, residues_of_roots, roots_of
 from rankdrop.algebra.work import tick
@@ -40,7 +40,7 @@ class Point(dict[str, int]):
         super().__init__(values)
         self.prime = prime
 
-    def changed(self, values: Mapping[str, int]) -> Point:
+    def replace_values(self, values: Mapping[str, int]) -> Point:
         """The point with other values of some variables."""
         return Point({**self, **values}, self.prime)
 
@@ -70,7 +70,7 @@ def roots_at(ring: Ring, prime: int) -> dict[str, int]:
     return found
 
 
-def reduced(f: Polynomial, prime: int = P) -> Polynomial:
+def modulo_prime(f: Polynomial, prime: int = P) -> Polynomial:
     """A polynomial over the rationals modulo a prime (`flint.nmod_mpoly` in the same variables)."""
     module = flint()
     context = module.nmod_mpoly_ctx.get(list(f.context().names()), prime, module.Ordering.lex)
@@ -81,7 +81,7 @@ def reduced(f: Polynomial, prime: int = P) -> Polynomial:
 Terms = list[tuple[int, list[tuple[str, int]]]]
 """Coefficient modulo a prime, and (variable, power) of each variable that occurs, of each term."""
 Image = tuple[Polynomial, Polynomial, tuple[str, ...], Terms]
-"""A polynomial, so that its id is no other one's, `reduced`, names of the variables, and the terms of a short one."""
+"""A polynomial, so that its id is no other one's, `modulo_prime`, names of the variables, the terms of a short one."""
 
 
 def _image(ring: Ring, f: Polynomial, prime: int) -> Image:
@@ -89,7 +89,7 @@ def _image(ring: Ring, f: Polynomial, prime: int) -> Image:
     known: Image | int | None = ring.images.get(key)
     if known is None or isinstance(known, int):
         tick(8 * len(f))
-        image, names = reduced(f, prime), tuple(f.context().names())
+        image, names = modulo_prime(f, prime), tuple(f.context().names())
         short: Terms = []
         if len(f) <= _SHORT:
             short = [
@@ -130,7 +130,7 @@ def _early_value(ring: Ring, f: Polynomial, point: Point, uses: int) -> int:
     known = ring.images.get(id(f))
     if known is None:
         tick(3 * len(f))
-        known = ring.images.keep(id(f), (f, *_read(f)), len(f))
+        known = ring.images.keep(id(f), (f, *_integer_terms(f)), len(f))
     _, bottom, terms = known
     ring.images.keep((id(f), prime), uses + 1, 0)
     tick(10 + 2 * len(f))
@@ -146,9 +146,9 @@ def _early_value(ring: Ring, f: Polynomial, point: Point, uses: int) -> int:
     return int(total * pow(bottom, -1, prime) % prime)
 
 
-def _read(f: Polynomial) -> tuple[int, list[tuple[int, list[tuple[int, int]]]]]:
+def _integer_terms(f: Polynomial) -> tuple[int, list[tuple[int, list[tuple[int, int]]]]]:
     """A common denominator, and for each term its whole numerator and (place, power) of the variables in it."""
-    values, places = f.coeffs(), used(f)
+    values, places = f.coeffs(), variables_in(f)
     bottom = lcm(*(int(value.q) for value in values))
     return bottom, [
         (int(value.p) * (bottom // int(value.q)), [(place, int(powers[place])) for place in places if powers[place]])
@@ -176,7 +176,7 @@ def residues(
 
 def univariate(ring: Ring, f: Polynomial, name: str, point: Point) -> list[int]:
     """f as a polynomial in one variable, the others at a point: coefficients from power 0 up, modulo its prime."""
-    put, names = _put(ring, f, (name,), point)
+    put, names = _evaluate_but(ring, f, (name,), point)
     return dense(put, names.index(name))
 
 
@@ -187,14 +187,14 @@ def bivariate(ring: Ring, f: Polynomial, one: str, two: str, point: Point) -> Po
 
 def slice_at(ring: Ring, f: Polynomial, moving: Sequence[str], point: Point) -> Polynomial:
     """f as a polynomial in two or three variables modulo the prime of a point (`flint.nmod_mpoly` in x, y, z)."""
-    put, names = _put(ring, f, moving, point)
+    put, names = _evaluate_but(ring, f, moving, point)
     places = [names.index(name) for name in moving]
     module = flint()
     context = module.nmod_mpoly_ctx.get(list("xyz"[: len(moving)]), point.prime, module.Ordering.lex)
     return context.from_dict({tuple(int(e[k]) for k in places): int(value) for e, value in put.to_dict().items()})
 
 
-def _put(
+def _evaluate_but(
     ring: Ring, f: Polynomial, left: Sequence[str], point: Point
 ) -> tuple[Polynomial, tuple[str, ...]]:
     """f modulo the prime with every variable but those left at a point, and the names of its variables."""
@@ -234,7 +234,7 @@ def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
     """Whether an atom, or a trigonometric polynomial = 0, holds at a point."""
     if not isinstance(f, Atom):
         return value_at(ring, f, point) == 0
-    if f.pinned:
+    if f.is_pin:
         return stands(point, f.joint, f.value)
     return half_angle_value(ring, f.f, point) == 0
 

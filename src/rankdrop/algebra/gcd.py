@@ -89,12 +89,12 @@ def _from_images(
     names = roots_in(f)
     last = primes_with(names)[-1]
     both = (_Images(f), _Images(g))
-    there = [images.at(residues_of_roots(names, last) or {}, last) for images in both]
+    there = [images.with_roots(residues_of_roots(names, last) or {}, last) for images in both]
     known: dict[tuple[int, ...], int] = {}
     modulus = 1
     for number, prime in enumerate(_lifting(names), 1):
         look()
-        image = _combined(both, names, prime, combine)
+        image = _combine_images(both, names, prime, combine)
         if image is None:
             return None
         step = pow(modulus, -1, prime)
@@ -110,7 +110,7 @@ def _from_images(
     raise TooLong(Halt(HaltKind.COEFFICIENTS))
 
 
-def _combined(
+def _combine_images(
     images_of: tuple[_Images, _Images], names: tuple[str, ...], prime: int, combine: Combine
 ) -> dict[tuple[int, ...], int] | None:
     """Coefficients modulo a prime of the combination of two polynomials, by the powers of all variables."""
@@ -120,7 +120,7 @@ def _combined(
     choices, images = list(embeddings(names, prime)), []
     for choice in choices:
         look()
-        both = combine(f.at(choice, prime), g.at(choice, prime))
+        both = combine(f.with_roots(choice, prime), g.with_roots(choice, prime))
         if both is None:
             return None
         images.append({tuple(map(int, e)): int(c) for e, c in both.to_dict().items()})
@@ -197,7 +197,7 @@ class _Images:
         """Places of the roots among the variables: the last ones."""
         return range(self._first, len(self._names))
 
-    def at(self, roots: Mapping[str, int], prime: int) -> Polynomial:
+    def with_roots(self, roots: Mapping[str, int], prime: int) -> Polynomial:
         """f modulo a prime for one choice of signs of the roots (`flint.nmod_mpoly` in the same variables)."""
         module = flint()
         context = module.nmod_mpoly_ctx.get(list(self._names), prime, module.Ordering.lex)

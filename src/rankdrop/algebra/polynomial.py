@@ -60,14 +60,14 @@ def flint() -> ModuleType:
     return module
 
 
-def used(f: Polynomial) -> list[int]:
+def variables_in(f: Polynomial) -> list[int]:
     """Places of the variables that occur in f."""
     return [place for place, degree in enumerate(f.degrees()) if degree > 0]
 
 
 def used_by(polynomials: Iterable[Polynomial]) -> set[int]:
     """Places of the variables that occur in any of them."""
-    return set(flat_map(used, polynomials))
+    return set(flat_map(variables_in, polynomials))
 
 
 def coefficients(f: Polynomial, place: int) -> list[Polynomial]:
@@ -116,7 +116,7 @@ class Atom:
         return hash(self.key)
 
     @property
-    def pinned(self) -> bool:
+    def is_pin(self) -> bool:
         """Whether the condition is one joint at a simple angle."""
         return self.f is None
 
@@ -162,7 +162,7 @@ class Equality:
 
 def order(atom: Atom) -> tuple[Any, ...]:
     """Sort key of atoms: pinned joints by number and value, then polynomials by length."""
-    if atom.pinned:
+    if atom.is_pin:
         return (0, atom.joint, SIMPLE.index(atom.value), "")
     return (1, len(atom.f), 0, atom.key)
 

@@ -37,7 +37,7 @@ from rankdrop.algebra.polynomial import (
     primitive,
     reduced_roots,
     roots_in,
-    used,
+    variables_in,
 )
 from rankdrop.algebra.roots import Number, Surd, primes_with, sums_over_roots, with_inner
 from rankdrop.algebra.work import tick
@@ -257,7 +257,7 @@ class Ring:
 
     def is_unit(self, f: Polynomial) -> bool:
         """Whether f is 1 + t_j² up to a number: without a real zero."""
-        places = used(f)
+        places = variables_in(f)
         if len(places) != 1 or places[0] >= self.angles or len(f) != 2:
             return False
         t = self.half.gens()[places[0]]
@@ -266,7 +266,7 @@ class Ring:
     def atom(self, f: Polynomial) -> Atom:
         """The atom of an irreducible half-angle polynomial."""
         f = primitive(f)
-        places = used(f)
+        places = variables_in(f)
         if len(places) == 1 and places[0] < self.angles and f.total_degree() == 1:
             j = self.revolute[places[0]]
             for value, root in TANGENT.items():
@@ -280,7 +280,7 @@ class Ring:
 
     def half_of(self, atom: Atom) -> Polynomial:
         """The half-angle polynomial that vanishes where an atom other than θ = π holds."""
-        if atom.pinned:
+        if atom.is_pin:
             return self.t[atom.joint] - TANGENT[atom.value]
         return atom.f
 
@@ -444,9 +444,9 @@ class Form:
         if len(f) > MANY:
             raise TooLong(Halt(HaltKind.FACTORING, terms=len(f)))
         if len(f) > _FAMILIAR:
-            return self._factored()
+            return self._factors_found()
         key = (str(f), self.degrees)
-        known: Factors = ring.known.get(key) or ring.known.keep(key, self._factored(), len(f))
+        known: Factors = ring.known.get(key) or ring.known.keep(key, self._factors_found(), len(f))
         return known
 
     @property
@@ -461,14 +461,14 @@ class Form:
             return _OVER_ROOTS * here
         return here
 
-    def _factored(self) -> Factors:
+    def _factors_found(self) -> Factors:
         ring, f = self.ring, self.f
         tick(self.cost)
         found = factor(f)
         letters = list[tuple[Polynomial, int]]()
         atoms = [(ring.pin(joint, "pi"), multiplicity) for joint, multiplicity in self.at_pi]
         for one, multiplicity in found:
-            if all(place >= ring.moving for place in used(one)):
+            if all(place >= ring.moving for place in variables_in(one)):
                 letters.append((primitive(one), multiplicity))
             elif not ring.is_unit(one):
                 atoms.append((ring.atom(one), multiplicity))
@@ -477,7 +477,7 @@ class Form:
 
 def polynomial_of(ring: Ring, atom: Atom) -> Polynomial:
     """A trigonometric polynomial that vanishes where an atom holds, and nowhere else."""
-    if not atom.pinned:
+    if not atom.is_pin:
         return ring.trig_zero_set(atom.f)
     c, s = ring.c[atom.joint], ring.s[atom.joint]
     return {"0": 1 - c, "pi": 1 + c, "pi/2": 1 - s, "-pi/2": 1 + s}[atom.value]

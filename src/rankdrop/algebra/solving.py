@@ -17,7 +17,7 @@ from functools import reduce
 from itertools import chain, combinations, permutations
 from math import prod
 
-from rankdrop.algebra.field import dense, plane_size, reduced, residue, roots, solvable_in_space
+from rankdrop.algebra.field import dense, modulo_prime, plane_size, residue, roots, solvable_in_space
 from rankdrop.algebra.gcd import image_modulo
 from rankdrop.algebra.halt import Halt, HaltKind, TooLong
 from rankdrop.algebra.polynomial import (
@@ -30,8 +30,8 @@ from rankdrop.algebra.polynomial import (
     primitive,
     reduced_roots,
     roots_in,
-    used,
     used_by,
+    variables_in,
 )
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.roots import PRIMES, primes_with, residues_of_roots
@@ -53,7 +53,7 @@ class Solved:
     denominator: Polynomial
 
 
-def put(form: Form, solved: Solved) -> Form:
+def substitute_into_form(form: Form, solved: Solved) -> Form:
     """A form with a solved variable put in."""
     ring, f = form.ring, form.f
     turning = solved.place < ring.angles
@@ -66,10 +66,10 @@ def put(form: Form, solved: Solved) -> Form:
     if turning:
         left[solved.place] = 0
     missing = power - int(f.degrees()[solved.place])
-    return Form(ring, reduced_roots(substituted(f, solved) * solved.denominator**missing), tuple(left))
+    return Form(ring, reduced_roots(substitute_solution(f, solved) * solved.denominator**missing), tuple(left))
 
 
-def substituted(f: Polynomial, solved: Solved) -> Polynomial:
+def substitute_solution(f: Polynomial, solved: Solved) -> Polynomial:
     """f(t_k = N / D) · D^degree.
 
     Raises:
@@ -109,7 +109,7 @@ def linear(ring: Ring, f: Polynomial) -> Solved | None:
 
 def unit(ring: Ring, f: Polynomial) -> bool:
     """Whether f has no configuration in it, or no real zero for a plain reason."""
-    return all(place >= ring.moving for place in used(f)) or ring.is_unit(f)
+    return all(place >= ring.moving for place in variables_in(f)) or ring.is_unit(f)
 
 
 def atoms(form: Form, work: Work) -> list[Atom]:
@@ -119,7 +119,7 @@ def atoms(form: Form, work: Work) -> list[Atom]:
     letters, every = form.factors()
     for one, _ in letters:
         work.assume(one)
-    return [atom for atom, _ in every if atom.pinned or not plainly_positive(form.ring, atom.f)]
+    return [atom for atom, _ in every if atom.is_pin or not plainly_positive(form.ring, atom.f)]
 
 
 def factors(ring: Ring, f: Polynomial, work: Work) -> list[Polynomial]:
@@ -144,10 +144,10 @@ def plainly_positive(ring: Ring, f: Polynomial) -> bool:
 
 def without_real_root(f: Polynomial) -> bool:
     """Whether a polynomial in one variable, with numbers for lengths, is proven to have no real zero."""
-    if len(used(f)) > 1 + len(roots_in(f)):
+    if len(variables_in(f)) > 1 + len(roots_in(f)):
         return False
     f = norm(f)[0]
-    places = used(f)
+    places = variables_in(f)
     if len(places) != 1:
         return False
     whole = [0] * (int(f.degrees()[places[0]]) + 1)
@@ -178,7 +178,7 @@ def _projections(ring: Ring, system: Sequence[Polynomial], place: int, other: in
     """Polynomials in one of two variables, each a divisor of the one before, that vanish at the zeros of a system."""
     common: Polynomial = system[0] * 0
     for f in system:
-        if used(f) == [place]:
+        if variables_in(f) == [place]:
             common = common.gcd(f)
             yield common
     for f, g in combinations(sorted(system, key=len), 2):
@@ -192,7 +192,7 @@ def _projections(ring: Ring, system: Sequence[Polynomial], place: int, other: in
 
 def _never_real(f: Polynomial) -> bool:
     """Whether a polynomial in at most one variable is seen to have no real zero."""
-    return f != 0 and (not used(f) or without_real_root(f))
+    return f != 0 and (not variables_in(f) or without_real_root(f))
 
 
 _LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages
@@ -207,8 +207,8 @@ def divisions(ring: Ring, system: list[Polynomial]) -> Iterator[tuple[Polynomial
     may factor where the condition itself did not.
     """
     for f, g in permutations(system, 2):
-        joints = {place for place in used(f) if place < ring.moving}
-        if joints < {place for place in used(g) if place < ring.moving}:
+        joints = {place for place in variables_in(f) if place < ring.moving}
+        if joints < {place for place in variables_in(g) if place < ring.moving}:
             for k in joints:
                 if f.degrees()[k] <= g.degrees()[k] and unit(ring, coefficients(f, k)[-1]):
                     yield f, g, k
@@ -255,10 +255,10 @@ def pairs(ring: Ring, system: list[Polynomial]) -> list[tuple[Polynomial, Polyno
 
 def _cost(f: Polynomial, g: Polynomial, k: int) -> tuple[int, int, int]:
     """Sort key: variables, degree and terms of what the two would be combined into."""
-    return len({*used(f), *used(g)}), f.degrees()[k] * g.degrees()[k], len(f) * len(g)
+    return len({*variables_in(f), *variables_in(g)}), f.degrees()[k] * g.degrees()[k], len(f) * len(g)
 
 
-def combined(ring: Ring, f: Polynomial, g: Polynomial, k: int) -> Polynomial:
+def combine_to_linear(ring: Ring, f: Polynomial, g: Polynomial, k: int) -> Polynomial:
     """Two conditions of degree 2 in a variable combined into one of degree 1; others into one without the variable."""
     if f.degrees()[k] == g.degrees()[k] == 2:
         return reduced_roots(f * coefficients(g, k)[2] - g * coefficients(f, k)[2])
@@ -303,7 +303,7 @@ def binds_more(
 
 def _in_two_variables(system: Sequence[Polynomial], moving: int) -> Iterator[list[Polynomial]]:
     """Three or more conditions of a system on the same two variables: they rarely have a zero, whatever the others."""
-    places = [{place for place in used(f) if place < moving} for f in system]
+    places = [{place for place in variables_in(f) if place < moving} for f in system]
     for pair in {tuple(sorted(one)) for one in places if len(one) == 2}:
         part = [f for f, here in zip(system, places, strict=True) if here <= {*pair}]
         if 2 < len(part) < len(system):
@@ -317,7 +317,7 @@ def _have_no_common_zero(system: Sequence[Polynomial], moving: int, lengths: Map
 
 def _moving_places(system: Sequence[Polynomial], moving: int) -> list[int]:
     """The joints' variables, which are the first `moving` of them, that some conditions are in."""
-    places = sorted(set().union(*map(used, system)))
+    places = sorted(set().union(*map(variables_in, system)))
     return [place for place in places if place < moving]
 
 
@@ -338,7 +338,7 @@ def nowhere(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fra
     context = module.nmod_mpoly_ctx.get(list("xyz"), prime, module.Ordering.lex)
     forms = []
     for f in system:
-        here = reduced(f, prime).subs(known).to_dict().items()
+        here = modulo_prime(f, prime).subs(known).to_dict().items()
         forms.append(context.from_dict({tuple(int(e[place]) for place in places): int(c) for e, c in here}))
     for first in range(3):
         planes = _all_resultants(forms, first)
@@ -346,7 +346,7 @@ def nowhere(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fra
             if second != first:
                 lines = [f for f in _all_resultants(planes, second) if f != 0]
                 circle = 1 + context.gens()[3 - first - second] ** 2
-                if lines and _without(_common(lines), circle).is_constant():
+                if lines and _divide_out_shared(_common(lines), circle).is_constant():
                     return True
     return False
 
@@ -418,14 +418,14 @@ def _only_curves_on(
     if any(f == 0 for f in planes):
         return False
     curves = _common(planes)
-    beside = sorted((_without(f, curves) for f in planes), key=lambda f: int(f.total_degree()))
+    beside = sorted((_divide_out_shared(f, curves) for f in planes), key=lambda f: int(f.total_degree()))
     if beside[0].is_constant():
         return True
     lines = [f for f in _all_resultants(beside, 1) if f != 0]
     if not lines:
         return False
     z = lines[0].context().gens()[2]
-    return bool(_without(_common(lines), 1 + z**2).is_constant())
+    return bool(_divide_out_shared(_common(lines), 1 + z**2).is_constant())
 
 
 def _all_resultants(polynomials: Sequence[Polynomial], place: int) -> list[Polynomial]:
@@ -437,7 +437,7 @@ def _all_resultants(polynomials: Sequence[Polynomial], place: int) -> list[Polyn
     return [*outside, *(inside[0].resultant(f, "xyz"[place]) for f in inside[1:])]
 
 
-def _without(f: Polynomial, g: Polynomial) -> Polynomial:
+def _divide_out_shared(f: Polynomial, g: Polynomial) -> Polynomial:
     """f without all factors that it shares with g."""
     while g != 0 and not f.is_constant():
         shared = f.gcd(g)
@@ -472,7 +472,7 @@ def _zeros(
     places = sorted(place for place in used_by(system) if place < moving)
     circles = [1 + forms[place] ** 2 for place in places if names[place][0] == "t"]
     sliced = sorted(
-        (reduced(f, prime).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree())
+        (modulo_prime(f, prime).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree())
     )
     tick(sum(100 + 8 * len(f) for f in system))
     return (_zero_on_line if dimension == 1 else _zero_in_plane)(sliced, circles, prime)
@@ -481,7 +481,7 @@ def _zeros(
 def _zero_on_line(sliced: Sequence[Polynomial], circles: Sequence[Polynomial], prime: int) -> bool | None:
     common = _common(sliced)
     for circle in circles:
-        common = _without(common, circle)
+        common = _divide_out_shared(common, circle)
     if common.is_constant():
         return False
     if roots(dense(common, 0), prime):
@@ -502,7 +502,7 @@ def _zero_in_plane(sliced: Sequence[Polynomial], circles: Sequence[Polynomial], 
         if common == 0:
             continue
         for edge in edges:
-            common = _without(common, edge)
+            common = _divide_out_shared(common, edge)
         if common.is_constant():  # the further conditions cannot change that
             return False
     if common == 0:

@@ -30,7 +30,7 @@ def tick(microseconds: float) -> None:
     _spent += microseconds
 
 
-def spent() -> float:
+def work_spent() -> float:
     """The work done since the process began [s of an idle machine]."""
     return _spent * 1e-6
 
@@ -61,8 +61,8 @@ class Work:
     """One derivation in progress.
 
     Args:
-        seconds: limit on work from now on, by `spent`; infinity for none. The safety limit on the processor's time is
-            `SAFETY` times as much.
+        seconds: limit on work from now on, by `work_spent`; infinity for none. The safety limit on the processor's time
+            is `SAFETY` times as much.
         seed: of the random points.
         progress: called now and then as progress(label, done, total).
 
@@ -81,7 +81,7 @@ class Work:
     """
 
     def __init__(self, seconds: float = inf, seed: int = 0, progress: Progress | None = None) -> None:
-        self._end = spent() + seconds
+        self._end = work_spent() + seconds
         self._last = process_time() + SAFETY * seconds
         self.seed = seed
         self._progress = progress
@@ -101,7 +101,7 @@ class Work:
         Raises:
             OutOfTime: the limit has passed.
         """
-        if spent() > self._end:
+        if work_spent() > self._end:
             self.limited = True
             raise OutOfTime
         if process_time() > self._last:
@@ -123,7 +123,7 @@ class Work:
         """
         end, last = self._end, self._last
         if part < 1.0:
-            self._end = spent() + max(part * self.left, least)
+            self._end = work_spent() + max(part * self.remaining, least)
             self._last = process_time() + part * self.time_left
         try:
             yield
@@ -137,7 +137,7 @@ class Work:
         """Until the end of the block the limit is so much work; the function given undoes what was noted in it."""
         noted = list(self.unresolved), dict(self.without_points), dict(self.assumed), self.special, self.limited
         end = self._end
-        self._end = min(end, spent() + seconds)
+        self._end = min(end, work_spent() + seconds)
 
         def undo() -> None:
             self.unresolved, self.without_points, self.assumed = list(noted[0]), dict(noted[1]), dict(noted[2])
@@ -150,7 +150,7 @@ class Work:
 
     def again(self) -> Work:
         """A derivation begun anew, with the same limits."""
-        new = Work(self.left, self.seed, self._progress)
+        new = Work(self.remaining, self.seed, self._progress)
         new._last = self._last
         return new
 
@@ -160,9 +160,9 @@ class Work:
         self._last = min(self._last, process_time() + GRACE)
 
     @property
-    def left(self) -> float:
+    def remaining(self) -> float:
         """Work until the limit [s]."""
-        return self._end - spent()
+        return self._end - work_spent()
 
     @property
     def time_left(self) -> float:

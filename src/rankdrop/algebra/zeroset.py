@@ -33,7 +33,7 @@ from rankdrop.algebra.field import (
     value_at,
     zeros_in_space,
 )
-from rankdrop.algebra.polynomial import TANGENT, Atom, Polynomial, used, used_by
+from rankdrop.algebra.polynomial import TANGENT, Atom, Polynomial, used_by, variables_in
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.roots import FURTHER, ROOTS, Number, primes_with
 from rankdrop.algebra.solving import Solved
@@ -81,10 +81,10 @@ class ZeroSet:
         return cls(ring, {})
 
     @classmethod
-    def where(cls, ring: Ring, atom: Atom) -> ZeroSet:
+    def where_atom(cls, ring: Ring, atom: Atom) -> ZeroSet:
         """The configurations at which one atom holds."""
-        own = () if atom.pinned else (atom.f,)
-        return cls(ring, {atom.joint: atom.value} if atom.pinned else {}, rest=own, equations=own)
+        own = () if atom.is_pin else (atom.f,)
+        return cls(ring, {atom.joint: atom.value} if atom.is_pin else {}, rest=own, equations=own)
 
     @cached_property
     def codimension(self) -> int:
@@ -187,27 +187,27 @@ class ZeroSet:
     def _moving(self, f: Polynomial) -> list[int]:
         """Places of the variables of joints in a condition that no other one is solved for."""
         taken = {one.place for one in self.solved}
-        return [place for place in used(f) if place < self.ring.moving and place not in taken]
+        return [place for place in variables_in(f) if place < self.ring.moving and place not in taken]
 
     def _towers(self, values: Point, place: int) -> Iterator[Point]:
         """All ways to solve the conditions from the third on, one after the other, each for a variable of its own."""
         if place >= len(self.rest):
             yield values
             return
-        own = self._own(self._ordered, place)
+        own = self._own(self._unsolved_in_order, place)
         if own is None:
             return
         name = self.ring.names[own]
-        for root in roots(univariate(self.ring, self._ordered[place], name, values), values.prime):
-            yield from self._towers(values.changed({name: root}), place + 1)
+        for root in roots(univariate(self.ring, self._unsolved_in_order[place], name, values), values.prime):
+            yield from self._towers(values.replace_values({name: root}), place + 1)
 
     def _own(self, conditions: Sequence[Polynomial], place: int) -> int | None:
         """A variable of one of some conditions that those before it are not in; None where there is none."""
         before = used_by(conditions[:place]) | {one.place for one in self.solved}
-        return next((p for p in used(conditions[place]) if p < self.ring.moving and p not in before), None)
+        return next((p for p in variables_in(conditions[place]) if p < self.ring.moving and p not in before), None)
 
     @cached_property
-    def _ordered(self) -> tuple[Polynomial, ...]:
+    def _unsolved_in_order(self) -> tuple[Polynomial, ...]:
         """The unsolved conditions: two, then those that have a variable of their own each; as given without such two.
 
         A short pair is preferred.
@@ -237,7 +237,7 @@ class ZeroSet:
         """Whether the conditions may hold on several irreducible sets at once."""
         return len(self.rest) > 1
 
-    def without(self, *nonzero: Atom) -> ZeroSet:
+    def remove_zeros(self, *nonzero: Atom) -> ZeroSet:
         """The part on which none of some atoms vanishes."""
         return replace(self, nonzero=tuple(dict.fromkeys((*self.nonzero, *nonzero))))
 
@@ -274,7 +274,7 @@ class ZeroSet:
     @cached_property
     def _base(self) -> int:
         """How many unsolved conditions are solved together: three where the third has no variable of its own."""
-        if len(self.rest) > 2 and self._own(self._ordered, 2) is None:
+        if len(self.rest) > 2 and self._own(self._unsolved_in_order, 2) is None:
             return 3
         return 2
 
@@ -289,11 +289,11 @@ class ZeroSet:
         Returns:
             None where three conditions have zeros on a slice that are not isolated: then a set is larger than thought.
         """
-        ring, first = self.ring, self._ordered[: self._base]
+        ring, first = self.ring, self._unsolved_in_order[: self._base]
         own = [{*self._moving(f)} for f in first]
         points: list[Point] = []
         for moving in combinations(sorted(set.union(*own)), len(first)):
-            if not _matched(own, moving):
+            if not _has_matching(own, moving):
                 continue
             names = [ring.names[place] for place in moving]
             for prime in primes:
@@ -303,7 +303,7 @@ class ZeroSet:
                 if zeros is None:
                     return None
                 for zero in zeros:
-                    points += self._above(values.changed(dict(zip(names, zero, strict=True))))
+                    points += self._above(values.replace_values(dict(zip(names, zero, strict=True))))
         return points
 
     def _above(self, values: Point) -> Iterator[Point]:
@@ -382,7 +382,7 @@ class ZeroSet:
             return False
         return other.holds_at(self.samples)
 
-    def inside(self, other: ZeroSet) -> bool:
+    def lies_inside(self, other: ZeroSet) -> bool:
         """Whether this set lies inside another one; False, too, where that is open.
 
         It is where the conditions hold and every solution of the other set exists. Where a denominator vanishes on
@@ -407,7 +407,7 @@ class ZeroSet:
         return True
 
 
-def _matched(own: Sequence[set[int]], moving: Sequence[int]) -> bool:
+def _has_matching(own: Sequence[set[int]], moving: Sequence[int]) -> bool:
     """Whether each condition can be given a moving variable of its own."""
     return any(all(place in mine for place, mine in zip(one, own, strict=True)) for one in permutations(moving))
 
@@ -416,6 +416,6 @@ def independent(pieces: Sequence[ZeroSet]) -> list[ZeroSet]:
     """The sets that lie in no other one."""
     kept: list[ZeroSet] = []
     for one in sorted(pieces, key=lambda v: v.codimension):
-        if not any(one.inside(other) for other in kept):
+        if not any(one.lies_inside(other) for other in kept):
             kept.append(one)
     return kept

@@ -34,7 +34,7 @@ from enum import Enum
 from fractions import Fraction
 from itertools import product
 
-from rankdrop.algebra.polynomial import Atom, Polynomial, order, used
+from rankdrop.algebra.polynomial import Atom, Polynomial, order, variables_in
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work
 from rankdrop.aspects.cells import ONE, Box, Condition, Either, Parts, Positive, Shadow, count_parts
@@ -139,7 +139,7 @@ def walls_of(chain: Chain, work: Work) -> Signs | None:
         None where the derivation did not end: a condition may be missing.
     """
     tree = rank_tree(chain, work, lowest=generic_rank(chain.own, chain.own_task) - 1)
-    if not tree.finished:
+    if not tree.is_finished:
         return None
     atoms = []
     for drop in tree.drops:
@@ -239,7 +239,7 @@ def polynomial_of(factor: SignedFactor) -> Polynomial:
     f = ring.half.constant(1)
     degrees = [0] * ring.angles
     for atom in factor.atoms:
-        if atom.pinned:
+        if atom.is_pin:
             place = ring.index[f"t{atom.joint}"]
             degrees[place] += 1
             if atom.value == "pi":
@@ -395,7 +395,7 @@ class Peeling:
         cut = [atom.joint for atom in new]
         held = set(flat_map(self._joints, others))
         cut_once = len(set(cut)) == len(cut)
-        return all(atom.pinned for atom in new) and cut_once and not (held | self.box.keys()) & set(cut)
+        return all(atom.is_pin for atom in new) and cut_once and not (held | self.box.keys()) & set(cut)
 
     def _grouped(self) -> list[tuple[int, ...]]:
         return sharing({i: self._joints(i) for i in self._alive()})
@@ -423,7 +423,7 @@ def sharing(joints: Mapping[int, set[int]]) -> list[tuple[int, ...]]:
 def joints_of(ring: Ring, p: Polynomial) -> set[int]:
     """Joints (from 1) that a polynomial of `ring.trig` depends on."""
     names = p.context().names()
-    return {int(names[place][1:]) for place in used(p) if place < 2 * ring.angles + len(ring.prismatic)}
+    return {int(names[place][1:]) for place in variables_in(p) if place < 2 * ring.angles + len(ring.prismatic)}
 
 
 def linear_parts(ring: Ring, p: Polynomial, joint: int) -> _Linear | None:

@@ -211,7 +211,7 @@ class Derivation:
     @property
     def remaining(self) -> float:
         """Wall time that is left [s]."""
-        return self._work.left
+        return self._work.remaining
 
     def check(self, step: Halt) -> None:
         """Continue with a step if there is time.
@@ -268,15 +268,15 @@ class Derivation:
     def finish(self) -> None:
         """Name the factors that were not found, and the lengths assumed ≠ 0 that are 0 for this arm."""
         zero = [factor for factor in self.assumptions if sign_of(self.chain, factor) == 0]
-        self.left += [self._unfinished(UnfinishedKind.ZERO_LENGTHS, conditions=str(factor)) for factor in zero]
+        self.left += [self._record_unfinished(UnfinishedKind.ZERO_LENGTHS, conditions=str(factor)) for factor in zero]
         if self._whole:
-            self.left.append(self._unfinished(UnfinishedKind.FACTORS, number=self._whole))
+            self.left.append(self._record_unfinished(UnfinishedKind.FACTORS, number=self._whole))
 
     def halt(self, halt: Halt) -> None:
         """Note that the method was ended before its end."""
-        self.left.append(self._unfinished(UnfinishedKind.METHOD, halt=halt))
+        self.left.append(self._record_unfinished(UnfinishedKind.METHOD, halt=halt))
 
-    def _unfinished(self, kind: UnfinishedKind, **facts: Any) -> Unfinished:
+    def _record_unfinished(self, kind: UnfinishedKind, **facts: Any) -> Unfinished:
         return Unfinished(kind, method=self.method.replace("_", "-"), corank=self.corank, **facts)
 
     def full_rank(self) -> int:
@@ -355,10 +355,10 @@ class Derivation:
         found: list[ZeroSet] = []
         for atom in sorted(atoms, key=order):
             found += meet(piece, atom, self._work.assumed)
-            piece = piece.without(atom)
+            piece = piece.remove_zeros(atom)
         return found
 
-    def factored(self, p: Polynomial) -> Equality:
+    def factored_equality(self, p: Polynomial) -> Equality:
         """p = 0: factored if there is time, and whole where there is not: the condition is right, if long."""
         try:
             atoms = self.atoms(p)
@@ -370,7 +370,7 @@ class Derivation:
 
     def equality(self, p: Polynomial) -> Equality:
         """`factored`; a polynomial that stays whole is counted as not finished."""
-        found = self.factored(p)
+        found = self.factored_equality(p)
         self._whole += found.whole is not None
         return found
 
@@ -430,7 +430,9 @@ def conditions_on(piece: ZeroSet) -> tuple[Equality, ...]:
     return tuple(Equality((atom,)) for atom in (*pins, *sorted(map(piece.ring.atom, piece.equations), key=order)))
 
 
-def within(piece: ZeroSet, condition: Conjunction, unequal: tuple[tuple[Equality, ...], ...] = ()) -> Conjunction:
+def condition_within(
+    piece: ZeroSet, condition: Conjunction, unequal: tuple[tuple[Equality, ...], ...] = ()
+) -> Conjunction:
     """A condition that holds on a set, with what vanishes there and what does not."""
     nonzero = tuple((Equality((atom,)),) for atom in sorted(piece.nonzero, key=order))
     return Conjunction((*conditions_on(piece), *condition.equal), (*nonzero, *unequal))

@@ -40,7 +40,7 @@ from rankdrop.exact.arm.structure import (
     structure_of,
 )
 from rankdrop.exact.method_reason import Parting, PartingKind
-from rankdrop.exact.signs import look, merged
+from rankdrop.exact.signs import look, pair_angles
 from rankdrop.families.name import ArmPart, FamilyName
 from rankdrop.formula.writing import atoms_text
 from rankdrop.lists import flat_map
@@ -259,7 +259,7 @@ class Block:
     def parts(self) -> tuple[Part, ...]:
         """One per factor that depends on the configuration, named after real configurations on it."""
         powers = dict(self.factors.atoms)
-        return tuple(self._part(atoms, powers) for atoms in merged(list(powers)))
+        return tuple(self._part(atoms, powers) for atoms in pair_angles(list(powers)))
 
     def _part(self, atoms: tuple[Atom, ...], powers: dict[Atom, int]) -> Part:
         chain = self.chain
@@ -363,7 +363,7 @@ def parting_of(chain: Chain) -> Parting:
 def _obstacle(chain: Chain, part: str) -> PartingKind | None:
     """Why no square blocks are looked for; None where they are. `part`: a spherical part of the arm, or ""."""
     n, m = chain.n, chain.task.m
-    if chain.coupled:
+    if chain.has_mimics:
         return PartingKind.COUPLED
     if n > m:
         if chain.task.rows == POSE and part:

@@ -77,7 +77,7 @@ def check_method(
             allowed=", ".join(CHOOSING), mend="name one of them",
         )  # fmt: skip
     check_basic(chain, basic, frame)
-    if method == "suppression" and chain.coupled:
+    if method == "suppression" and chain.has_mimics:
         raise OptionError(
             "suppression needs one screw for each column of the Jacobian", where="method",
             got="joints that follow others", mend="take auto, cofactors, reciprocity, singular-vector or tree",
@@ -125,7 +125,7 @@ def corank_one(
     else:
         found = None
     if found is not None:
-        return _decoupled(chain, found, tree)
+        return _derive_decoupled(chain, found, tree)
     if method == "auto":
         reason = _too_long(chain, tree, MethodReason(parting_of(chain)))
         name = _chosen(chain, tree, reason)
@@ -135,9 +135,9 @@ def corank_one(
     if name == "tree":
         return CorankOne("tree", reason, tree)
     if name == "suppression":
-        derived = _suppressed(chain, reason, tree, work, chosen)
+        derived = _derive_by_suppression(chain, reason, tree, work, chosen)
     else:
-        derived = _compared(chain, name, reason, families, work, chosen)
+        derived = _compare_methods(chain, name, reason, families, work, chosen)
     if method == "reciprocity" and highest is not None:
         basic, frame = chosen
         higher = higher_coranks(chain, highest, tree, work, basic=basic, frame=frame)
@@ -163,7 +163,7 @@ def _has_full_rank(chain: Chain, tree: Tree) -> bool:
 
 
 def _is_for_suppression(chain: Chain) -> bool:
-    return chain.task.m == 6 and 6 < chain.n <= WIDE and not chain.coupled
+    return chain.task.m == 6 and 6 < chain.n <= WIDE and not chain.has_mimics
 
 
 def _chosen(chain: Chain, tree: Tree, reason: MethodReason) -> str:
@@ -179,15 +179,15 @@ def _chosen(chain: Chain, tree: Tree, reason: MethodReason) -> str:
 
 def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne:
     """A second method that nobody asked for and that did not finish says nothing against the rank tree."""
-    if asked != "auto" or not derivation.left or derivation.disagreements or not tree.stated:
+    if asked != "auto" or not derivation.left or derivation.disagreements or not tree.is_stated:
         return derivation
     return CorankOne("tree", replace(derivation.reason, unfinished=derivation.method), derivation.derived)
 
 
-def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree) -> CorankOne:
+def _derive_decoupled(chain: Chain, decoupling: Decoupling, tree: Tree) -> CorankOne:
     """Corank 1 by the factors of the two blocks, each held against the tree's sets of codimension 1."""
     atoms = flat_map(lambda block: block.factors.atoms, decoupling.blocks)
-    said = [ZeroSet.where(chain.ring, atom) for atom, _ in atoms]
+    said = [ZeroSet.where_atom(chain.ring, atom) for atom, _ in atoms]
     drops = [drop.piece for drop in tree.drops if drop.rank < tree.generic_rank and drop.piece.codimension == 1]
     missing, surplus = _inside_none(said, drops), _inside_none(drops, said)
     return CorankOne(
@@ -198,7 +198,7 @@ def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree) -> CorankOne:
 
 def _inside_none(sets: Sequence[ZeroSet], others: Sequence[ZeroSet]) -> list[ZeroSet]:
     """The sets that lie in none of the others."""
-    return [piece for piece in sets if not any(piece.inside(other) for other in others)]
+    return [piece for piece in sets if not any(piece.lies_inside(other) for other in others)]
 
 
 def _differences(
@@ -229,11 +229,11 @@ def _configuration_on(chain: Chain, sets: Sequence[ZeroSet], full_rank: int) -> 
     return (), full_rank
 
 
-def _suppressed(
+def _derive_by_suppression(
     chain: Chain, reason: MethodReason, tree: Tree, work: Work, chosen: Chosen
 ) -> CorankOne:
     basic, frame = chosen
-    found = suppress(chain, frame=frame, basic=basic, seconds=work.left)
+    found = suppress(chain, frame=frame, basic=basic, seconds=work.remaining)
     if found.left:
         left = (Unfinished(UnfinishedKind.SUPPRESSION, number=len(found.left)),)
         return CorankOne("suppression", reason, found, left)
@@ -267,7 +267,7 @@ def _suppression_differences(
     return _differences(chain, "suppression", missing, surplus, tree)
 
 
-def _compared(
+def _compare_methods(
     chain: Chain,
     method: str,
     reason: MethodReason,
@@ -276,7 +276,7 @@ def _compared(
     chosen: Chosen,
 ) -> CorankOne:
     """One of the methods that KG lists; the families' witnesses satisfy it, random configurations do not."""
-    seconds = max(work.left, 0.1)
+    seconds = max(work.remaining, 0.1)
     basic, frame = chosen
     found = derive(chain, method.replace("-", "_"), seconds, frame=frame, basic=basic)
     different = [
@@ -284,7 +284,7 @@ def _compared(
         for family in families if not found.left and not found.holds(family.witness).all()
     ]  # fmt: skip
     q = out_of_units(chain.robot, sample(chain.own, chain.own_task, _REGULAR, 0))
-    sigma = singular_values(chain.parted, q, chain.task)[:, min(chain.task.m, chain.n) - 1]
+    sigma = singular_values(chain.with_part_angles, q, chain.task)[:, min(chain.task.m, chain.n) - 1]
     wrong = int((found.holds(q[sigma > 1e-3])).sum())
     if wrong:
         different.append(Contradiction(ContradictionKind.REGULAR, method=method, wrong=wrong))

@@ -214,7 +214,7 @@ class Determinants:
         told: tuple[str, ...] = words_of(self).lines(self, most)
         return told
 
-    def folded(self) -> bool:
+    def tells_sizes(self) -> bool:
         """Whether `lines` tells a factor by its size."""
         return self.lines() != self.lines(None)
 
@@ -237,7 +237,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
     """
     split = decouple(chain)
     if split is not None:
-        return _decoupled(chain, split)
+        return _block_determinants(chain, split)
     minors: list[Minor] = []
     left: list[MinorsLeft] = []
     shifts = tuple(map(float, chain.whole_shifts))
@@ -268,7 +268,7 @@ def factored_value(ring: Ring, p: Polynomial, work: Work) -> Value:
     """A polynomial over the ring as a value, in factors where the work allows it."""
     # a longer one takes minutes and gigabytes to factor
     work.check()
-    return Value(ring, p, None if p == 0 or len(p) > MANY else ring.factors_within(p, work.left))
+    return Value(ring, p, None if p == 0 or len(p) > MANY else ring.factors_within(p, work.remaining))
 
 
 def _sign(chain: Chain, p: Polynomial, joints: tuple[int, ...]) -> int:
@@ -293,7 +293,7 @@ def maximal_minors(chain: Chain) -> Iterator[MinorChoice]:
     if chain.n == len(rows):
         yield MinorOf.BLOCK, joints, rows
     elif chain.n > len(rows):
-        if len(rows) == 6 and not chain.coupled:
+        if len(rows) == 6 and not chain.has_mimics:
             of = MinorOf.SCREWS
         else:
             of = MinorOf.COLUMNS
@@ -321,7 +321,7 @@ def _row_names(chain: Chain) -> tuple[str, ...]:
     return tuple(ROWS[row] for row in chain.task.rows)
 
 
-def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
+def _block_determinants(chain: Chain, split: Decoupling) -> Determinants:
     """det J11 and det J22 of the blocks, and det J with the sign of their product."""
     ring, rows, shifts = chain.ring, _row_names(chain), tuple(map(float, chain.whole_shifts))
     minors = []

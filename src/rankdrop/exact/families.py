@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rankdrop.algebra.decompose import decompose, with_points
 from rankdrop.algebra.matrix import each_entry, submatrix
-from rankdrop.algebra.polynomial import Polynomial, coefficients, is_number, used
+from rankdrop.algebra.polynomial import Polynomial, coefficients, is_number, variables_in
 from rankdrop.algebra.ring import Form
 from rankdrop.algebra.work import OutOfTime, TooLong, Work, halt_of, watched
 from rankdrop.algebra.zeroset import ZeroSet
@@ -30,10 +30,10 @@ from rankdrop.exact.family import (
     Row,
     Unreal,
     UnrealSet,
-    alone,
     equations_of,
     merge,
     pins_in_q,
+    row_of_set,
     slides_at_zero,
     tidy,
 )
@@ -160,7 +160,7 @@ def full_rank(gradients: Array, wanted: int) -> NDArray[np.bool_]:
 def _discriminant(piece: ZeroSet, f: Polynomial) -> Polynomial | None:
     """b² − 4ac of a condition on one angle alone; None for another one."""
     ring = piece.ring
-    places = [place for place in used(f) if place < ring.moving]
+    places = [place for place in variables_in(f) if place < ring.moving]
     if len(places) != 1 or f.degrees()[places[0]] != 2:
         return None
     c, b, a = coefficients(f, places[0])
@@ -193,7 +193,7 @@ def special_strays(chain: Chain, piece: ZeroSet, rank: int) -> Array:
     found, moving = [aligned], np.delete(np.eye(chain.n), [j - 1 for j in piece.pins], axis=1)
     for solved in piece.solved:
         both = [chain.ring.form(f).at(piece.pins).f for f in (solved.numerator, solved.denominator)]
-        if all(map(used, both)):
+        if all(map(variables_in, both)):
             system = System((*equations, *_equations(chain, both)))
             found.append(system.solve(starts, along=moving, iterations=60)[0])
     found += _with_right_angles(chain, piece, System(equations), starts, moving)
@@ -279,7 +279,7 @@ def add_separating_condition(
         return None
     best: tuple[tuple[int, int], Polynomial] | None = None
     for f in islice(_candidates(chain, piece, rank, known, work), _ENOUGH + len(known)):
-        away = _away(chain, f, strays)
+        away = _count_violations(chain, f, strays)
         if away and (best is None or (-away, len(f)) < best[0]):
             best = ((-away, len(f)), f)
         if away and any(f is condition for condition in known):
@@ -294,7 +294,7 @@ def add_separating_condition(
     return piece.saying(f, chain.ring.trig_zero_set(f))
 
 
-def _away(chain: Chain, f: Polynomial, strays: Array) -> int:
+def _count_violations(chain: Chain, f: Polynomial, strays: Array) -> int:
     """At how many configurations a condition does not hold."""
     equation = Condition(chain.ring, chain.own_polynomial(f)).equation(
         chain.own_numbers, chain.n, chain.whole_shifts.tolist()
@@ -310,16 +310,16 @@ def _candidates(
     seen = {str(f) for f in piece.equations}
     pinned = {ring.index[f"t{joint}"] for joint in piece.pins}
     for f in known:
-        if not pinned & {*used(f)} and piece.half_vanishes(f):
+        if not pinned & {*variables_in(f)} and piece.half_vanishes(f):
             yield f
-    matrix, lower = chain.cleared
+    matrix, lower = chain.cleared_columns
     columns = each_entry(lambda x: ring.at(x, piece.pins), matrix)
     lengths = [[len(x) if x != 0 else 0 for x in column] for column in columns]
     for columns_used, rows_used in islice(by_length(lengths, rank - lower + 1), _MINORS):
         work.check()
         minor = ring.determinant(submatrix(columns, columns_used, rows_used))
         for atom, _ in ring.factor(minor).atoms if minor != 0 else ():
-            if not atom.pinned and atom.key not in seen and piece.half_vanishes(atom.f):
+            if not atom.is_pin and atom.key not in seen and piece.half_vanishes(atom.f):
                 seen.add(atom.key)
                 yield atom.f
 
@@ -399,7 +399,7 @@ def _keep_open(
         cases.append(drop)
         return True
     if open_ is not None:
-        left.append(Unfinished(open_, rank=drop.rank, conditions=alone(piece).text))
+        left.append(Unfinished(open_, rank=drop.rank, conditions=row_of_set(piece).text))
     return False
 
 
@@ -464,7 +464,7 @@ def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:
         slopes.append(Form(ring, slope, form.degrees))
     found = decompose(ring, piece.pins, [form, *slopes], chain.n, work)
     smaller = with_points([component for component in found if component.codimension > piece.codimension], work)
-    columns, lower = chain.cleared
+    columns, lower = chain.cleared_columns
     return [Drop(component, rank_on(columns, component) + lower) for component in smaller]
 
 
@@ -497,7 +497,7 @@ def families(
             realities = [seen[id(piece)] for piece in row.pieces]
             parts = [real.points for real in realities]
             bound = tuple(sorted({j for f in row.equations for j in Condition(chain.ring, f).joints}))
-            told = _described(chain, generic_rank, corank, parts, row.pins, bound)
+            told = _describe_family(chain, generic_rank, corank, parts, row.pins, bound)
             tried = (piece.points(work.rng, _CHECKED) or piece.samples[:_CHECKED] for piece in row.pieces)
             check = rank_agreement(chain, chain_of.from_iterable(tried), rank)
             here.append(_family(chain, corank, row, realities[0].condition, told, check))
@@ -565,7 +565,7 @@ def _family(
     )
 
 
-def _described(
+def _describe_family(
     chain: Chain, generic_rank: int, corank: int, parts: Sequence[Array], pins: Pins, coupled: Sequence[int]
 ) -> tuple[FamilyName, tuple[LostFreedom, ...], tuple[float, ...]]:
     """(name, freedoms lost, witness) of a family, seen at real points of it.

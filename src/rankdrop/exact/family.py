@@ -26,7 +26,7 @@ from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
-from rankdrop.exact.arm.parts import parts_of, slowed, values_in_turns, whole_angles
+from rankdrop.exact.arm.parts import parts_of, scale_angle, values_in_turns, whole_angles
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.record import ExactConditions, Family, Pin, exact_of
 from rankdrop.formula.equation import Equation
@@ -88,7 +88,7 @@ def derived_in_units(family: Family, robot: Robot, numbers: Mapping[str, float] 
     parts = parts_of(robot)
     return replace(
         family,
-        equations=tuple(slowed(equation, parts) for equation in equations_in_parts(family, robot, numbers)),
+        equations=tuple(scale_angle(equation, parts) for equation in equations_in_parts(family, robot, numbers)),
         witness=tuple(float(x) for x in into_units(robot, family.witness)),
     )
 
@@ -114,17 +114,17 @@ def _in_whole_angles(family: Family, robot: Robot) -> Family:
     if max(parts) == 1:
         return family
 
-    def turned(pin: Pin) -> Pin:
+    def pin_in_whole_angles(pin: Pin) -> Pin:
         place = pin.number - 1
         inside = partial(values_in_turns, part=parts[place], lower=robot.lower[place], upper=robot.upper[place])
         return replace(pin, values=tuple(flat_map(inside, pin.values)))
 
     return replace(
         family,
-        pinned=tuple(map(turned, family.pinned)),
-        equations=tuple(slowed(equation, parts) for equation in family.equations),
+        pinned=tuple(map(pin_in_whole_angles, family.pinned)),
+        equations=tuple(scale_angle(equation, parts) for equation in family.equations),
         witness=tuple(float(x) for x in whole_angles(robot, np.array(family.witness))),
-        exact=replace(exact, pinned=tuple(map(turned, exact.pinned))),
+        exact=replace(exact, pinned=tuple(map(pin_in_whole_angles, exact.pinned))),
     )
 
 
@@ -242,7 +242,7 @@ def tidy(piece: ZeroSet, work: Work) -> ZeroSet:
     most = piece.codimension - len(piece.pins)
     system = [ring.form(f) for f in (*found, *piece.equations)]
     for other in decompose(ring, piece.pins, system, most, work):
-        if other.codimension == piece.codimension and other.inside(piece) and piece.inside(other):
+        if other.codimension == piece.codimension and other.lies_inside(piece) and piece.lies_inside(other):
             return other
     return piece
 
@@ -342,12 +342,12 @@ def merge(pieces: Sequence[ZeroSet]) -> list[Row]:
     """
     groups: dict[tuple[str, ...], list[Row]] = {}
     for piece in pieces:
-        groups.setdefault(tuple(sorted(map(str, piece.equations))), []).append(alone(piece))
+        groups.setdefault(tuple(sorted(map(str, piece.equations))), []).append(row_of_set(piece))
     rows = [row for group in groups.values() for row in merge_pairs(group, _angles_joined)]
     return sorted(merge_pairs(rows, _sums_joined), key=_order)
 
 
-def alone(piece: ZeroSet) -> Row:
+def row_of_set(piece: ZeroSet) -> Row:
     """One set as a row of its own."""
     return Row({joint: (value,) for joint, value in sorted(piece.pins.items())}, tuple(piece.equations), (piece,))
 

@@ -62,7 +62,7 @@ def higher_coranks(
     """
     found: list[HigherCorank] = []
     for corank in range(2, min(highest, tree.generic_rank) + 1):
-        derived = derive(chain, "reciprocity", max(work.left, 0.1), frame=frame, basic=basic, corank=corank)
+        derived = derive(chain, "reciprocity", max(work.remaining, 0.1), frame=frame, basic=basic, corank=corank)
         if derived.complete:
             found.append(HigherCorank(derived, _on_sets(derived, tree)))
         else:

@@ -122,7 +122,7 @@ def decided_by_numbers(chain: Chain, tree: Tree, plain: Tree) -> bool:
         tree: of it, with letters; every system was looked into.
         plain: of the arm with numbers for its lengths.
     """
-    return tree.complete and plain.finished and covered_by_numeric_tree(chain, tree, plain)
+    return tree.complete and plain.is_finished and covered_by_numeric_tree(chain, tree, plain)
 
 
 def splits(chain: Chain, tree: Tree) -> bool:
@@ -170,7 +170,7 @@ def covered_by_numeric_tree(chain: Chain, tree: Tree, plain: Tree) -> bool:
     """
     for drop in plain.drops:
         points = [
-            point.changed({name: residue(value, point.prime) for name, value in chain.letters.items()})
+            point.replace_values({name: residue(value, point.prime) for name, value in chain.letters.items()})
             for point in drop.piece.samples
         ]
         if not any(other.piece.holds_at(points) for other in tree.drops if other.rank <= drop.rank):
@@ -240,11 +240,11 @@ def _special_families(
 ) -> list[SpecialFamily]:
     """The families that the special arm has besides."""
     special = chain.with_letters({equal.other: (equal.sign, equal.length)})
-    inner = Work(work.left)
+    inner = Work(work.remaining)
     tree = rank_tree(special, inner, lowest=lowest)
-    if not tree.finished:
+    if not tree.is_finished:
         raise OutOfTime  # what else there is for such lengths is not known
-    fresh = [drop for drop in tree.drops if not _known(drop, drops, equal)]
+    fresh = [drop for drop in tree.drops if not _is_general(drop, drops, equal)]
     rows = []
     for rank in sorted({drop.rank for drop in fresh}, reverse=True):
         pieces = [tidy(drop.piece, inner) for drop in fresh if drop.rank == rank]
@@ -252,9 +252,10 @@ def _special_families(
     return rows
 
 
-def _known(drop: Drop, drops: Sequence[Drop], equal: EqualLengths) -> bool:
+def _is_general(drop: Drop, drops: Sequence[Drop], equal: EqualLengths) -> bool:
     """Whether a set of the special arm lies in one of the general arm's, of the same or a lower rank."""
     points = [
-        point.changed({equal.other: equal.sign * point[equal.length] % point.prime}) for point in drop.piece.samples
+        point.replace_values({equal.other: equal.sign * point[equal.length] % point.prime})
+        for point in drop.piece.samples
     ]
     return any(other.piece.holds_at(points) for other in drops if other.rank <= drop.rank)

@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.algebra.decompose import cut_half, pinned
+from rankdrop.algebra.decompose import components_with_pin, cut_half
 from rankdrop.algebra.polynomial import flint
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.parts import whole_angles
-from rankdrop.exact.family import alone, merge
+from rankdrop.exact.family import merge, row_of_set
 from rankdrop.exact.tree import rank_on
 from rankdrop.formula.equation import System
 from rankdrop.formula.reading import Parsed, parse_conditions
@@ -117,7 +117,7 @@ _ROUND = radians(5.0)
 
 def words(piece: ZeroSet) -> str:
     """The conditions of a set: "θ3 = 0 and a2 c2 + a3 c23 = 0"."""
-    return " and ".join(alone(piece).texts) or "every configuration"
+    return " and ".join(row_of_set(piece).texts) or "every configuration"
 
 
 def round_points(piece: ZeroSet, chain: Chain, *, seed: int = 0, step: float = _ROUND) -> Iterator[Array]:
@@ -184,8 +184,8 @@ def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | Non
         own = general
     same = own.sizes == general.sizes
     told = general if same else own  # with letters where they say the same
-    missing, unreal = told.shown(told.missing, singular=True)
-    extra, more = told.shown(told.extra, singular=False)
+    missing, unreal = told.show_differences(told.missing, singular=True)
+    extra, more = told.show_differences(told.extra, singular=False)
     special_lengths: list[tuple[str, str]] = []
     for condition in parsed:
         special_lengths += [(str(factor), condition.text) for factor in condition.letters]
@@ -222,19 +222,19 @@ class _Comparison:
             replace(condition, form=replace(condition.form, f=condition.form.f.subs(self.values)))
             for condition in parsed
         ]
-        self.singular = independent(flat_map(self.specialised, independent(pieces)))
+        self.singular = independent(flat_map(self.specialise, independent(pieces)))
         self.users = self.zeros()
         self.unknown = [piece for piece in self.users if len(piece.rest) > 2 and not piece.samples]
         self.missing = [piece for piece in self.singular if not self.holds(piece)]
         self.extra = [piece for piece in self.users if piece.samples and rank_on(self.columns, piece) == self.full]
         self.sizes = len(self.missing), len(self.extra)
 
-    def specialised(self, piece: ZeroSet) -> list[ZeroSet]:
+    def specialise(self, piece: ZeroSet) -> list[ZeroSet]:
         if not self.values:
             return [piece]
         found = [ZeroSet(self.ring, {})]
         for joint, value in piece.pins.items():
-            found = flat_map(partial(pinned, joint=joint, value=value, work=self.work), found)
+            found = flat_map(partial(components_with_pin, joint=joint, value=value, work=self.work), found)
         for f in piece.equations:
             own = replace(self.ring.form(f), f=f.subs(self.values))
             cut = partial(self.cut, condition=Parsed(own))
@@ -254,8 +254,8 @@ class _Comparison:
             return [piece]
         found: list[ZeroSet] = []
         for atom in Parsed(form).atoms:
-            if atom.pinned:
-                found += pinned(piece, atom.joint, atom.value, self.work)
+            if atom.is_pin:
+                found += components_with_pin(piece, atom.joint, atom.value, self.work)
             else:
                 found += cut_half(piece, atom.f, self.work)
         return independent(found)
@@ -263,11 +263,13 @@ class _Comparison:
     def holds(self, piece: ZeroSet) -> bool:
         return all(
             condition.form.f == 0
-            or any(piece.stands(x.joint, x.value) if x.pinned else piece.half_vanishes(x.f) for x in condition.atoms)
+            or any(piece.stands(x.joint, x.value) if x.is_pin else piece.half_vanishes(x.f) for x in condition.atoms)
             for condition in self.parsed
         )
 
-    def shown(self, pieces: Sequence[ZeroSet], *, singular: bool) -> tuple[tuple[Difference, ...], list[str]]:
+    def show_differences(
+        self, pieces: Sequence[ZeroSet], *, singular: bool
+    ) -> tuple[tuple[Difference, ...], list[str]]:
         """Differences with an example each, and the sets without one, in words."""
         examples, unreal = {}, []
         for piece in pieces:
@@ -288,7 +290,7 @@ class _Comparison:
         for looked, theta in enumerate(round_points(piece, self.chain)):
             if looked == _LOOKED:
                 break
-            example, largest = self.measured(theta)
+            example, largest = self.measure(theta)
             if singular and example.sigma <= DEFAULT.singular * largest and abs(example.value) > CONDITION_FAILS:
                 clear = abs(example.value)
             elif not singular and example.sigma > RANK_KEPT * largest and abs(example.value) <= DEFAULT.singular:
@@ -299,7 +301,7 @@ class _Comparison:
                 best = (clear, example)
         return None if best is None else best[1]
 
-    def measured(self, theta: Array) -> tuple[Example, float]:
+    def measure(self, theta: Array) -> tuple[Example, float]:
         """The condition and σ at angles; and the largest σ."""
         robot, task = self.chain.robot, self.chain.task
         q = theta - self.chain.shifts

@@ -48,7 +48,7 @@ class Parting:
     rows: int = 0
 
     @property
-    def found(self) -> bool:
+    def parts_exactly(self) -> bool:
         """Whether the Jacobian parts."""
         return self.kind in PARTS
 

@@ -78,12 +78,12 @@ from rankdrop.exact.conjunctions import (
     Derivation,
     Pins,
     columns_on,
+    condition_within,
     conditions_on,
     conjunctions,
     equality_of,
     place_of,
     values_of,
-    within,
 )
 from rankdrop.exact.determinants import MinorChoice, maximal_minors
 from rankdrop.exact.family import merge_pairs
@@ -151,7 +151,7 @@ def _vanish_together(builder: Derivation, minors: Sequence[_MinorOfAll]) -> None
     """
     found = []
     for choice, minor in minors:
-        equality = builder.factored(minor)
+        equality = builder.factored_equality(minor)
         found.append(equality)
         if equality.whole is not None:
             where = zero_of(builder.chain, minor)
@@ -244,9 +244,9 @@ def _wrist_conditions(
     builder: Derivation, atom: Atom, arm: Columns, turns: Columns, wrist: Columns
 ) -> list[Conjunction]:
     """Where rank [J₂₁ N, J₂₂] < 3 with the middle joint at an angle where the wrist's axes are dependent."""
-    here = ZeroSet.where(builder.ring, atom)
+    here = ZeroSet.where_atom(builder.ring, atom)
     arm, turns, wrist = (columns_on(here, block) for block in (arm, turns, wrist))
-    beside = [_combined(builder, turns, null) for null in _null_space(builder, arm)]
+    beside = [_weighted_rotations(builder, turns, null) for null in _null_space(builder, arm)]
     minors = [minor for minor in builder.minors([*beside, *wrist], 3) if minor != 0]
     builder.sizes["wrist minors"] += len(minors)
     pieces = conjunctions(map(builder.equality, minors))
@@ -265,7 +265,7 @@ def check_wrist(chain: Chain) -> None:
             "decomposition needs a task of all six rows", where=where, got=f"{chain.task.m} rows",
             mend="use the method determinant or cofactors",
         )  # fmt: skip
-    if chain.coupled:
+    if chain.has_mimics:
         missing = "mimic joints"
     else:
         missing = _missing(chain)
@@ -308,7 +308,7 @@ def _alternating(minors: Sequence[Polynomial]) -> list[Polynomial]:
     return [-minor if place % 2 else minor for place, minor in enumerate(minors)]
 
 
-def _combined(builder: Derivation, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
+def _weighted_rotations(builder: Derivation, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
     """Σ w_j column_j, the rotations only."""
     return [
         builder.ring.reduce(sum((column[i] * w for column, w in zip(columns, weights, strict=True)), builder.ring.zero))
@@ -321,7 +321,7 @@ def _zeros(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> 
     known = _vanishing(builder, piece, screw)
     if frozenset() in known:
         return []
-    simple = [atoms for atoms in known if any(atom.pinned for atom in atoms)]
+    simple = [atoms for atoms in known if any(atom.is_pin for atom in atoms)]
     if not simple:
         return [condition.equal for condition in conjunctions(map(equality_of, known))]
     here, found = conditions_on(piece), list[tuple[Equality, ...]]()
@@ -341,10 +341,10 @@ def _vanishing(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial])
 
 def _simplest(atoms: Atoms) -> tuple[int, int]:
     """Sort key: fewest polynomials, then fewest atoms."""
-    return sum(not atom.pinned for atom in atoms), len(atoms)
+    return sum(not atom.is_pin for atom in atoms), len(atoms)
 
 
-def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
+def _merge_opposite_angles(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
     """Sets that differ in one angle of one joint alone as one; those inside another one left out."""
     kept = smallest_sets(dict.fromkeys(map(frozenset, sets)))
     return [tuple(sorted(atoms, key=place_of)) for atoms in merge_pairs(kept, _merge_equalities)]
@@ -355,7 +355,7 @@ def _merge_equalities(one: frozenset[Equality], other: frozenset[Equality]) -> f
     if len(mine) != 1 or len(theirs) != 1:
         return None
     atoms = (*next(iter(mine)).atoms, *next(iter(theirs)).atoms)
-    if not all(atom.pinned for atom in atoms) or len({atom.joint for atom in atoms}) != 1:
+    if not all(atom.is_pin for atom in atoms) or len({atom.joint for atom in atoms}) != 1:
         return None
     return (one & other) | {equality_of(frozenset(atoms))}
 
@@ -410,7 +410,7 @@ def _one_case(
         if known:
             made.add(choice[0])
             return _by_choice(builder, case, columns, choice, known)
-    builder.conditions.append(within(case, Conjunction(())))  # every screw vanishes in all of this case
+    builder.conditions.append(condition_within(case, Conjunction(())))  # every screw vanishes in all of this case
     return []
 
 
@@ -431,7 +431,7 @@ def _by_choice(
     always = frozenset.intersection(*known)  # where one of these vanishes, the screw does
     for piece in conjunctions(equality_of(found) for found in factors if found is not None):
         if not (redundant and len(piece.equal) == 1 and always.issuperset(piece.equal[0].atoms)):
-            builder.conditions.append(within(case, piece, nowhere))
+            builder.conditions.append(condition_within(case, piece, nowhere))
     if never:
         return []
     if not redundant:  # its one product is det J
@@ -463,7 +463,7 @@ def _choices(builder: Derivation, columns: Columns) -> list[_Choice]:
 def _note(builder: Derivation, case: ZeroSet, choice: _Choice) -> None:
     """The screw that a case rests on, and where it vanishes: nothing follows from it there."""
     chosen, elements = choice
-    vanishes = list(map(Conjunction, _merged(_zeros(builder, case, elements))))
+    vanishes = list(map(Conjunction, _merge_opposite_angles(_zeros(builder, case, elements))))
     if builder.sizes["choices"] == 1:
         builder.sizes["exceptional"] = len(vanishes)
     builder.note("screw", case=case, joints=[j + 1 for j in chosen], elements=elements, vanishes=vanishes)
@@ -489,7 +489,7 @@ def singular_vector(builder: Derivation) -> None:
     while waiting:
         step = waiting.pop(0)
         try:
-            waiting[:0] = _eliminated(builder, step)  # pivots that do not vanish first: that case holds most
+            waiting[:0] = _eliminate_pivot(builder, step)  # pivots that do not vanish first: that case holds most
         except OutOfTime as error:
             builder.generic = True
             cases = Halt(HaltKind.CASES, number=len(waiting) + 1)
@@ -497,7 +497,7 @@ def singular_vector(builder: Derivation) -> None:
     builder.note("pivots", cases=builder.sizes["cases"], conditions=len(builder.conditions))
 
 
-def _eliminated(builder: Derivation, step: _Pivots) -> list[_Pivots]:
+def _eliminate_pivot(builder: Derivation, step: _Pivots) -> list[_Pivots]:
     """One step of elimination; the cases that follow from it."""
     builder.check(Halt(HaltKind.ELIMINATION))
     case, rows, chosen = step
@@ -513,14 +513,14 @@ def _eliminated(builder: Derivation, step: _Pivots) -> list[_Pivots]:
             left = []
             break
         row, column, factors = pivot
-        following = (case.without(*factors), (*rows, row), (*chosen, column))
+        following = (case.remove_zeros(*factors), (*rows, row), (*chosen, column))
         if factors:
             return [following, *((part, rows, chosen) for part in builder.branches(case, factors))]
         case, rows, chosen = following
     builder.sizes["cases"] += 1
     entries = [builder.factors(case, entry) for _, _, entry in left]
     met = conjunctions(equality_of(factors) for factors in entries if factors is not None)
-    builder.conditions += [within(case, piece) for piece in met]
+    builder.conditions += [condition_within(case, piece) for piece in met]
     longest = max((condition.terms for condition in flat_map(lambda piece: piece.equal, met)), default=0)
     builder.sizes["longest"] = max(builder.sizes["longest"], longest)
     return []
@@ -567,7 +567,7 @@ def elementary(builder: Derivation) -> None:
         OutOfTime: no time is left.
     """
     builder.full_rank()
-    columns, _ = builder.chain.cleared
+    columns, _ = builder.chain.cleared_columns
     builder.note("cleared", rows=len(columns[0]), columns=len(columns))
     if len(columns) < len(columns[0]):
         columns = [list(row) for row in zip(*columns, strict=True)]  # the rank is that of the transpose

@@ -41,7 +41,7 @@ from fractions import Fraction
 from math import atan, atan2, pi, remainder
 from typing import Any
 
-from rankdrop.algebra.polynomial import Polynomial, coefficients, flint, primitive, used
+from rankdrop.algebra.polynomial import Polynomial, coefficients, flint, primitive, variables_in
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.work import tick
 from rankdrop.exact.arm.chain import Chain
@@ -66,7 +66,7 @@ class Regional:
     turns: tuple[bool, bool, bool]
     offsets: tuple[float, float]
 
-    def by(self, h: Polynomial, joint: int) -> Polynomial:
+    def derivative(self, h: Polynomial, joint: int) -> Polynomial:
         """∂h/∂q_joint, reduced."""
         ring = self.ring
         names = h.context().names()
@@ -79,7 +79,9 @@ class Regional:
     def determinant(self) -> Polynomial:
         """∂(f, g)/∂(q₂, q₃), reduced."""
         f, g = self.f, self.g
-        return self.ring.reduce(self.by(f, 2) * self.by(g, 3) - self.by(f, 3) * self.by(g, 2))
+        forth = self.derivative(f, 2) * self.derivative(g, 3)
+        back = self.derivative(f, 3) * self.derivative(g, 2)
+        return self.ring.reduce(forth - back)
 
 
 def regional(chain: Chain, point: tuple[Fraction, Fraction, Fraction], turned: tuple[Fraction, Fraction]) -> Regional:
@@ -111,11 +113,11 @@ def regional(chain: Chain, point: tuple[Fraction, Fraction, Fraction], turned: t
             values[f"s{j}"] = ring.s[j] * cosine + ring.c[j] * sine
             values[f"c{j}"] = ring.c[j] * cosine - ring.s[j] * sine
 
-    def moved(h: Polynomial) -> Polynomial:
+    def shift_variables(h: Polynomial) -> Polynomial:
         own = ring.trig.from_dict({tuple(powers[k] for k in places): value for powers, value in h.terms()})
         return ring.reduce(own.compose(*values.values(), ctx=ring.trig))
 
-    return Regional(ring, moved(f), moved(g), (first, second, third), (offsets[0], offsets[1]))
+    return Regional(ring, shift_variables(f), shift_variables(g), (first, second, third), (offsets[0], offsets[1]))
 
 
 BITS = 600
@@ -164,7 +166,7 @@ def _pairs(system: Sequence[Polynomial], eliminated: Sequence[Polynomial]) -> tu
         xs, ys = (_real_roots(f, place) for place, f in enumerate(eliminated))
         tick(40 * len(xs) * len(ys))
         found = [(float(x.mid()), float(y.mid())) for x in xs for y in ys
-                 if all(_at(f, x, y).contains(0) for f in system)]  # fmt: skip
+                 if all(_value_at(f, x, y).contains(0) for f in system)]  # fmt: skip
     return tuple(sorted(found))
 
 
@@ -177,7 +179,7 @@ def real_zeros(f: Polynomial, place: int) -> tuple[float, ...]:
 def _resultant(one: Polynomial, other: Polynomial, place: int) -> Polynomial:
     if other == 0:
         return other
-    if place not in used(one):
+    if place not in variables_in(one):
         return one
     tick(2_000 * (len(one) + len(other)))
     return one.resultant(other, place)
@@ -185,7 +187,7 @@ def _resultant(one: Polynomial, other: Polynomial, place: int) -> Polynomial:
 
 def _real_roots(f: Polynomial, place: int) -> list[Any]:
     """Balls around the roots that may be real: all that are, and none twice."""
-    if not used(f):
+    if not variables_in(f):
         return []
     module = flint()
     numbers = [int(c.leading_coefficient().p) if c != 0 else 0 for c in coefficients(primitive(f), place)]
@@ -197,7 +199,7 @@ def _real_roots(f: Polynomial, place: int) -> list[Any]:
     return roots
 
 
-def _at(f: Polynomial, x: Any, y: Any) -> Any:
+def _value_at(f: Polynomial, x: Any, y: Any) -> Any:
     arb = flint().arb
     powers = [[arb(1)], [arb(1)]]
     for known, value, degree in zip(powers, (x, y), f.degrees(), strict=False):
@@ -254,7 +256,7 @@ def decide_postures(chain: Chain) -> Decision:
         'axes 1, 2 meet'
     """
     rows, n = chain.task.rows, chain.n
-    if chain.coupled:
+    if chain.has_mimics:
         return Decision(OPEN, "coupled")
     if rows == POSE and n == 6 and structure_of(chain).wrist == (4, 5, 6):
         return _of_a_point(chain, _centre(chain), wrist=True)
@@ -321,7 +323,7 @@ def _of_a_point(chain: Chain, point: tuple[Fraction, Fraction, Fraction], *, wri
 def _signs(chain: Chain, known: Regional) -> str:
     """Why each solution of the inverse has signs of its own: a key; "" where none of the known reasons holds."""
     first, second = chain.sections[:2]
-    alone = {(which, joint): known.by(getattr(known, which), joint) == 0 for which in "fg" for joint in (2, 3)}
+    alone = {(which, joint): known.derivative(getattr(known, which), joint) == 0 for which in "fg" for joint in (2, 3)}
     early, late = known.turns[0] and known.turns[1], known.turns[1] and known.turns[2]
     reasons = (
         # |p|² or p·z₁ gives joint 3, two values with opposite derivatives; the other one then joint 2, likewise
@@ -386,7 +388,7 @@ def _cusps_and_nodes(known: Regional) -> tuple[tuple[Pair, ...], tuple[Pair, ...
     for d in factors:
         whole = whole * d
         slopes = _slopes(known, d)
-        tangents = [slopes[1] * _half(known, known.by(h, 2)) - slopes[0] * _half(known, known.by(h, 3))
+        tangents = [slopes[1] * _half(known, known.derivative(h, 2)) - slopes[0] * _half(known, known.derivative(h, 3))
                     for h in (known.g, known.f)]  # fmt: skip
         if d.gcd(tangents[0]) == d.gcd(tangents[1]) == d.gcd(d):
             points += 1

@@ -36,9 +36,9 @@ from rankdrop.exact.conjunctions import (
     Derivation,
     Pins,
     columns_on,
+    condition_within,
     conjunctions,
     equality_of,
-    within,
 )
 
 _SHORT = 4  # times the terms of the best minor so far up to which another one may be better
@@ -85,7 +85,7 @@ def _one_case(
         builder.sizes["minors"] = len(known[pins])
     chosen = _chosen(builder, case, known[pins])
     if chosen is None:  # every minor vanishes in all of this case: the rank is lower still
-        builder.conditions.append(within(case, Conjunction(())))
+        builder.conditions.append(condition_within(case, Conjunction(())))
         return []
     minor, factors = chosen
     made.add(minor.joints)
@@ -93,7 +93,7 @@ def _one_case(
     builder.sizes["terms"] = max(builder.sizes["terms"], max(map(_terms, screws)))
     if len(case.pins) <= TOLD and not case.equations:
         _note(builder, case, minor, screws)
-    builder.conditions += _products_vanish(builder, case.without(*factors), columns, minor, screws)
+    builder.conditions += _products_vanish(builder, case.remove_zeros(*factors), columns, minor, screws)
     return builder.branches(case, factors)
 
 
@@ -111,7 +111,7 @@ def _products_vanish(
         atoms = builder.factors(here, _reciprocal_product(builder, screw, column))
         if atoms is not None:
             zeros.append(equality_of(atoms))
-    return [within(here, piece) for piece in conjunctions(zeros) if not _impossible(piece)]
+    return [condition_within(here, piece) for piece in conjunctions(zeros) if not _impossible(piece)]
 
 
 def _minors(builder: Derivation, columns: Columns) -> list[_Minor]:
@@ -146,7 +146,7 @@ def _chosen(builder: Derivation, case: ZeroSet, minors: Sequence[_Minor]) -> tup
         factors = builder.factors(case, minor.value)
         if factors is None:
             continue
-        weight = (sum(not atom.pinned for atom in factors), len(factors))
+        weight = (sum(not atom.is_pin for atom in factors), len(factors))
         if best is None or weight < least:
             best, least = (minor, factors), weight
         if not factors:
@@ -179,7 +179,7 @@ def _impossible(piece: Conjunction) -> bool:
     allowed: dict[int, set[str]] = {}
     for equality in piece.equal:
         joint = equality.atoms[0].joint
-        values = {atom.value for atom in equality.atoms if atom.pinned and atom.joint == joint}
+        values = {atom.value for atom in equality.atoms if atom.is_pin and atom.joint == joint}
         if len(values) == len(equality.atoms):
             allowed[joint] = values & allowed.get(joint, values)
     return not all(allowed.values())

@@ -81,7 +81,7 @@ class DerivationRemark:
 
 def chain_remarks(chain: Chain) -> tuple[DerivationRemark, ...]:
     """What was rounded to make the arm exact, and letters of the robot that stand for no length."""
-    rounded = (rounded_number(chain.robot, deviation) for deviation in chain.rounded)
+    rounded = (rounded_number(chain.robot, deviation) for deviation in chain.effective_roundings)
     unused = (
         DerivationRemark(RemarkOn.UNUSED_LETTER, letter=letter, length=float(length))
         for letter, length in chain.unused

@@ -103,7 +103,7 @@ def signed_factors(ring: Ring, atoms: Sequence[Atom]) -> tuple[SignedFactor, ...
     groups = _even_products(ring, kept)
     alone = [(i,) for i in range(len(kept)) if not any(i in chosen for chosen in groups)]
     every = sorted([*groups, *alone])
-    return tuple(_signed(ring, tuple(kept[i] for i in chosen), chosen in groups) for chosen in every)
+    return tuple(_signed_factor(ring, tuple(kept[i] for i in chosen), chosen in groups) for chosen in every)
 
 
 def _even_products(ring: Ring, atoms: Sequence[Atom]) -> list[tuple[int, ...]]:
@@ -124,7 +124,7 @@ def simple_pair(atoms: Sequence[Atom]) -> bool:
 def _not_needed(atoms: Sequence[Atom]) -> list[int]:
     """Products, as bits, that need no factor: of a joint with all four pins sine and cosine tell the quarter."""
     rows: list[int] = []
-    for joint in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
+    for joint in dict.fromkeys(atom.joint for atom in atoms if atom.is_pin):
         place = {atom.value: i for i, atom in enumerate(atoms) if atom.joint == joint}
         if len(place) == 4:
             _independent(rows, 1 << place["0"] | 1 << place["pi/2"])
@@ -145,7 +145,7 @@ def half_angle_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str
     """(N,) an atom's function of half-angles, divided by the sum of the sizes of its coefficients; `power` as in
     `SignedFactor.values`.
     """
-    if atom.pinned:
+    if atom.is_pin:
         s, c = np.sin(theta[:, atom.joint - 1] / 2), np.cos(theta[:, atom.joint - 1] / 2)
         return np.asarray({"0": s, "pi": c, "pi/2": (s - c) / 2, "-pi/2": (s + c) / 2}[atom.value])
     terms = [*numeric_terms(atom.f, letters, power)]
@@ -154,7 +154,7 @@ def half_angle_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str
 
 def reading(ring: Ring, atom: Atom) -> tuple[str, int]:
     """(text of an atom's function, sign of that text over `half_angle_values`)."""
-    if atom.pinned:
+    if atom.is_pin:
         half = Text(divisors=ring.parts).share(atom.joint, 1)
         texts = {"0": f"sin({half})", "pi": f"cos({half})", "pi/2": f"sin({half} − π/4)", "-pi/2": f"sin({half} + π/4)"}
         return texts[atom.value], 1
@@ -176,12 +176,12 @@ def _text(f: Polynomial, text: str) -> str:
 
 def _odd(ring: Ring, atom: Atom) -> set[int]:
     """Revolute joints of which a full turn changes the sign of an atom's function."""
-    if atom.pinned:
+    if atom.is_pin:
         return {atom.joint}
     return {j for j, degree in zip(ring.revolute, atom.f.degrees(), strict=False) if degree % 2}
 
 
-def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor:
+def _signed_factor(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor:
     """Atoms as one factor, with the text that people read and its sign over the product of their functions."""
     if simple_pair(atoms):
         # sin θ = 2 sin(θ/2) cos(θ/2); cos θ = −2 sin(θ/2 − π/4) sin(θ/2 + π/4)
@@ -201,7 +201,7 @@ def zeros_of(chain: Chain, atoms: Sequence[Atom], count: int) -> Array:
 
     Fewer than `count` where no real zeros were found.
     """
-    points = (round_points(ZeroSet.where(chain.ring, atom), chain, step=_TENTH) for atom in atoms)
+    points = (round_points(ZeroSet.where_atom(chain.ring, atom), chain, step=_TENTH) for atom in atoms)
     each = (islice(samples, ceil(count / len(atoms))) for samples in points)
     found = [into_units(chain.robot, theta) - chain.shifts for theta in flat_map(list, each)]
     return np.array(found[:count]).reshape(-1, chain.n)
@@ -216,7 +216,7 @@ corank 1; (N, n) real configurations of `Chain.own` on it, those of corank 1 whe
 direction lost, in a frame where it stands still or at the first point."""
 
 
-def merged(atoms: Sequence[Atom]) -> tuple[tuple[Atom, ...], ...]:
+def pair_angles(atoms: Sequence[Atom]) -> tuple[tuple[Atom, ...], ...]:
     """Atoms one by one, but θ = 0 with θ = π, and π/2 with −π/2, of one joint together."""
     groups: list[tuple[Atom, ...]] = []
     for atom in atoms:
@@ -290,9 +290,9 @@ def zeros_between(value: Function, turns: float, tolerance: float) -> list[tuple
     found = [(float(share[i]), _kind(sample, int(i))) for i in np.flatnonzero(np.abs(sample) <= tolerance)]
     for i in np.flatnonzero(sample[:-1] * sample[1:] < 0):
         if min(abs(sample[i]), abs(sample[i + 1])) > tolerance:
-            found.append((_zoomed(value, share[i], share[i + 1], crossing=True), "crosses"))
+            found.append((_refine_zero(value, share[i], share[i + 1], crossing=True), "crosses"))
     for k in _hollows(sample):
-        lowest = _zoomed(value, share[k - 1], share[k + 1], crossing=False)
+        lowest = _refine_zero(value, share[k - 1], share[k + 1], crossing=False)
         if abs(sample[k]) > tolerance >= abs(value(np.array([lowest]))[0]):
             found.append((lowest, "touches"))
     return sorted(found)
@@ -315,7 +315,7 @@ def _kind(sample: Array, i: int) -> str:
     return "touches"
 
 
-def _zoomed(value: Function, low: float, high: float, *, crossing: bool) -> float:
+def _refine_zero(value: Function, low: float, high: float, *, crossing: bool) -> float:
     """Where the function changes its sign in an interval, or is smallest, by ever finer samples."""
     for _ in range(_ZOOMS):
         share = np.linspace(low, high, 17)
@@ -511,7 +511,7 @@ def configuration_flags(chain: Chain, q: ArrayLike, *, signs: Signs | None = Non
     return Flags(tuple(float(x) for x in configuration), flags, DEFAULT.singular)
 
 
-def between(chain: Chain, first: ArrayLike, second: ArrayLike, *, signs: Signs | None = None) -> Between:
+def families_between(chain: Chain, first: ArrayLike, second: ArrayLike, *, signs: Signs | None = None) -> Between:
     """Which families part two configurations, and which the straight segment between them meets.
 
     Args:

@@ -36,10 +36,10 @@ from rankdrop.algebra.polynomial import (
     order,
     primitive,
     reduced_roots,
-    used,
+    variables_in,
 )
 from rankdrop.algebra.ring import Form, Ring, letters_polynomial, polynomial_of
-from rankdrop.algebra.solving import Solved, plainly_positive, substituted
+from rankdrop.algebra.solving import Solved, plainly_positive, substitute_solution
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.lists import flat_map
 
@@ -87,10 +87,10 @@ class Stratum:
     def avoid(self, condition: Equality) -> Stratum:
         """The part where a condition ≠ 0 holds; its polynomial is given."""
         every = [(piece, atoms_on(piece, condition, self.assumed)) for piece in self.pieces]
-        kept = tuple(piece.without(*atoms) for piece, atoms in every if atoms is not None)
+        kept = tuple(piece.remove_zeros(*atoms) for piece, atoms in every if atoms is not None)
         return replace(self, pieces=kept, inequalities=(*self.inequalities, condition.whole))
 
-    def apart(self, other: Stratum) -> Polynomial | None:
+    def separating_polynomial(self, other: Stratum) -> Polynomial | None:
         """A polynomial that is = 0 on one of the two strata and ≠ 0 on the other: they have no point in common."""
         pairs = ((self, other), (other, self))
         return next((p for one, two in pairs for p in one.equalities if p in two.inequalities), None)
@@ -137,7 +137,7 @@ class Stratum:
         return all(vanishes(piece, p, rng, points) for piece in self.pieces)
 
     @cached_property
-    def closed(self) -> tuple[Polynomial, ...]:
+    def equations_with_pins(self) -> tuple[Polynomial, ...]:
         """The equalities as they read with the pinned joints at their angles, those that pin first."""
         pinned = [_pin_polynomial(self.ring, j, angles) for j, angles in self.pins.items()]
         found = list(_once([primitive(p) for p in (self.short(p) for p in self.equalities) if p != 0]))
@@ -166,7 +166,7 @@ def atoms_on(piece: ZeroSet, condition: Equality, assumed: Assumed | None = None
     """
     met: list[Atom] = []
     if condition.atoms:
-        parts = [_restricted(piece, atom, assumed) for atom in condition.atoms]
+        parts = [_restrict_atom(piece, atom, assumed) for atom in condition.atoms]
     else:
         here = piece.ring.at(condition.whole, piece.pins)
         parts = [None if here == 0 else _substitute_solutions(piece, piece.ring.to_half(here), assumed)]
@@ -183,7 +183,7 @@ def meet(piece: ZeroSet, atom: Atom, assumed: Assumed) -> list[ZeroSet]:
     """Pieces that together are the part where an atom from `atoms_on` holds; none where that is seen to be empty."""
     if _never(piece, atom):
         return []
-    if atom.pinned:
+    if atom.is_pin:
         return _rebuild_set(piece, {**piece.pins, atom.joint: atom.value}, piece.equations, assumed)
     if _root(piece.ring, atom.f) is not None:
         return _rebuild_set(piece, piece.pins, piece.equations, assumed, atom.f)
@@ -217,10 +217,10 @@ def _with_equations(
     return ZeroSet(piece.ring, pins, solved, rest, nonzero=kept, equations=tuple(equations))
 
 
-def _restricted(piece: ZeroSet, atom: Atom, assumed: Assumed | None = None) -> Sequence[Atom] | None:
+def _restrict_atom(piece: ZeroSet, atom: Atom, assumed: Assumed | None = None) -> Sequence[Atom] | None:
     """The atoms that an atom comes to on a piece; None where it holds everywhere."""
     ring = piece.ring
-    if not atom.pinned:
+    if not atom.is_pin:
         degrees = atom.f.degrees()
         pins = {j: value for j, value in piece.pins.items() if degrees[ring.index[f"t{j}"]]}
         if not pins and not any(degrees[solved.place] for solved in piece.solved):
@@ -239,12 +239,12 @@ def _never(piece: ZeroSet, atom: Atom) -> bool:
     return atom in piece.nonzero or (atom.f is not None and plainly_positive(piece.ring, atom.f))
 
 
-def _inside(piece: ZeroSet, other: ZeroSet) -> bool:
+def _lies_inside(piece: ZeroSet, other: ZeroSet) -> bool:
     """Whether a piece is seen to lie in the closed set of another, their inequations aside."""
     if any(piece.pins.get(j) != value for j, value in other.pins.items()):
         return False
     return all(
-        f in piece.equations or _restricted(piece, piece.ring.atom(f)) is None for f in other.equations
+        f in piece.equations or _restrict_atom(piece, piece.ring.atom(f)) is None for f in other.equations
     )
 
 
@@ -256,7 +256,7 @@ def _rebuild_set(
     start = _with_equations(piece, pins, (*solving, *solved))
     nonzero: list[Atom] = []
     for atom in piece.nonzero:
-        left = _restricted(start, atom, assumed)
+        left = _restrict_atom(start, atom, assumed)
         if left is None:
             return []
         nonzero += left
@@ -278,8 +278,8 @@ def _holding(piece: ZeroSet, condition: Equality, assumed: Assumed) -> list[Zero
 
 def _contradict(ring: Ring, f: Polynomial, g: Polynomial, assumed: Assumed) -> bool:
     """Whether two equations in one and the same variable have no common zero for general lengths."""
-    places = [k for k in used(f) if k < ring.moving]
-    if len(places) != 1 or places != [k for k in used(g) if k < ring.moving]:
+    places = [k for k in variables_in(f) if k < ring.moving]
+    if len(places) != 1 or places != [k for k in variables_in(g) if k < ring.moving]:
         return False
     letters = ring.form(f.resultant(g, ring.names[places[0]])).factors().letters
     assumed.update((str(factor), factor) for factor, _ in letters)
@@ -293,7 +293,7 @@ def _substitute_solutions(piece: ZeroSet, form: Form, assumed: Assumed | None) -
         if solved.place < piece.ring.angles:
             degrees[solved.place] = 0  # it is not at π
         if f != 0 and f.degrees()[solved.place]:
-            f = reduced_roots(substituted(f, solved))
+            f = reduced_roots(substitute_solution(f, solved))
     if f == 0:
         return None
     letters, atoms = Form(piece.ring, f, tuple(degrees)).factors()
@@ -304,7 +304,7 @@ def _substitute_solutions(piece: ZeroSet, form: Form, assumed: Assumed | None) -
 
 def _root(ring: Ring, f: Polynomial) -> Solved | None:
     """An equation linear in one variable that moves, with no other one in it, solved."""
-    places = [k for k in used(f) if k < ring.moving]
+    places = [k for k in variables_in(f) if k < ring.moving]
     if len(places) != 1 or f.degrees()[places[0]] != 1:
         return None
     constant, slope = coefficients(f, places[0])
@@ -316,7 +316,7 @@ def _largest(pieces: Sequence[ZeroSet]) -> tuple[ZeroSet, ...]:
     kept: list[ZeroSet] = []
     for k, piece in enumerate(pieces):
         others = [*kept, *pieces[k + 1 :]]
-        if not any(_inside(piece, other) for other in others):
+        if not any(_lies_inside(piece, other) for other in others):
             kept.append(piece)
     return tuple(kept)
 
@@ -337,7 +337,7 @@ def _once(polynomials: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
 
 def _pin_polynomial(ring: Ring, j: int, angles: tuple[str, ...]) -> Polynomial:
     """One trigonometric polynomial that is zero where a joint stands at one of some angles, and nowhere else."""
-    return _times(ring, [f.whole for f in joined(ring, [ring.pin(j, value) for value in angles])])
+    return _times(ring, [f.whole for f in join_pins(ring, [ring.pin(j, value) for value in angles])])
 
 
 @dataclass(frozen=True)
@@ -374,8 +374,8 @@ def factor_on_stratum(stratum: Stratum, p: Polynomial) -> Product | None:
         every.append(ring.factor(here))
     shared = _in_all(lists)
     rests = [[atom for atom in atoms if atom not in shared] for atoms in lists]
-    pins = [atom for atom in _in_all([[atom for atom, _ in found.atoms] for found in every]) if atom.pinned]
-    factors = [_shorter(ring, f, pins) for f in joined(ring, shared)]  # pins ≠ 0 in the cases of other factors
+    pins = [atom for atom in _in_all([[atom for atom, _ in found.atoms] for found in every]) if atom.is_pin]
+    factors = [_shorter(ring, f, pins) for f in join_pins(ring, shared)]  # pins ≠ 0 in the cases of other factors
     letters = {str(f): (f, power) for found in every for f, power in found.letters}  # by text: they have no hash
     if any(rests):
         rest = _combine(stratum, _without_letters(ring, p, letters.values()), shared, rests)
@@ -401,11 +401,11 @@ def _open_atoms(stratum: Stratum, pins: Mapping[int, str], p: Polynomial) -> lis
     return [atom for atom, found in lists.items() if any(found)]
 
 
-def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Equality]:
+def join_pins(ring: Ring, atoms: Sequence[Atom]) -> list[Equality]:
     """Conditions, one per atom or per pair of angles that one sine or cosine pins."""
     left = list(atoms)
     found = []
-    for j in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
+    for j in dict.fromkeys(atom.joint for atom in atoms if atom.is_pin):
         for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
             both = tuple(ring.pin(j, value) for value in pair)
             if all(atom in left for atom in both):
@@ -420,10 +420,10 @@ def _combine(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Seq
     if not shared or not stratum.regular:
         return primitive(p)  # the shared factors, if any, come before it and are ≠ 0
     point = random_point(ring, random.Random(0))
-    common = _times(ring, [f.whole for f in joined(ring, shared)])
+    common = _times(ring, [f.whole for f in join_pins(ring, shared)])
     total, first = ring.zero, 0
     for pins, atoms in zip(stratum.combinations, rests, strict=True):
-        part = _unsquared(ring, atoms, shared)
+        part = _unsquare(ring, atoms, shared)
         below = value_at(ring, ring.reduce(common * part), point)
         ratio = value_at(ring, ring.at(p, pins), point) * pow(below, -1, P) % P
         first = first or ratio
@@ -434,7 +434,7 @@ def _combine(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Seq
     return primitive(stratum.short(total))
 
 
-def _unsquared(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Polynomial:
+def _unsquare(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Polynomial:
     """A trigonometric polynomial with the zeros of some atoms and, rather than their squares, of a few spare ones."""
     for count in range(len(spare) + 1):
         for some in combinations(spare, count):
@@ -444,14 +444,14 @@ def _unsquared(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Poly
             found = ring.to_trig(prod(map(ring.half_of, every), start=ring.half.constant(1)))
             if found is not None:
                 return found
-    return _times(ring, [f.whole for f in joined(ring, atoms)])
+    return _times(ring, [f.whole for f in join_pins(ring, atoms)])
 
 
 def _shorter(ring: Ring, factor: Equality, pins: Sequence[Atom]) -> Equality:
     """A condition in half angles times the half angle of a pin, where that is shorter than its square."""
-    if len(factor.atoms) != 1 or factor.atoms[0].pinned:
+    if len(factor.atoms) != 1 or factor.atoms[0].is_pin:
         return factor
-    other = _unsquared(ring, factor.atoms, pins)
+    other = _unsquare(ring, factor.atoms, pins)
     if 2 < len(other) < factor.terms:
         return replace(factor, whole=other)
     return factor

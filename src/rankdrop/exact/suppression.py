@@ -27,7 +27,7 @@ from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic, triples
-from rankdrop.exact.stratum import Product, Stratum, atoms_on, factor_on_stratum, joined, vanishes
+from rankdrop.exact.stratum import Product, Stratum, atoms_on, factor_on_stratum, join_pins, vanishes
 from rankdrop.formula.value import Value
 from rankdrop.lists import flat_map
 
@@ -117,7 +117,7 @@ class Sampled:
     def _ranks_on(self, piece: list[tuple[list[list[int]], int]], joints: tuple[int, ...]) -> set[int]:
         return {rank([screws[j - 1] for j in joints], prime) for screws, prime in piece}
 
-    def mixed(self, joints: Sequence[int]) -> tuple[int, ...] | None:
+    def joints_of_mixed_rank(self, joints: Sequence[int]) -> tuple[int, ...] | None:
         """The smallest set of joints whose rank differs from point to point of one piece: it has several components."""
         if max(map(len, self.points), default=0) <= SAMPLES:
             return None
@@ -209,7 +209,7 @@ def independent(
                 rows, polynomials, _ = zip(*some, strict=True)
                 return Proof("minors", frame, rows, polynomials), None
     _, minor, zeros = minors[0]
-    return None, Obstacle(_weight(zeros), all(atom.pinned for atom in entries(zeros)), minor)
+    return None, Obstacle(_weight(zeros), all(atom.is_pin for atom in entries(zeros)), minor)
 
 
 def _minors(
@@ -262,7 +262,7 @@ def _gram(stratum: Stratum, chosen: Columns, work: Work) -> Polynomial | None:
 def _no_common(sets: Sequence[Sequence[Atom]]) -> bool:
     """Whether no choice of one atom from each set can hold at once: two pin one joint at different angles."""
     return all(
-        any(a.pinned and b.pinned and a.joint == b.joint and a.value != b.value for a, b in combinations(choice, 2))
+        any(a.is_pin and b.is_pin and a.joint == b.joint and a.value != b.value for a, b in combinations(choice, 2))
         for choice in product(*sets)
     )
 
@@ -308,7 +308,7 @@ class Case:
     @property
     def equalities(self) -> tuple[Polynomial, ...]:
         """Trigonometric polynomials that vanish, as they read with pinned joints at their angles."""
-        return self.stratum.closed
+        return self.stratum.equations_with_pins
 
 
 @dataclass(frozen=True)
@@ -457,7 +457,7 @@ class _Derivation:
             zero = all(case.stratum.vanishes(p, self.work.rng) for _, p in options)
             if zero:
                 return self.family(case)
-            return self.apart(case)
+            return self.split_pieces(case)
         self.assume(basic.product)
         return self.branch(replace(case, basic=basic), basic.product.factors)
 
@@ -501,32 +501,32 @@ class _Derivation:
         """After some first cases, a case for each factor = 0 with the earlier ones ≠ 0."""
         rest, cases = case.stratum, list(first)
         for f in factors:
-            here, rest = self.inhabited(rest.meet(f)), rest.avoid(f)
+            here, rest = self.drop_empty_pieces(rest.meet(f)), rest.avoid(f)
             if here.pieces:
-                cases.append(self.finished(_inside(case, here, cases)))
+                cases.append(self.finish(_next_inside(case, here, cases)))
         return replace(case, cases=tuple(cases))
 
-    def finished(self, case: Case) -> Case:
+    def finish(self, case: Case) -> Case:
         """The case followed to its end, or named in `left` where the time is up."""
         try:
             self.work.check()
             if max(len(piece.equations) for piece in case.stratum.pieces) > DEEPEST:
                 raise OutOfTime
-            return self.suppressed(case)
+            return self.suppress_screw(case)
         except OutOfTime:
             self.left.append(("time", case))
             return case
 
-    def suppressed(self, case: Case) -> Case:
+    def suppress_screw(self, case: Case) -> Case:
         """Step 2: suppress a dependent screw and go on with the rest."""
         if not case.stratum.regular:
-            return self.apart(case)
+            return self.split_pieces(case)
         if len(case.joints) == 6:
             return self.family(case)
         sampled = Sampled(self.columns, case.stratum, self.work.rng)
-        mixed = sampled.mixed(case.joints)
+        mixed = sampled.joints_of_mixed_rank(case.joints)
         if mixed is not None:
-            return self.at(case, lightest(self.chain, case.stratum, mixed, self.work))
+            return self.split_at_minor(case, lightest(self.chain, case.stratum, mixed, self.work))
         found, obstacle = find(self.chain, self.frame, case.stratum, sampled, case.joints, self.work)
         if found is not None:
             if found.proof is not None:
@@ -536,27 +536,27 @@ class _Derivation:
                             self.work.assume(f)
             left = tuple(j for j in case.joints if j != found.screw)
             return self.determinant(replace(case, joints=left, dependence=found))
-        return self.at(case, obstacle)
+        return self.split_at_minor(case, obstacle)
 
-    def at(self, case: Case, obstacle: Obstacle | None) -> Case:
+    def split_at_minor(self, case: Case, obstacle: Obstacle | None) -> Case:
         """Split a case at the zeros of a minor."""
         if obstacle is not None:
             product = factor_on_stratum(case.stratum, obstacle.minor)
         else:
             product = None
         if product is None or not product.factors:
-            return self.apart(case)
+            return self.split_pieces(case)
         self.assume(product)
         return self.split(case, product.factors)
 
-    def apart(self, case: Case) -> Case:
+    def split_pieces(self, case: Case) -> Case:
         """Split a case whose pieces behave differently: by a condition that holds on some of them only."""
         stratum = case.stratum
         atoms = [self.ring.pin(j, value) for piece in stratum.pieces for j, value in piece.pins.items()]
         atoms += map(self.ring.atom, flat_map(lambda piece: piece.equations, stratum.pieces))
-        whole = [(condition, [condition]) for condition in joined(self.ring, list(dict.fromkeys(atoms)))]
-        pairs = ((p.whole, atom) for p in joined(self.ring, atoms) for atom in p.atoms)
-        single = [(Equality((atom,), p), joined(self.ring, [atom])) for p, atom in pairs]
+        whole = [(condition, [condition]) for condition in join_pins(self.ring, list(dict.fromkeys(atoms)))]
+        pairs = ((p.whole, atom) for p in join_pins(self.ring, atoms) for atom in p.atoms)
+        single = [(Equality((atom,), p), join_pins(self.ring, [atom])) for p, atom in pairs]
         for condition, factors in (*whole, *single):
             holds = [atoms_on(piece, condition) is None for piece in stratum.pieces]
             if any(holds) and not all(holds):
@@ -569,10 +569,10 @@ class _Derivation:
         rest = case.stratum
         for f in factors:
             rest = rest.avoid(f)
-        rest = self.inhabited(rest)
+        rest = self.drop_empty_pieces(rest)
         first: tuple[Case, ...] = ()
         if rest.pieces:  # the larger part, so that it is done before the time is up
-            first = (self.finished(_inside(case, rest, ())),)
+            first = (self.finish(_next_inside(case, rest, ())),)
         return self.branch(case, factors, first)
 
     def family(self, case: Case) -> Case:
@@ -588,7 +588,7 @@ class _Derivation:
         self.families.append(replace(case, family=len(self.families) + 1, ranks=ranks))
         return self.families[-1]
 
-    def inhabited(self, stratum: Stratum) -> Stratum:
+    def drop_empty_pieces(self, stratum: Stratum) -> Stratum:
         """The stratum without pieces that lie in the excluded set, or on which no point is found, which is told."""
         kept = []
         for piece in stratum.pieces:
@@ -603,7 +603,7 @@ class _Derivation:
             self.work.assume(f)
 
 
-def _inside(case: Case, stratum: Stratum, before: Sequence[Case]) -> Case:
+def _next_inside(case: Case, stratum: Stratum, before: Sequence[Case]) -> Case:
     """The next case inside one, with the same screws."""
     number = f"{case.number}." * bool(case.number) + str(len(before) + 1)
     return Case(number, stratum, case.joints)

@@ -34,14 +34,14 @@ from functools import cache
 from itertools import combinations, islice
 from math import prod
 
-from rankdrop.algebra.decompose import cut, meet, pinned, with_points, zero_where
+from rankdrop.algebra.decompose import components_with_pin, cut, meet, with_points, zero_where
 from rankdrop.algebra.field import P, rank, residues, roots_at, value_at
 from rankdrop.algebra.gcd import image_modulo
 from rankdrop.algebra.matrix import each_entry, entries, submatrix
 from rankdrop.algebra.polynomial import Atom, Polynomial, flint, primitive
 from rankdrop.algebra.ring import Form, Ring, Terms, replace_angles
 from rankdrop.algebra.roots import ROOTS
-from rankdrop.algebra.work import OutOfTime, TooLong, Work, halt_of, spent, tick, watched
+from rankdrop.algebra.work import OutOfTime, TooLong, Work, halt_of, tick, watched, work_spent
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.families.unfinished import Unfinished, UnfinishedKind
@@ -81,7 +81,7 @@ def barren(
         True with a proof modulo P; False where none was found.
     """
     rng = random.Random(_SEED)
-    turned = _turned(ring, rng)
+    turned = _random_turn(ring, rng)
     known = _Known(ring)
     own = {name: work.lengths.get(name, Fraction(rng.randrange(1, _LENGTH)))
            for name in ring.letters if name not in ROOTS}  # fmt: skip
@@ -89,17 +89,17 @@ def barren(
     for f in conditions:
         known.add(turned(Form(ring, f.subs(lengths), ring.form(f).degrees)))
     here = each_entry(lambda x: ring.at(x.subs(lengths) if x != 0 else x, pins), columns)
-    until = spent() + _LIMIT
+    until = work_spent() + _LIMIT
     for minor in islice(_nearby_minors(ring, here, order), _MINORS):
         work.check()
         known.add(turned(ring.to_half(minor)))
         if known.barren:
             return True
     for _ in range(_ROUNDS):
-        fresh = list(known.eliminated(work, until))
+        fresh = list(known.eliminate_pairs(work, until))
         if known.barren:
             return True
-        if not fresh or spent() > until:
+        if not fresh or work_spent() > until:
             break
     return False
 
@@ -114,7 +114,7 @@ def _nearby_minors(ring: Ring, columns: Sequence[Sequence[Polynomial]], order: i
                 yield minor
 
 
-def _turned(ring: Ring, rng: random.Random) -> Callable[[Form], Polynomial]:
+def _random_turn(ring: Ring, rng: random.Random) -> Callable[[Form], Polynomial]:
     """f ↦ f · Π (1 − u_j t_j)^D_j modulo P with each angle turned at random: tan((θ + φ) / 2) = (t + u) / (1 − u t)."""
     module = flint()
     context = module.nmod_mpoly_ctx.get(list(ring.names[: ring.moving]), P, module.Ordering.lex)
@@ -200,7 +200,7 @@ class _Known:
         one, two = f.subs(values), g.subs(values)
         return bool(one.gcd(two).total_degree() > 0)
 
-    def eliminated(self, work: Work, until: float) -> Iterator[Polynomial]:
+    def eliminate_pairs(self, work: Work, until: float) -> Iterator[Polynomial]:
         """Resultants of pairs in few variables together, which are kept as well; none begun after so much work."""
         names = [str(g) for g in (self._kept[0].context().gens() if self._kept else ())]
         singles = [f for f in self._single.values() if f.total_degree() <= _SINGLE]
@@ -224,7 +224,7 @@ class _Known:
             tick(50 + 1.5 * cost + 2 * _size(f, g, k))
             if self.add(both):
                 yield both
-            if self.barren or spent() > until:
+            if self.barren or work_spent() > until:
                 return
 
 
@@ -295,17 +295,17 @@ class Tree:
     lowest: int = 0
 
     @property
-    def divided(self) -> bool:
+    def is_divided(self) -> bool:
         """Whether every case was taken apart: drops alone hold all configurations of lower rank."""
         return self.complete and not self.cases
 
     @property
-    def stated(self) -> bool:
+    def is_stated(self) -> bool:
         """Whether drops and open cases together hold every configuration of a rank down to `lowest`."""
         return self.complete or (bool(self.left) and not self.unstated)
 
     @property
-    def finished(self) -> bool:
+    def is_finished(self) -> bool:
         """Whether nothing is left open: then what it has not is not there."""
         return self.complete and not self.unresolved and not self.without_points
 
@@ -333,7 +333,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
     work.lengths = chain.letters
     whole = ZeroSet.whole(chain.ring)
     try:
-        columns, never = chain.cleared
+        columns, never = chain.cleared_columns
     except Exception as stop:
         rank = generic_rank(chain.own, chain.own_task)
         left = [Unfinished(UnfinishedKind.SCREWS, halt=halt_of(stop))]
@@ -441,11 +441,11 @@ def _explore(
             here = rank_on(columns, part)
             if here < order:
                 drop = Drop(part, here)
-                if not any(part.inside(other.piece) for other in drops if other.rank == here):
+                if not any(part.lies_inside(other.piece) for other in drops if other.rank == here):
                     drops.append(drop)
             # the same set only: two sets might each leave their intersection to the other
             elif part.codimension < bound and not any(
-                part.codimension == other.codimension and part.inside(other) for other in seen
+                part.codimension == other.codimension and part.lies_inside(other) for other in seen
             ):
                 seen.append(part)
                 waiting.append(part)
@@ -553,7 +553,11 @@ def _by_rank(columns: list[list[Polynomial]], piece: ZeroSet, work: Work) -> Ite
         inside, remaining = whole.split_by_zero(zero_where(ring, atom), atom.f)
         if inside is None:
             continue
-        for part in pinned(whole, atom.joint, atom.value, work, whole.codimension) if atom.pinned else (inside,):
+        if atom.is_pin:
+            parts = components_with_pin(whole, atom.joint, atom.value, work, whole.codimension)
+        else:
+            parts = [inside]
+        for part in parts:
             yield from _by_rank(columns, part, work)
     if remaining is not None:
         yield remaining

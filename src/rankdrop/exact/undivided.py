@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.parts import parts_of, slowed, whole_angles
+from rankdrop.exact.arm.parts import parts_of, scale_angle, whole_angles
 from rankdrop.exact.tree import OpenCase, Tree
 from rankdrop.formula.equation import Equation, System
 from rankdrop.formula.writing import AnglePin, Condition, pin_of
@@ -117,10 +117,10 @@ def undivided_sets(
         followed: from one that may become the witness: next to a multiple zero Newton's method ends too early.
         seed: of the random starts.
     """
-    return tuple(_undivided(chain, tree, case, off_families, followed, seed) for case in tree.cases)
+    return tuple(_describe_undivided(chain, tree, case, off_families, followed, seed) for case in tree.cases)
 
 
-def _undivided(
+def _describe_undivided(
     chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamilies, followed: Followed, seed: int
 ) -> UndividedSet:
     piece, order = case.piece, case.order - tree.cleared
@@ -130,7 +130,7 @@ def _undivided(
     equations = equations_of(chain, piece)
     q = _points(chain, corank, equations, seed)
     off = off_families(q, corank)
-    columns, _ = chain.cleared
+    columns, _ = chain.cleared_columns
     return UndividedSet(
         corank=corank,
         pins=pins,
@@ -157,7 +157,7 @@ def _in_whole_angles(case: UndividedSet, robot: Robot) -> UndividedSet:
     if witness is not None:
         witness = tuple(float(x) for x in whole_angles(robot, np.array(witness)))
     return replace(
-        case, equations=tuple(slowed(equation, parts_of(robot)) for equation in case.equations), witness=witness
+        case, equations=tuple(scale_angle(equation, parts_of(robot)) for equation in case.equations), witness=witness
     )
 
 
@@ -196,7 +196,7 @@ def _points(chain: Chain, corank: int, equations: Sequence[Equation], seed: int)
     """(k, n) configurations of `Chain.own` that satisfy some equations and lose so many freedoms."""
     problem, system = Problem(chain.own, chain.own_task, corank), System(tuple(equations))
 
-    def unsolved(q: Array) -> tuple[NDArray[np.bool_], Array, Array]:
+    def equations_at(q: Array) -> tuple[NDArray[np.bool_], Array, Array]:
         here = problem.block(q)
         values, slopes = system.linear(q)
         going = (here.sigma[:, problem.rank] > problem.tolerances.target) | (np.abs(values).max(axis=1) > 1e-13)
@@ -204,7 +204,7 @@ def _points(chain: Chain, corank: int, equations: Sequence[Equation], seed: int)
         return going, f, np.concatenate([slopes, here.d.reshape(len(q), -1, problem.n)], axis=1)
 
     starts, _ = system.solve(problem.sample(REAL_STARTS, seed))
-    q = wrapped(chain.own, newton(unsolved, starts, scale=problem.scale, iterations=_ITERATIONS))
+    q = wrapped(chain.own, newton(equations_at, starts, scale=problem.scale, iterations=_ITERATIONS))
     return q[system.zero(q) & problem.singular(q)]
 
 

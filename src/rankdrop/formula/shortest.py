@@ -25,7 +25,7 @@ from rankdrop.algebra.polynomial import (
     primitive,
     reciprocal,
     reduced_roots,
-    used,
+    variables_in,
 )
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.formula.notation import Text
@@ -83,7 +83,7 @@ def factor_forms(
     Joints at simple angles become sines and cosines of the whole angle as far as they go.
     """
     bracket = FormSearch(ring).bracket
-    written = [(_half(atom.joint, atom.value) if atom.pinned else bracket(atom.f), int(power)) for atom, power in atoms]
+    written = [(_half(atom.joint, atom.value) if atom.is_pin else bracket(atom.f), int(power)) for atom, power in atoms]
     return _whole_angles([*((bracket(f), int(power)) for f, power in lengths), *written])
 
 
@@ -173,7 +173,7 @@ class FormSearch:
                 yield found
                 yield gathered(found)
         places = [place for place, degree in enumerate(degrees) if 0 < degree <= 2]
-        places += [place for place in used(f) if place >= self.ring.angles]
+        places += [place for place in variables_in(f) if place >= self.ring.angles]
         if len(f) > FINE:
             places = sorted(places, key=lambda place: self.spread(f, place))[: 2 if len(f) <= COARSE else 1]
         for place in places:
@@ -201,11 +201,11 @@ class FormSearch:
         halves = [(_half(joint, "pi"), power) for joint, power in form.at_pi]
         rest: list[tuple[Polynomial, int]] = []
         for factor, power in found:
-            if used(factor)[0] < ring.angles:
+            if variables_in(factor)[0] < ring.angles:
                 atom = ring.atom(factor)
             else:
                 atom = None
-            if atom is not None and atom.pinned:
+            if atom is not None and atom.is_pin:
                 halves.append((_half(atom.joint, atom.value), power))
             elif not ring.is_unit(factor):
                 rest.append((primitive(factor), power))

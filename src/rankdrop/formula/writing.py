@@ -20,7 +20,7 @@ from rankdrop.algebra.polynomial import (
     Atom,
     Polynomial,
     primitive,
-    used,
+    variables_in,
 )
 from rankdrop.algebra.ring import Ring, polynomial_of
 from rankdrop.algebra.roots import ROOTS, sums_over_roots
@@ -268,7 +268,7 @@ class Condition:
 
     def _slide(self, notation: Text, sign: str) -> str:
         """q_j = number, where the condition says just that; else ""."""
-        ring, f, places = self.ring, self.polynomial, used(self.polynomial)
+        ring, f, places = self.ring, self.polynomial, variables_in(self.polynomial)
         if len(places) != 1 or not ring.angles <= places[0] < ring.moving or f.total_degree() > 1:
             return ""
         numbers = {int(powers[places[0]]): Fraction(int(c.p), int(c.q)) for powers, c in f.terms()}
@@ -409,7 +409,7 @@ def atoms_text(
     """
     texts = [pin.text(sign) for pin in _pins(ring, atoms)]
     written = written or (lambda f: Condition(ring, f).text(sign))
-    return " or ".join([*texts, *(written(atom.f) for atom in atoms if not atom.pinned)])
+    return " or ".join([*texts, *(written(atom.f) for atom in atoms if not atom.is_pin)])
 
 
 def pin_of(ring: Ring, joint: int, values: Sequence[str]) -> AnglePin:
@@ -420,7 +420,7 @@ def pin_of(ring: Ring, joint: int, values: Sequence[str]) -> AnglePin:
 def count_alternatives(atoms: Sequence[Atom]) -> int:
     """How many alternatives `atoms_text` joins with "or": a joint at ±π/2 is one, a joint at 0 or π two."""
     pins = (AnglePin(joint, tuple(values)) for joint, values in _simple_angles(atoms).items())
-    return sum(len(pin.words) for pin in pins) + sum(not atom.pinned for atom in atoms)
+    return sum(len(pin.words) for pin in pins) + sum(not atom.is_pin for atom in atoms)
 
 
 def _pins(ring: Ring, atoms: Sequence[Atom]) -> list[AnglePin]:
@@ -431,6 +431,6 @@ def _pins(ring: Ring, atoms: Sequence[Atom]) -> list[AnglePin]:
 def _simple_angles(atoms: Sequence[Atom]) -> dict[int, list[str]]:
     values: dict[int, list[str]] = {}
     for atom in atoms:
-        if atom.pinned:
+        if atom.is_pin:
             values.setdefault(atom.joint, []).append(atom.value)
     return values

@@ -189,9 +189,9 @@ class Conditions(Result):
         Raises:
             TaskError, ConfigurationError: as `flags`.
         """
-        from rankdrop.exact.signs import between
+        from rankdrop.exact.signs import families_between
 
-        return between(self.chain, first, second)
+        return families_between(self.chain, first, second)
 
     def sections(self) -> tuple[Section, ...]:
         """The answer, then the conditions in words."""

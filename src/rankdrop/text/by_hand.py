@@ -11,7 +11,7 @@ from rankdrop.algebra.polynomial import Equality, Polynomial
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.structure import listed, triples
+from rankdrop.exact.arm.structure import joint_list, triples
 from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, conditions_on
 from rankdrop.exact.decoupling import Decoupling, parting_of
 from rankdrop.exact.derivation import CorankOne
@@ -64,7 +64,7 @@ def _decoupling(found: Decoupling) -> Iterator[str]:
     yield f"{parting_text(parting_of(found.chain))}."
     yield form_sentence(found.form)
     for block in found.blocks:
-        yield f"{block.name}: rows {', '.join(block.rows)} of joints {listed(block.joints)}."
+        yield f"{block.name}: rows {', '.join(block.rows)} of joints {joint_list(block.joints)}."
         if not block.parts:
             yield "  never singular"
         for part in block.parts:
@@ -226,7 +226,10 @@ def _families(found: Suppression) -> Iterator[str]:
     ring, families = found.chain.ring, found.families
     for family in families:
         yield Formula(f"family {family.family}: {conditions_text(family.stratum)}")
-    apart = ((one.family, two.family, one.stratum.apart(two.stratum)) for one, two in combinations(families, 2))
+    apart = (
+        (one.family, two.family, one.stratum.separating_polynomial(two.stratum))
+        for one, two in combinations(families, 2)
+    )
     waiting = {(one, two): p for one, two, p in apart if p is not None}
     if waiting:
         yield "no two of them meet:"
@@ -260,7 +263,7 @@ def left_text(left: tuple[str, Case]) -> str:
 def conditions_text(stratum: Stratum, most: int | None = None) -> str:
     """The conditions of a stratum in one line; polynomials of more than `most` terms are not written out."""
     parts = []
-    for polynomials, sign in ((stratum.closed, "="), (stratum.open, "≠")):
+    for polynomials, sign in ((stratum.equations_with_pins, "="), (stratum.open, "≠")):
         for p in polynomials:
             long = most is not None and len(p) > most
             parts.append(f"({len(p)} terms) {sign} 0" if long else condition_text(stratum.ring, p, sign))

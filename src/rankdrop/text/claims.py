@@ -150,7 +150,7 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
     """
     agrees = analysis.exact is not None and analysis.exact.agrees
     exact = agrees or _holds_in_families(derived)
-    exact_claim = exact and not exact_chain(analysis.robot, analysis.task, parts=True).rounded
+    exact_claim = exact and not exact_chain(analysis.robot, analysis.task, parts=True).effective_roundings
     claims = _claims((analysis.sound_and_complete, SAMPLED), (exact_claim, EXACT))
     if not analysis.complete:
         text = f"Interrupted: corank {analysis.unfinished} is unfinished; nothing is said about it and higher ones."
@@ -294,9 +294,9 @@ def _contradictions(derived: Any) -> Iterator[Failure]:
 
 def _exactness(chain: Chain) -> tuple[str, str]:
     """How a derivation was made, and what was rounded for it: "" where nothing was."""
-    if not chain.rounded:
+    if not chain.effective_roundings:
         return EXACT, ""
-    texts = [str(rounded_number(chain.robot, deviation)) for deviation in chain.rounded]
+    texts = [str(rounded_number(chain.robot, deviation)) for deviation in chain.effective_roundings]
     if len(texts) > 1:
         more = f" (and {len(texts) - 1} more)"
     else:

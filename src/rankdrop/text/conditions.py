@@ -142,7 +142,7 @@ def _determinants(conditions: Any) -> Iterator[Section]:
             title = "Determinant"
         else:
             title = "Minors"
-        folded = any(step.whole for step in conditions.steps) or minors.folded()
+        folded = any(step.whole for step in conditions.steps) or minors.tells_sizes()
         notes = (f"the whole of it: {advised('steps-out', 'FILE', python='steps_text(conditions)')}",) if folded else ()
         yield Section(title, "", tuple(minors.lines()), notes=notes)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rankdrop.exact.arm.structure import listed
+from rankdrop.exact.arm.structure import joint_list
 from rankdrop.exact.determinants import Determinants, Minor, MinorOf, MinorsLeft, RowAxes, minor_name
 from rankdrop.sections import Formula
 from rankdrop.text.structure import point_text
@@ -60,7 +60,7 @@ def about_minor(minor: Minor) -> str:
     """Rows and joints of a block: "J11, arm: rows vx, vy, vz of joints 1, 2, 3"; "" of another minor."""
     if not minor.block:
         return ""
-    return f"{minor.matrix}, {minor.block}: rows {', '.join(minor.rows)} of joints {listed(minor.joints)}"
+    return f"{minor.matrix}, {minor.block}: rows {', '.join(minor.rows)} of joints {joint_list(minor.joints)}"
 
 
 def minors_left_words(left: MinorsLeft) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees
 
 from rankdrop.exact.arm.geometry import Deviation
-from rankdrop.exact.arm.structure import listed
+from rankdrop.exact.arm.structure import joint_list
 from rankdrop.exact.family import EqualLengths
 from rankdrop.exact.remark import DerivationRemark, RemarkOn
 from rankdrop.families.inspection import DIGITS
@@ -83,7 +83,7 @@ def deviation_words(deviation: Deviation, part: str) -> str:
     """
     joints, miss = deviation.joints, abs(deviation.miss)
     if deviation.kind == "point":
-        return f"the axes of joints {listed(joints)} miss a common point by {_length(miss, deviation.counted)}"
+        return f"the axes of joints {joint_list(joints)} miss a common point by {_length(miss, deviation.counted)}"
     if deviation.kind == "parallel":
         return f"axes {joints[0]} and {joints[1]} are {degrees(miss):.2g}° from parallel"
     if deviation.kind == "twist":

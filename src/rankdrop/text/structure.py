@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.structure import BlockForm, listed, structure_of
+from rankdrop.exact.arm.structure import BlockForm, joint_list, structure_of
 from rankdrop.exact.decoupling import Loss, LostLine
 from rankdrop.exact.method_reason import MethodReason, Parting, PartingKind
 from rankdrop.exact.remark import chain_remarks, near_structure
@@ -44,10 +44,10 @@ def structure_sentences(chain: Chain) -> tuple[str, ...]:
         found.append("S-R-S: spherical shoulder, elbow, spherical wrist")
     for triple in structure.points:
         part = {structure.wrist: " (spherical wrist)", structure.shoulder: " (spherical shoulder)"}.get(triple, "")
-        found.append(f"the axes of joints {listed(triple)} meet in one point{part}")
+        found.append(f"the axes of joints {joint_list(triple)} meet in one point{part}")
     within = set(flat_map(pairwise, structure.points))
     found += [f"axes {i} and {j} meet" for i, j in structure.meeting if (i, j) not in within]
-    found += [f"the axes of joints {listed(group)} are parallel" for group in structure.parallel]
+    found += [f"the axes of joints {joint_list(group)} are parallel" for group in structure.parallel]
     found += [f"near-structural: {near}" for near in near_structure(chain)]
     remarks = chain_remarks(chain)
     if remarks:
@@ -65,7 +65,7 @@ def form_sentence(form: BlockForm) -> str:
 def point_text(form: BlockForm) -> str:
     """The reference point of a block triangular Jacobian."""
     if form.kind == "point":
-        where = f"the point where axes {listed(form.group)} meet"
+        where = f"the point where axes {joint_list(form.group)} meet"
         if form.part:
             return f"the {form.part} centre, {where}"
         return where
@@ -89,7 +89,7 @@ def parting_text(parting: Parting) -> str:
 
 def _group_text(parting: Parting) -> str:
     """Why the first block's joints leave the other rows at zero."""
-    joints = listed(parting.joints)
+    joints = joint_list(parting.joints)
     if parting.kind is PartingKind.POINT:
         part = f"spherical {parting.part or 'group'}"
         return f"{part}: axes {joints} meet in one point, and turning about them does not move it"
@@ -107,13 +107,13 @@ def _group_text(parting: Parting) -> str:
 
 def loss_text(loss: Loss) -> str:
     """The motion that a block loses, by the lines of the arm."""
-    axes = listed(loss.joints)
+    axes = joint_list(loss.joints)
     if loss.line is LostLine.ACROSS:
         return f"motions in the plane across axes {axes} have no part along the line that meets these axes"
     if loss.line is LostLine.ALONG:
-        others = f"axis {listed(loss.others)}"
+        others = f"axis {joint_list(loss.others)}"
         if len(loss.others) > 1:
-            others = f"axes {listed(loss.others)}"
+            others = f"axes {joint_list(loss.others)}"
         return f"the points of the line that is parallel to axes {axes} and meets {others} cannot move along it"
     centre = f"{loss.centre} centre".strip()
     first, last = loss.joints[0], loss.joints[-1]

@@ -30,10 +30,10 @@ from rankdrop.exact.family import (
     EqualLengths,
     Unreal,
     UnrealSet,
-    alone,
     equations_in_parts,
     families_in_whole_angles,
     merge,
+    row_of_set,
 )
 from rankdrop.exact.higher_coranks import unfinished_coranks, wrong_coranks
 from rankdrop.exact.letters import (
@@ -146,7 +146,7 @@ def derived(
     left += _not_holding(assumed)
     check, over, misses = _cloud(chain, tree.generic_rank, lowest, (*found, *undivided), asked.points, work, left)
     differing = [*first.disagreements, *wrong_coranks(higher)]
-    if not tree.divided:  # another method may have what the tree has not come to
+    if not tree.is_divided:  # another method may have what the tree has not come to
         left += differing
         differing = []
     if left:  # what is left over belongs to what was not derived
@@ -163,13 +163,13 @@ def derived(
         reason=first.reason,
         steps=steps,
         determinants=determinants,
-        families=families_in_whole_angles(robot, posed_exactly(chain.parted, chain.task, found)),
+        families=families_in_whole_angles(robot, posed_exactly(chain.with_part_angles, chain.task, found)),
         lowest=lowest,
         assumptions=tuple(assumed),
         not_real=tuple(not_real),
         explained=check,
         disagreements=(*differing, *wrong, *over),
-        complete=tree.stated and not left,
+        complete=tree.is_stated and not left,
         interrupted=work.interrupted,
         left=tuple(left),
         seconds=monotonic() - begun,
@@ -188,9 +188,9 @@ def _with_numbers_where_missed(
     """
     asked = result.settings
     optional = bool(result.letters) and asked.lengths == "auto"
-    if not (over and optional) or work.interrupted or work.left <= 0 or work.time_left <= 0:
+    if not (over and optional) or work.interrupted or work.remaining <= 0 or work.time_left <= 0:
         return result
-    seconds = SLOWER * work.left
+    seconds = SLOWER * work.remaining
     found = derived(result.robot, result.task, replace(asked, lengths="numbers", seconds=seconds), progress)
     missed = DerivationRemark(RemarkOn.MISSED_BY_LETTERS)
     return replace(found, remarks=(*found.remarks, missed), settings=asked)
@@ -249,7 +249,7 @@ def _with_equal_lengths(chain: Chain, lowest: int, work: Work) -> _Derived | Non
     again = work.again()
     with again.share(_LETTERS):
         tree = rank_tree(special, again, lowest=lowest, unwanted=_turns_out_broken(special, again))
-    if not tree.finished or _broken(special, again) or splits(special, tree):
+    if not tree.is_finished or _broken(special, again) or splits(special, tree):
         return None
     return special, tree, again, (DerivationRemark(RemarkOn.ONE_LETTER, equal=_equal_lengths(chain, special)),)
 
@@ -323,7 +323,7 @@ def _why_numbers(tree: Tree, other: Tree, again: Work, *, optional: bool) -> Der
         if not other.complete and not again.interrupted:
             return None
         return DerivationRemark(RemarkOn.LONGER_WITH_LETTERS)
-    if not optional or not other.finished:
+    if not optional or not other.is_finished:
         return None
     return DerivationRemark(RemarkOn.UNDIVIDED_WITH_LETTERS, number=len(tree.unresolved))
 
@@ -337,7 +337,7 @@ def _families(
     all cases.
     """
     cases: list[Drop] | None = None
-    if tree.stated:
+    if tree.is_stated:
         cases = []
     open_sets: list[Unfinished] = []
     sets, not_real = real_sets(chain, tree.drops, work, open_sets, work.seed, cases)
@@ -413,7 +413,7 @@ def _unless_interrupted(
     """What is made with a share of the work that is left; `otherwise` where it fails or the user has asked to stop."""
     if not work.interrupted:
         work.show(PHASES[phase], 0, 1)
-        own = Work(max(_SHARE * work.left, 0.1), work.seed)
+        own = Work(max(_SHARE * work.remaining, 0.1), work.seed)
         try:
             return _guarded(phase, lambda: make(own), otherwise, left)
         except KeyboardInterrupt:
@@ -423,7 +423,7 @@ def _unless_interrupted(
 
 def _stated_rank(tree: Tree, lowest: int) -> int:
     """The rank down to which families and cases hold all configurations; as asked for where a tree is left open."""
-    if tree.stated:
+    if tree.is_stated:
         return max(lowest, tree.lowest)
     return lowest
 
@@ -434,7 +434,7 @@ def _undivided(
     """The cases that were not taken apart; one goes to `left` where its configuration is not singular with `DIGITS`
     digits.
     """
-    if not tree.stated:
+    if not tree.is_stated:
         return ()
     if work.interrupted:
         if tree.cases:
@@ -465,7 +465,7 @@ def _undivided(
 
 def _unstated(tree: Tree) -> list[Unfinished]:
     """What a tree leaves open: nothing where its cases hold the rest."""
-    if tree.stated:
+    if tree.is_stated:
         return []
     if not tree.unresolved:
         return tree.left
@@ -615,10 +615,10 @@ def _sets_without_points(
         elif piece.key not in lost and not _settled(chain, tree, families, np.array(theta), order, last):
             lost[piece.key] = OpenCase(piece, order)
     unreal = [UnrealSet(row.text, Unreal.NOR_MODULO_PRIMES, tried=len(PRIMES)) for row in merge(list(unmet.values()))]
-    if tree.stated:
+    if tree.is_stated:
         unsettled += lost.values()
     elif lost:
-        shortest = min((alone(case.piece) for case in lost.values()), key=lambda row: row.terms)
+        shortest = min((row_of_set(case.piece) for case in lost.values()), key=lambda row: row.terms)
         left.append(
             Unfinished(
                 UnfinishedKind.NO_POINTS, number=len(lost), conditions=shortest.text, letters=bool(chain.letters)

@@ -54,6 +54,6 @@ def _regular(derived: Derivation, seed: int) -> Check:
     """Configurations of the corank below, as far as σ shows that they have no higher one."""
     chain = derived.chain
     q: Array = out_of_units(chain.robot, cloud(chain.own, chain.own_task, derived.corank - 1, _FOUND, seed).q)
-    clear = singular_values(chain.parted, q, chain.task)[:, chain.task.m - derived.corank] > _CLEAR
+    clear = singular_values(chain.with_part_angles, q, chain.task)[:, chain.task.m - derived.corank] > _CLEAR
     held = derived.holds(q[clear])
     return Check(len(held), int((~held).sum()))

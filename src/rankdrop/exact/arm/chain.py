@@ -79,7 +79,7 @@ def multiple(ring: Ring, j: int, m: int) -> tuple[Polynomial, Polynomial]:
     return cosine, sine if m >= 0 else -sine
 
 
-def moved(ring: Ring, screw: list[Polynomial], point: list[Polynomial]) -> list[Polynomial]:
+def shift_screw(ring: Ring, screw: list[Polynomial], point: list[Polynomial]) -> list[Polynomial]:
     """The screw with its linear part taken at another point: v + ω × point."""
     cross = _cross(ring, screw[3:], point)
     return [*(ring.reduce(v + w) for v, w in zip(screw[:3], cross, strict=True)), *screw[3:]]
@@ -122,7 +122,7 @@ def polynomial_in_units(f: Polynomial, letters: Container[str], power: int) -> P
     return primitive(made.from_dict(moved)) * (1 if f.coeffs()[0] > 0 else -1)
 
 
-def cleared(ring: Ring, columns: list[list[Polynomial]]) -> tuple[list[list[Polynomial]], int]:
+def clear_pivots(ring: Ring, columns: list[list[Polynomial]]) -> tuple[list[list[Polynomial]], int]:
     """The columns of a smaller matrix, and by how much its rank is lower than theirs, everywhere.
 
     Args:
@@ -188,7 +188,7 @@ class Chain:
     unused: tuple[tuple[str, float], ...]
 
     @property
-    def rounded(self) -> tuple[Deviation, ...]:
+    def effective_roundings(self) -> tuple[Deviation, ...]:
         """What the derivation rounds: a length that is a letter stands for any value."""
         places = ((deviation, deviation.joints[0] - 1) for deviation in self.roundings)
         counted = ((deviation, k) for deviation, k in places if self._counts(k, deviation.kind))
@@ -209,7 +209,7 @@ class Chain:
         return len(self.sections)
 
     @property
-    def coupled(self) -> bool:
+    def has_mimics(self) -> bool:
         """Whether some joint follows another one, so that a column of the Jacobian may be a sum of screws."""
         return self.links > self.n
 
@@ -254,14 +254,14 @@ class Chain:
         return exponent(self.robot)
 
     @cached_property
-    def parted(self) -> Robot:
+    def with_part_angles(self) -> Robot:
         """The robot with the angles that conditions speak of as its variables: itself, but for parts of angles."""
         return in_parts(self.robot)
 
     @property
     def own(self) -> Robot:
         """`parted` in its own unit: all that is computed with numbers during a derivation is of this arm."""
-        return in_units(self.parted)
+        return in_units(self.with_part_angles)
 
     @cached_property
     def own_task(self) -> Task:
@@ -341,7 +341,7 @@ class Chain:
         return with_rows(self._in_task_axes(), rows)
 
     @cached_property
-    def cleared(self) -> tuple[list[list[Polynomial]], int]:
+    def cleared_columns(self) -> tuple[list[list[Polynomial]], int]:
         """Columns of a matrix, and by how much its rank is lower than that of the arm's Jacobian, everywhere.
 
         The smallest cleared matrix over the frames of the links, counted by its terms times its rows. Of three rows
@@ -350,7 +350,8 @@ class Chain:
         m = self.task.m
         if m <= 3 or m == self.n < 6:
             return self.columns, 0
-        views = (cleared(self.ring, self.screws(k) if m == 6 else self.augmented(k)) for k in self.frames or (1,))
+        columns_seen = self.screws if m == 6 else self.task_columns
+        views = (clear_pivots(self.ring, columns_seen(k)) for k in self.frames or (1,))
         columns, lower = min(
             views, key=lambda view: sum(len(x) for column in view[0] for x in column if x != 0) * len(view[0][0])
         )
@@ -362,12 +363,12 @@ class Chain:
         The screw of each joint; of a variable that moves several the sum of theirs, each times its multiplier.
         """
         if k not in self._screws:
-            self._screws[k] = self._summed(self.near(k, range(1, self.links + 1)))
+            self._screws[k] = self._sum_followers(self.screws_near(k, range(1, self.links + 1)))
         return self._screws[k]
 
-    def _summed(self, screws: list[list[Polynomial]]) -> list[list[Polynomial]]:
+    def _sum_followers(self, screws: list[list[Polynomial]]) -> list[list[Polynomial]]:
         """(n, 6) columns Σ m_j $_j of the variables, from the (N, 6) screws of the joints."""
-        if not self.coupled:
+        if not self.has_mimics:
             return screws
         found = [[self.ring.zero] * 6 for _ in range(self.n)]
         for section, screw in zip(self.sections, screws, strict=True):
@@ -381,7 +382,7 @@ class Chain:
         point = [pose[i][3] for i in range(3)]
         if k == m:
             return self.screws(k)
-        return [moved(self.ring, screw, point) for screw in self.screws(k)]
+        return [shift_screw(self.ring, screw, point) for screw in self.screws(k)]
 
     def link_pose(self, k: int, m: int) -> Matrix:
         """The pose of the frame of link m in that of link k."""
@@ -391,7 +392,7 @@ class Chain:
             pose = identity(self.ring)
         return times(self.ring, pose, self._joint(m)) if m > k else pose  # the frame before joint m turns and slides
 
-    def augmented(self, k: int) -> list[list[Polynomial]]:
+    def task_columns(self, k: int) -> list[list[Polynomial]]:
         """The joint screws in the frame of link k, and one for each row that the task leaves out: a turn about that
         axis of the task through the tip, or a translation along it.
 
@@ -422,7 +423,7 @@ class Chain:
     def _screws(self) -> dict[int, list[list[Polynomial]]]:
         return {}
 
-    def near(self, k: int, joints: Sequence[int]) -> list[list[Polynomial]]:
+    def screws_near(self, k: int, joints: Sequence[int]) -> list[list[Polynomial]]:
         """Screws (v; ω) of some joints in the frame of link k: of joints near it they are short in any arm."""
         found = {
             j: joint_screw(self.ring, pose, self.sections[j - 1].kind)  # at once: long ones end it before longer poses
@@ -470,7 +471,7 @@ class Chain:
     def screws_at_tip(self, k: int) -> list[list[Polynomial]]:
         """The n columns in the axes of link k, the linear part taken at the tip."""
         point = self._tip_in(self.link_pose(k, self.links))
-        return [moved(self.ring, screw, point) for screw in self.screws(k)]
+        return [shift_screw(self.ring, screw, point) for screw in self.screws(k)]
 
     def _in_task_axes(self) -> list[list[Polynomial]]:
         """Screws at the tip along the axes of the task's frame."""

@@ -336,7 +336,7 @@ def named_lengths(
     Raises:
         OptionError: a letter that means something else in conditions, or that no length has.
     """
-    given = _given(lengths)
+    given = _letter_values(lengths)
     values = _values(links, tip)
     if lengths == "numbers" or (lengths == "auto" and _without_structure(links, values)):
         return {}, {}
@@ -380,7 +380,7 @@ def _own_letters(robot: Robot) -> dict[str, Fraction]:
     return {name: value * Fraction(10) ** power for name, value in zip(own, known, strict=True)}
 
 
-def _given(lengths: str | Mapping[str, float]) -> dict[str, Fraction]:
+def _letter_values(lengths: str | Mapping[str, float]) -> dict[str, Fraction]:
     """The caller's letters; none where a word was said."""
     if isinstance(lengths, str):
         if lengths not in ("auto", "letters", "numbers"):

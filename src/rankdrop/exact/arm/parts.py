@@ -41,7 +41,7 @@ def in_parts(robot: Robot) -> Robot:
     return replace(robot, joints=tuple(joints))
 
 
-def slowed(equation: Equation, parts: tuple[int, ...]) -> Equation:
+def scale_angle(equation: Equation, parts: tuple[int, ...]) -> Equation:
     """An equation in φ as one in θ = b φ."""
     if max(parts) == 1:
         return equation

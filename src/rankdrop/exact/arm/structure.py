@@ -89,7 +89,7 @@ def structure_of(chain: Chain) -> ExactStructure:
 
     Where joints follow others it is empty: a variable may move several axes, which have no number of their own.
     """
-    if chain.coupled:
+    if chain.has_mimics:
         return ExactStructure(chain.n, (), (), (), ())
     revolute = [s.kind is JointKind.REVOLUTE for s in chain.sections]
     neighbours = [i for i in range(1, chain.n) if revolute[i - 1] and revolute[i]]
@@ -110,7 +110,7 @@ def triples(chain: Chain) -> list[tuple[tuple[int, int, int], str]]:
     follow others.
     """
     found = []
-    for first in range(1, 0 if chain.coupled else chain.n - 1):
+    for first in range(1, 0 if chain.has_mimics else chain.n - 1):
         three = chain.screws(first + 1)[first - 1 : first + 2]
         for name, rows in (("spherical", (0, 1, 2)), ("planar", (2, 3, 4))):
             if all(x == 0 for x in entries(with_rows(three, rows))):
@@ -130,16 +130,16 @@ def check_basic(chain: Chain, basic: Sequence[int] | None, frame: int | None) ->
         )
 
 
-def listed(joints: tuple[int, ...]) -> str:
+def joint_list(joints: tuple[int, ...]) -> str:
     """ "4, 5, 6"."""
     return ", ".join(str(joint) for joint in joints)
 
 
 def _meet(chain: Chain, i: int) -> bool:
-    return _twisted(chain.sections[i - 1]) and chain.length(i - 1, "a") == 0
+    return _is_twisted(chain.sections[i - 1]) and chain.length(i - 1, "a") == 0
 
 
-def _twisted(section: Section) -> bool:
+def _is_twisted(section: Section) -> bool:
     """Whether the axes before and after a link are not parallel."""
     return section.twist.sin != 0
 
@@ -147,8 +147,8 @@ def _twisted(section: Section) -> bool:
 def _meet_in_one(chain: Chain, triple: tuple[int, int, int]) -> bool:
     """Both normals have no length and their feet on the middle axis coincide; no two of the axes are parallel."""
     first, middle, _ = triple
-    apart = all(_twisted(chain.sections[j - 1]) for j in (first, middle))
-    return apart and not any(x != 0 for x in entries(with_rows(chain.near(middle, triple), range(3))))
+    apart = all(_is_twisted(chain.sections[j - 1]) for j in (first, middle))
+    return apart and not any(x != 0 for x in entries(with_rows(chain.screws_near(middle, triple), range(3))))
 
 
 def _parallel(chain: Chain, revolute: list[bool]) -> tuple[tuple[int, ...], ...]:
@@ -156,7 +156,7 @@ def _parallel(chain: Chain, revolute: list[bool]) -> tuple[tuple[int, ...], ...]
     for j in (j for j in range(1, chain.n + 1) if revolute[j - 1]):
         # a joint between that is not parallel to two others turns one about itself: those in a row are enough
         if groups:
-            axis = chain.near(groups[-1][-1], [j])[0][3:5]
+            axis = chain.screws_near(groups[-1][-1], [j])[0][3:5]
         else:
             axis = None
         if axis is not None and not any(x != 0 for x in axis):
@@ -171,7 +171,7 @@ def _nearly_in_one(chain: Chain, triples: list[tuple[int, int, int]]) -> list[De
     found = []
     for first, middle, last in triples:
         before, own = chain.sections[first - 1], chain.sections[middle - 1]
-        if not (_twisted(before) and _twisted(own)):
+        if not (_is_twisted(before) and _is_twisted(own)):
             continue
         miss = max(abs(float(x)) for x in (before.a, own.d, own.a))
         if 0 < miss <= SMALL * reach(chain.robot):
@@ -239,7 +239,7 @@ def block_form(chain: Chain, structure: ExactStructure) -> BlockForm | None:
         chain: as many joints as its task has rows.
         structure: of the chain.
     """
-    if chain.coupled:
+    if chain.has_mimics:
         found = []
     else:
         found = list(_candidates(chain, structure))
@@ -301,7 +301,7 @@ def flat(chain: Chain) -> bool:
     if not chain.ring.revolute or 3 in chain.task.rows or 4 in chain.task.rows:
         return False
     one = next(j for j, section in enumerate(chain.sections, 1) if section.kind is JointKind.REVOLUTE)
-    if any(screw[3] != 0 or screw[4] != 0 for screw in chain.near(one, range(1, chain.links + 1))):
+    if any(screw[3] != 0 or screw[4] != 0 for screw in chain.screws_near(one, range(1, chain.links + 1))):
         return False
     if chain.task.frame == BODY:
         z = chain.robot.home[:3, 2]
@@ -332,7 +332,7 @@ def _part(structure: ExactStructure, kind: str, group: tuple[int, ...]) -> str:
 def _names(kind: str, group: tuple[int, ...], part: str) -> tuple[str, str]:
     """Of the blocks: a wrist, a shoulder, and what is left of the arm."""
     if kind == "point":
-        return part or f"joints {listed(group)}", "arm"
+        return part or f"joints {joint_list(group)}", "arm"
     return {"slides": ("slides", "turns"), "last axis": ("last joint", "arm")}.get(kind, ("in plane", "out of plane"))
 
 

@@ -133,7 +133,7 @@ def _tip(chain: Chain, frame: _Frame, point: Point) -> list[int]:
     """(3,) the tip, given the frame behind the last section."""
     prime, last = point.prime, chain.links
     offset = [_length(chain, last, "a", point), residue(chain.tip[1], prime), _length(chain, last, "d", point)]
-    moved = _applied(frame.turn, offset, prime)
+    moved = _rotate_modulo(frame.turn, offset, prime)
     return [(x + y) % prime for x, y in zip(frame.origin, moved, strict=True)]
 
 
@@ -141,13 +141,13 @@ def _screw_of_row(chain: Chain, frame: _Frame, tip: list[int], row: int, prime: 
     """(v; ω) of the motion that a row of the task would measure: along an axis, or about it through the tip."""
     axis = [residue(x, prime) for x in chain.task_axes[row % 3]]
     if chain.in_body:
-        axis = _applied(frame.turn, axis, prime)
+        axis = _rotate_modulo(frame.turn, axis, prime)
     if row > 2:
         return [*_moment(tip, axis, prime), *axis]
     return [*axis, 0, 0, 0]
 
 
-def _applied(turn: list[list[int]], vector: list[int], prime: int) -> list[int]:
+def _rotate_modulo(turn: list[list[int]], vector: list[int], prime: int) -> list[int]:
     """A vector turned."""
     return [sum(x * y for x, y in zip(row, vector, strict=True)) % prime for row in turn]
 

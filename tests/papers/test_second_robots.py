@@ -488,7 +488,7 @@ def test_kg_the_reciprocal_screw_says_nothing_where_its_five_are_dependent():
     what, facts = derive(chain(), "reciprocity", 30.0).notes[0]
     five = [joint - 1 for joint in facts["joints"]]
     alone = [one.equal[0].atoms for one in facts["vanishes"] if len(one.equal) == 1]
-    pinned = {atom.joint - 1 for atoms in alone for atom in atoms if atom.pinned}
+    pinned = {atom.joint - 1 for atoms in alone for atom in atoms if atom.is_pin}
     assert what == "screw"
     assert len(five) == 5
     assert pinned

@@ -46,7 +46,7 @@ def test_the_speed_that_is_named_keeps_the_limits(tmp_path: Path, capsys: pytest
     assert (told["line"], told["advice"], told["speed_share"], told["change"]) == (2, "slower", one.factor, None)
     assert told["words"] == remedy_words(one, check.robot)
     said = " ".join(capsys.readouterr().out.split())
-    assert "programs are not written line 2: at 0.00596 of its speed, 1.19 mm/s for 200 mm/s" in said
+    assert "programs are not written line 2: at 0.00595 of its speed, 1.19 mm/s for 200 mm/s" in said
     file.write_text(TOO_FAST.format(0.2 * one.factor), encoding="utf-8")
     assert checked("ur5e", file).holds
     file.write_text(TOO_FAST.format(0.2 * one.factor * 1.01), encoding="utf-8")

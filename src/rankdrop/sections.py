@@ -50,6 +50,7 @@ _WORDED = {
     "Covered": "rankdrop.text.words", "Explanation": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
     "FamilyEvidence": "rankdrop.text.family",
     "FamilyName": "rankdrop.text.names", "Dependence": "rankdrop.text.names",
+    "ExactConditions": "rankdrop.text.conditions",
     "Assumption": "rankdrop.text.conditions", "UnrealSet": "rankdrop.text.conditions",
     "UndividedSet": "rankdrop.text.conditions", "Designs": "rankdrop.text.designs",
     "SideBySide": "rankdrop.text.designs", "Parting": "rankdrop.text.structure",

@@ -426,7 +426,7 @@ def test_a_length_that_breaks_an_assumption_is_told(puma: Conditions) -> None:
 
 def test_sets_that_are_not_real_are_counted_by_reason(puma: Conditions) -> None:
     sets = tuple(UnrealSet(f"θ{j} = 0", Unreal.NOT_FOUND, tried=96) for j in (1, 2, 3, 4))
-    proven = UnrealSet("θ6 = 0", Unreal.PROVEN, proof="a2 ≥ 0 does not hold")
+    proven = UnrealSet("θ6 = 0", Unreal.PROVEN, negative="a2")
     found = replace(puma, not_real=(*sets, proven))
     text = str(found)
     assert found.to_dict()["not_real"][-1] == str(proven) == "θ6 = 0: not real, for a2 ≥ 0 does not hold"

@@ -63,7 +63,7 @@ def test_a_negative_discriminant_is_a_proof(chain: Chain) -> None:
     a2 = ring.letter_half["a2"]
     f = a2**2 * ring.t[3] ** 2 + a2 * ring.t[3] + 1
     found = reality(chain, ZeroSet(ring, {}, rest=(f,), equations=(f,)), 5, np.random.default_rng(0))
-    assert found.proof
+    assert (found.excluded, found.discriminants) == (True, ("−a2²",))
     assert not found.real
     assert not len(found.points)
 

@@ -264,7 +264,7 @@ def test_a_set_is_cut_off_from_its_special_strays(kind: str, monkeypatch: pytest
         return replace(piece, pins={5: "0"}) if len(strays) and not piece.pins else None
 
     none = np.empty((0, 6))
-    monkeypatch.setattr(families, "reality", lambda *_: Reality(np.zeros((1, 6)), True, "", "", none))
+    monkeypatch.setattr(families, "reality", lambda *_: Reality(np.zeros((1, 6)), True, False, (), none))
     monkeypatch.setattr(families, "add_separating_condition", separated)
     monkeypatch.setattr(families, "tidy", lambda piece, work: piece)
     sharp, _ = families._sharp(chain, Drop(piece, 5), np.random.default_rng(0), [], Work())

@@ -17,7 +17,7 @@ from rankdrop.verbs.conditions import conditions
 
 def shown(exact: ExactConditions) -> tuple[Any, ...]:
     """What readers of exact conditions see."""
-    return exact.pinned, exact.conditions, exact.latex, exact.reality
+    return exact.pinned, exact.conditions, exact.latex, exact.not_negative
 
 
 @pytest.mark.slow

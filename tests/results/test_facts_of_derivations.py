@@ -9,9 +9,10 @@ import pytest
 
 from rankdrop.algebra.halt import Halt, HaltKind
 from rankdrop.algebra.work import Work, halt_of
-from rankdrop.codec import json_text
+from rankdrop.codec import encode, json_text
+from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.geometry import Deviation
-from rankdrop.exact.family import EqualLengths
+from rankdrop.exact.family import EqualLengths, Unreal, UnrealSet
 from rankdrop.exact.remark import DerivationRemark, RemarkOn
 from rankdrop.families.contradiction import TREE, Contradiction, ContradictionKind
 from rankdrop.families.not_derived import NotDerived, NotDerivedKind
@@ -19,7 +20,9 @@ from rankdrop.families.record import AGREES, DIFFERS, NOT_DERIVED, Derivation
 from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import shipped
+from rankdrop.results.old_files import exact_from_dict, negative_of_sentence
 from rankdrop.results.old_sentences import contradictions_of_sentences, remarks_of_sentences
+from rankdrop.schema.families import UNREAL
 from rankdrop.text.unfinished import halt_words
 
 NEAR = Deviation("point", (4, 5, 6), 0.0125)
@@ -127,3 +130,28 @@ def test_why_nothing_was_derived_is_a_fact_that_files_hold_in_words(
     read = Analysis.from_dict(record, believe=True).exact
     assert read.interrupted == (words == "interrupted")
     assert (str(read.reason), read.reason == reason) == (words, same)
+
+
+REAL = {"": (), "real if and only if a1 − a2 ≥ 0": ("a1 − a2",),
+        "real if and only if a1 − a2 ≥ 0 and (d3 + d5) (d3 − d5) ≥ 0": ("a1 − a2", "(d3 + d5) (d3 − d5)")}  # fmt: skip
+
+
+@pytest.mark.parametrize("sentence", REAL)
+def test_when_a_family_is_real_is_read_from_its_sentence_and_said_again(sentence: str) -> None:
+    exact = exact_from_dict({"conditions": ["s5 = 0"], "latex": ["s_5 = 0"], "pinned": [], "reality": sentence})
+    assert exact.not_negative == REAL[sentence]
+    assert exact.reality == sentence
+
+
+def test_a_sentence_that_does_not_say_when_a_family_is_real_is_refused() -> None:
+    with pytest.raises(ResultFileError, match="this does not say when a family is real"):
+        exact_from_dict({"conditions": ["s5 = 0"], "latex": ["s_5 = 0"], "pinned": [], "reality": "real for a1 ≥ 0"})
+
+
+@pytest.mark.parametrize(("negative", "words"), [("a1 − a2", "a1 − a2 ≥ 0 does not hold"),
+                                                 ("", "a negative discriminant")])  # fmt: skip
+def test_what_excludes_real_points_is_in_files_in_words(negative: str, words: str) -> None:
+    unreal = UnrealSet("θ4 = 0", Unreal.PROVEN, negative=negative)
+    assert str(unreal) == f"θ4 = 0: not real, for {words}"
+    assert encode(UNREAL, unreal) == {"conditions": "θ4 = 0", "reason": "proven", "tried": 0, "proof": words}
+    assert negative_of_sentence(words) == negative

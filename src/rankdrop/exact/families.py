@@ -61,8 +61,9 @@ class Reality:
     Attributes:
         points: (k, n) real configurations of `Chain.own` on it, of the rank claimed; none where it is not real.
         smooth: at one of them the gradients have full rank: near it the real set has the dimension claimed.
-        proof: why it is not real, where that is proven; "" where none was found only.
-        condition: when it is real, in words; "" where that is plain.
+        excluded: proven not to be real: a discriminant is negative for the arm's lengths.
+        discriminants: expressions in the lengths that are not negative if and only if the set is real; none where that
+            is plain. Of an excluded set the negative one alone, none where it is a number.
         strays: (k, n) real configurations of higher rank that satisfy the conditions of the set, too.
         unclear: at so many more the conditions hold, and the rank is neither lost nor clearly higher: they are near
             points at which conditions touch zero only.
@@ -70,8 +71,8 @@ class Reality:
 
     points: Array
     smooth: bool
-    proof: str
-    condition: str
+    excluded: bool
+    discriminants: tuple[str, ...]
     strays: Array
     unclear: int = 0
 
@@ -91,7 +92,7 @@ def reality(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -
         rng: source of starts.
     """
     n = chain.n
-    words: list[str] = []
+    discriminants: list[str] = []
     for f in piece.equations:
         found = _discriminant(piece, f)
         if found is None:
@@ -100,17 +101,11 @@ def reality(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -
         if sign_of(chain, found) < 0:
             none = np.empty((0, n))
             if text:
-                proof = f"{text} ≥ 0 does not hold"
-            else:
-                proof = "a negative discriminant"
-            return Reality(none, False, proof, text, none)
+                return Reality(none, False, True, (text,), none)
+            return Reality(none, False, True, (), none)
         if text and not is_number(found) and not _always(chain, found):
-            words.append(f"{text} ≥ 0")
-    if words:
-        condition = "real if and only if " + " and ".join(words)
-    else:
-        condition = ""
-    return replace(real_points(chain, piece, rank, rng), condition=condition)
+            discriminants.append(text)
+    return replace(real_points(chain, piece, rank, rng), discriminants=tuple(discriminants))
 
 
 def real_points(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> Reality:
@@ -147,9 +142,9 @@ def real_points(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generato
         good &= True
     q = q[good]
     if not equations or not len(q):
-        return Reality(q, len(q) > 0, "", "", strays, unclear)
+        return Reality(q, len(q) > 0, False, (), strays, unclear)
     smooth = full_rank(system.jacobian(q) @ moving, piece.codimension - len(pinned))
-    return Reality(q[smooth] if smooth.any() else q, bool(smooth.any()), "", "", strays, unclear)
+    return Reality(q[smooth] if smooth.any() else q, bool(smooth.any()), False, (), strays, unclear)
 
 
 def full_rank(gradients: Array, wanted: int) -> NDArray[np.bool_]:
@@ -365,7 +360,7 @@ def real_sets(
                 piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
                 systems = len(work.unresolved)
                 work.without_points.clear()
-                if found.real or found.proof:
+                if found.real or found.excluded:
                     thinner = []
                 else:
                     thinner = _thinner(chain, piece, work)
@@ -420,8 +415,8 @@ def _verdict(piece: ZeroSet, found: Reality) -> tuple[UnfinishedKind | None, Unr
         return UnfinishedKind.STRAYS, None
     if found.real:
         return None, None
-    if found.proof:
-        return None, UnrealSet("", Unreal.PROVEN, proof=found.proof)
+    if found.excluded:
+        return None, UnrealSet("", Unreal.PROVEN, negative="".join(found.discriminants))
     if found.unclear or (len(piece.equations) > 1 and len(found.points)):
         return UnfinishedKind.DEPENDENT, None
     return None, UnrealSet("", Unreal.NOT_FOUND, tried=REAL_STARTS)
@@ -486,11 +481,11 @@ def families(
     seen = {id(drop.piece): found for drop, found in sets}
     for corank in range(1, generic_rank + 1):
         rank = generic_rank - corank
-        by_reality: dict[str, list[ZeroSet]] = {}
+        by_discriminants: dict[tuple[str, ...], list[ZeroSet]] = {}
         for drop, found in sets:
             if drop.rank == rank:
-                by_reality.setdefault(found.condition, []).append(drop.piece)
-        rows = flat_map(merge, by_reality.values())
+                by_discriminants.setdefault(found.discriminants, []).append(drop.piece)
+        rows = flat_map(merge, by_discriminants.values())
         here: list[Family] = []
         for row in rows:
             work.show("families described", len(result) + len(here), len(result) + len(rows))
@@ -500,7 +495,7 @@ def families(
             told = _describe_family(chain, generic_rank, corank, parts, row.pins, bound)
             tried = (piece.points(work.rng, _CHECKED) or piece.samples[:_CHECKED] for piece in row.pieces)
             check = rank_agreement(chain, chain_of.from_iterable(tried), rank)
-            here.append(_family(chain, corank, row, realities[0].condition, told, check))
+            here.append(_family(chain, corank, row, realities[0].discriminants, told, check))
         here.sort(key=_place)
         names = distinct_names([family.called for family in here], [partial(_marks, family) for family in here])
         result += [
@@ -528,7 +523,7 @@ def _family(
     chain: Chain,
     corank: int,
     row: Row,
-    condition: str,
+    discriminants: tuple[str, ...],
     told: tuple[FamilyName, tuple[LostFreedom, ...], tuple[float, ...]],
     check: Check,
 ) -> Family:
@@ -542,7 +537,7 @@ def _family(
     exact = ExactConditions(
         pinned=(*pinned, *slides_at_zero(chain.robot, polynomials)),
         stated=(*pins, *polynomials),
-        reality=condition,
+        not_negative=discriminants,
         rank_check=check,
         numbers=chain.numbers,
         shifts=shifts,

@@ -207,13 +207,14 @@ class UnrealSet:
         conditions: of the set, for people.
         reason: why it is left out.
         tried: random starts of the search, or primes.
-        proof: what excludes real points, where that is proven.
+        negative: where it is proven, the expression in the lengths that is negative, which excludes real points; ""
+            where it is a number.
     """
 
     conditions: str
     reason: Unreal
     tried: int = 0
-    proof: str = ""
+    negative: str = ""
 
     def __str__(self) -> str:
         """In words: "θ4 = 0: no real point was found from 96 random starts"."""

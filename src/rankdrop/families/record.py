@@ -101,7 +101,7 @@ class ExactConditions:
         pinned: joints at fixed values of q; their conditions are the first of `stated`.
         stated: every condition: joints at simple angles, every combination of which belongs to the family, then
             irreducible polynomials, all of which vanish; read from a file of `analyze` the words of these.
-        reality: "" where the family is real whatever the lengths are; else when it is.
+        not_negative: expressions in the lengths; the family is real if and only if none of them is negative.
         rank_check: exact rank modulo a prime at random points of the family: is it as claimed? None read from a file
             of `analyze`, which has none of what follows either.
         numbers: values of the letters [m].
@@ -112,7 +112,7 @@ class ExactConditions:
 
     pinned: tuple[Pin, ...]
     stated: tuple[AnglePin | Condition | WrittenCondition, ...]
-    reality: str
+    not_negative: tuple[str, ...]
     rank_check: Check = Check(0, 0)
     numbers: Mapping[str, float] = field(default_factory=dict)
     shifts: tuple[float, ...] = ()
@@ -130,6 +130,12 @@ class ExactConditions:
         return tuple(one.latex() for one in self.written or self.stated)
 
     @property
+    def reality(self) -> str:
+        """When the family has real points, in words; "" where it has some whatever the lengths are."""
+        sentence: str = words_of(self).reality_words(self)
+        return sentence
+
+    @property
     def pins(self) -> tuple[AnglePin, ...]:
         """The joints at simple angles; none read from a file of `analyze`."""
         from rankdrop.formula.writing import AnglePin  # who shows words does without
@@ -145,16 +151,16 @@ class ExactConditions:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy for another process has the words: polynomials belong to the ring of this one."""
-        return written_conditions, (self.pinned, self.conditions, self.latex, self.reality)
+        return written_conditions, (self.pinned, self.conditions, self.latex, self.not_negative)
 
 
 def written_conditions(
-    pinned: tuple[Pin, ...], texts: Sequence[str], latex: Sequence[str], reality: str
+    pinned: tuple[Pin, ...], texts: Sequence[str], latex: Sequence[str], not_negative: tuple[str, ...]
 ) -> ExactConditions:
     """Exact conditions as a file of `analyze` holds them.
 
     Args:
-        pinned, reality: as of `ExactConditions`.
+        pinned, not_negative: as of `ExactConditions`.
         texts: every condition for people.
         latex: the same as LaTeX mathematics.
 
@@ -163,7 +169,7 @@ def written_conditions(
     """
     if len(latex) != len(texts):
         raise ResultFileError("one LaTeX text for each condition", got=str(len(latex)), allowed=str(len(texts)))
-    return ExactConditions(pinned, tuple(map(WrittenCondition, texts, latex)), reality)
+    return ExactConditions(pinned, tuple(map(WrittenCondition, texts, latex)), not_negative)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,13 @@ them. Of an old sentence the frame is read, and whether it holds for the whole f
 at the witness, to full precision.
 
 Up to 0.2 the exact conditions of all families were listed in the entry `exact`; since then each family has its own.
+
+Files of all versions hold as sentences when a family is real, `reality`, and what excludes real points, `proof`.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile
@@ -110,7 +113,47 @@ def exact_from_dict(record: Record) -> ExactConditions:
     texts: tuple[str, ...] = restored(tuple[str, ...], record["conditions"])
     latex: tuple[str, ...] = restored(tuple[str, ...], record["latex"])
     pinned: tuple[Pin, ...] = restored(tuple[Pin, ...], record["pinned"])
-    return written_conditions(pinned, texts, latex, restored(str, record["reality"]))
+    return written_conditions(pinned, texts, latex, expressions_of_sentence(restored(str, record["reality"])))
+
+
+def expressions_of_sentence(sentence: str) -> tuple[str, ...]:
+    """The expressions that are not negative where a family is real, of the sentence that says when it is real.
+
+    Raises:
+        ResultFileError: another sentence.
+
+    Example:
+        >>> expressions_of_sentence("real if and only if a1 − a2 ≥ 0 and d3 + d5 ≥ 0")
+        ('a1 − a2', 'd3 + d5')
+    """
+    if not sentence:
+        return ()
+    match = _REAL.match(sentence)
+    if match is None:
+        raise ResultFileError("this does not say when a family is real", where="reality", got=sentence[:80],
+                              allowed="real if and only if … ≥ 0")  # fmt: skip
+    expressions: str = match[1]
+    return tuple(expressions.split(" ≥ 0 and "))
+
+
+_REAL = re.compile(r"real if and only if (.+) ≥ 0\Z")
+
+
+def negative_of_sentence(sentence: str) -> str:
+    """The expression that is negative, of the sentence that excludes real points; "" of any other sentence.
+
+    Example:
+        >>> negative_of_sentence("a1 − a2 ≥ 0 does not hold")
+        'a1 − a2'
+    """
+    match = _EXCLUDED.match(sentence)
+    if match is None:
+        return ""
+    expression: str = match[1]
+    return expression
+
+
+_EXCLUDED = re.compile(r"(.+) ≥ 0 does not hold\Z")
 
 
 def conditions_of_derivation(families: Sequence[Family], record: Record) -> tuple[Family, ...]:

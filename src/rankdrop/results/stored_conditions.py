@@ -35,7 +35,7 @@ from rankdrop.questions import ConditionsOptions
 from rankdrop.results.conditions import SCHEMA, Conditions
 from rankdrop.results.known import ANSWERS, arm_and_task, conditions_names, conditions_record, shipped_conditions_record
 from rankdrop.results.names import name_of
-from rankdrop.results.old_files import freedoms_of_sentences
+from rankdrop.results.old_files import expressions_of_sentence, freedoms_of_sentences, negative_of_sentence
 from rankdrop.results.old_sentences import contradictions_of_sentences, remarks_of_sentences
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
@@ -138,7 +138,7 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         families=tuple(_family(stored, ring, record, root_values(roots), robot, task) for stored in record["families"]),
         lowest=record["lowest"],
         assumptions=restored(tuple[Assumption, ...], record["assumptions"]),
-        not_real=restored(tuple[UnrealSet, ...], record["unreal"]),
+        not_real=tuple(map(_unreal, record["unreal"])),
         explained=Check(record["explained"]["tested"], record["explained"]["explained"]),
         disagreements=_contradictions(record),
         complete=record["complete"],
@@ -173,6 +173,13 @@ def _remarks(record: Record) -> tuple[DerivationRemark, ...]:
     return remarks_of_sentences(record["remarks"])
 
 
+def _unreal(record: Record) -> UnrealSet:
+    """A set without a known real point; what excludes one is a sentence of the file."""
+    facts = {name: value for name, value in record.items() if name != "proof"}
+    found: UnrealSet = restored(UnrealSet, facts | {"negative": negative_of_sentence(record["proof"])})
+    return found
+
+
 def _freedoms(record: Record, robot: Robot, task: Task) -> tuple[LostFreedom, ...]:
     if "lost_freedoms" in record:
         freedoms: tuple[LostFreedom, ...] = restored(tuple[LostFreedom, ...], record["lost_freedoms"])
@@ -191,7 +198,7 @@ def _family(
     exact = ExactConditions(
         pinned=(*pinned, *slides_at_zero(robot, polynomials)),
         stated=(*pins, *polynomials),
-        reality=record["reality"],
+        not_negative=expressions_of_sentence(record["reality"]),
         rank_check=restored(Check, record["rank_check"]),
         numbers={**whole["letters"], **roots},
         shifts=shifts,

@@ -37,6 +37,7 @@ from rankdrop.local.dependence import Dependence
 from rankdrop.results.aspect_summary import AspectSummary
 from rankdrop.results.findings import configurations, strata
 from rankdrop.schema.arm import ARM_OF, FRAME, INSIDE_PINNED, MOVED, PINNED, ROBOT, TOLERANCE, TOLERANCES, file
+from rankdrop.text.conditions import proof_words
 from rankdrop.text.lost import lost_sentences
 from rankdrop.text.structure import reason_text
 from rankdrop.version import VERSION
@@ -452,7 +453,8 @@ ASSUMPTIONS = table(
         "the first families that the special arm has besides; since 0.3"),
     more=(optional(Count), "number of its other families"),
 )  # fmt: skip
-UNREAL = table("unreal", of=UnrealSet, tried=optional(Count))
+UNREAL = table("unreal", of=UnrealSet, tried=optional(Count), negative=None,
+    proof=(optional(str), "what excludes real points, where that is proven", proof_words))  # fmt: skip
 UNDIVIDED = table(
     "undivided",
     of=UndividedSet,

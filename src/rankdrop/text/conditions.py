@@ -10,7 +10,7 @@ from itertools import chain
 from typing import Any
 
 from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, Unreal, UnrealSet
-from rankdrop.families.record import Family, exact_of
+from rankdrop.families.record import ExactConditions, Family, exact_of
 from rankdrop.formula.equation import pretty_angle
 from rankdrop.formula.mathml import typeset
 from rankdrop.lists import flat_map
@@ -387,13 +387,29 @@ def _loss(family: SpecialFamily) -> str:
 _FREEDOMS = {1: "one freedom", 2: "two freedoms", 3: "three freedoms", 4: "four freedoms", 5: "five freedoms"}
 
 
+def reality_words(exact: ExactConditions) -> str:
+    """When a family has real points: "real if and only if a2 − a3 ≥ 0"; "" where it has some for all lengths."""
+    if not exact.not_negative:
+        return ""
+    return "real if and only if " + " and ".join(f"{expression} ≥ 0" for expression in exact.not_negative)
+
+
 def unreal_words(unreal: UnrealSet) -> str:
     """A set without a known real point, and why: "θ4 = 0: no real point was found from 96 random starts"."""
     return f"{unreal.conditions}: {_why_unreal(unreal)}"
 
 
 def _why_unreal(unreal: UnrealSet) -> str:
-    return _UNREAL[unreal.reason].format(tried=unreal.tried, proof=unreal.proof)
+    return _UNREAL[unreal.reason].format(tried=unreal.tried, proof=proof_words(unreal))
+
+
+def proof_words(unreal: UnrealSet) -> str:
+    """What excludes real points: "a2 − a3 ≥ 0 does not hold"; "" where that is not proven."""
+    if unreal.reason is not Unreal.PROVEN:
+        return ""
+    if not unreal.negative:
+        return "a negative discriminant"
+    return f"{unreal.negative} ≥ 0 does not hold"
 
 
 _UNREAL = {

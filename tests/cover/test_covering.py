@@ -22,6 +22,7 @@ from rankdrop.cover import covering as module
 from rankdrop.cover.box_matching import FamilyBoxes, keys
 from rankdrop.cover.covering import (
     Covering,
+    CoveringEnd,
     batch_from_bytes,
     batch_to_bytes,
     chunk_of,
@@ -186,7 +187,7 @@ def test_an_interrupted_covering_tells_what_is_done():
             raise KeyboardInterrupt
 
     part = covering(robot_of("ur5"), WIDTH, report=stop)
-    assert (part.complete, part.stopped) == (False, "interrupted")
+    assert (part.complete, part.stopped) == (False, CoveringEnd.INTERRUPTED)
     assert 0.3 < part.tree.finished.mean() < 0.5
     assert part.free_share < covered("ur5").free_share
     assert part.holds(np.random.default_rng(1).uniform(-np.pi, np.pi, (2000, 6))).mean() > 0.6
@@ -203,7 +204,8 @@ def test_an_interrupted_command_goes_on_to_the_same_file(name, width, tmp_path, 
             raise KeyboardInterrupt
 
     some = cover(robot, width=width, out=out, explain=False, report=stop)
-    assert (some.complete, some.covering.stopped) == (False, "interrupted")
+    assert (some.complete, some.covering.stopped) == (False, CoveringEnd.INTERRUPTED)
+    assert some.to_dict()["stopped"] == "interrupted"
     assert 0.3 < some.covering.tree.finished.mean() < 0.5
     assert not out.exists()
     journal = tmp_path / "half.parts" / "journal"
@@ -316,7 +318,7 @@ def test_a_budget_pays_for_the_same_chunks_whoever_makes_them(made, monkeypatch,
     if made == "backwards":
         monkeypatch.setattr("rankdrop.verbs.covering.finish", backwards)
     found = cover(robot, width=0.2, budget=budget, out=tmp_path / "x", threads=2, explain=False).covering
-    assert (found.complete, found.stopped) == (False, "the budget is spent")
+    assert (found.complete, found.stopped) == (False, CoveringEnd.BUDGET_SPENT)
     assert 0 < found.tested <= budget
     usual = covering(robot, 0.2, budget=budget)
     np.testing.assert_array_equal(found.tree.finished, usual.tree.finished)
@@ -517,13 +519,24 @@ def _unlimited(robot: Robot) -> Robot:
     return Robot("free", tuple(replace(joint, lower=-np.inf, upper=np.inf) for joint in robot.joints), robot.home)
 
 
+@pytest.mark.parametrize(("end", "words"), [(CoveringEnd.INTERRUPTED, " (interrupted)"),
+    (CoveringEnd.BUDGET_SPENT, " (the budget is spent: about 90 enclosures are needed at this width)"),
+    (CoveringEnd.BUDGET_TOO_SMALL, " (budget too small: about 90 enclosures are needed at this width)"),
+    (None, "")])  # fmt: skip
+def test_why_a_covering_ended_is_said_in_its_sentence(end, words):
+    found = cover(open_robot("planar2r"), width=1.0, explain=False)
+    tree = replace(found.covering.tree, finished=np.zeros_like(found.covering.tree.finished))
+    part = replace(found, covering=replace(found.covering, tree=tree, stopped=end, needed=90))
+    assert part.sentence.startswith(f"Not complete{words}: 0.0 % of the joint space")
+
+
 @pytest.mark.slow
 def test_a_budget_ends_the_work_and_says_so():
     found = covering(open_robot("almarkhi4"), 0.1, budget=15_000)
-    assert (found.complete, found.stopped) == (False, "the budget is spent")
+    assert (found.complete, found.stopped) == (False, CoveringEnd.BUDGET_SPENT)
     assert found.tree.finished.any()
     found = covering(open_robot("almarkhi4"), 0.1, budget=2000)
-    assert (found.complete, found.stopped) == (False, "budget too small")
+    assert (found.complete, found.stopped) == (False, CoveringEnd.BUDGET_TOO_SMALL)
     assert found.needed > 15_000
     labels: set[str] = set()
     cover(open_robot("almarkhi4"), width=0.1, budget=15_000, report=lambda label, *_: labels.add(label))

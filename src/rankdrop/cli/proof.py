@@ -94,7 +94,7 @@ def cover(
     else:
         families = results.Analysis.load(output.analysis)
     found = verbs.cover(model, task, options, analysis=families, out=out, scheduler=output.scheduler, report=report)
-    stopped = found.covering.stopped == "interrupted"
+    stopped = found.covering.interrupted
 
     def proven() -> results.Record | None:
         if out is None or not found.complete:

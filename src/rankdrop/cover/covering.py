@@ -19,6 +19,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import lru_cache
 from itertools import product
 from math import ceil, log2, pi
@@ -55,8 +56,6 @@ from rankdrop.task import Task, resolve_task
 from rankdrop.version import VERSION
 
 SPLIT, ENCLOSURES = "split determinant", "enclosures"
-SPENT = "the budget is spent"
-TOO_FEW = "budget too small"
 BUDGET = 10_000_000_000
 """Enclosures that one chunk may take, about 1.5 µs each; the split determinant needs none."""
 NARROWEST = 2 * pi / 512
@@ -74,6 +73,15 @@ _SEAM = 1e-15  # centres and corners are rounded: boxes are tested this much wid
 _ROUNDS, _MOST = 8, 1 << 22  # of a closer look: rounds, boxes
 _PART = 1 << 16  # boxes tested at one go
 _AT_ONCE = 1 << 14  # boxes halved at one go
+
+
+class CoveringEnd(StrEnum):
+    """Why a covering ended before the whole joint space was covered."""
+
+    INTERRUPTED = "interrupted"
+    BUDGET_SPENT = "budget-spent"
+    BUDGET_TOO_SMALL = "budget-too-small"
+
 
 Batch = tuple[Masks, NDArray[np.int32], int, int]
 """Of boxes of the level `top`: masks, box by box and in each level by level (the proven last); (boxes, levels + 1) how
@@ -97,7 +105,7 @@ class Covering:
         tree: the boxes.
         tested: boxes tested.
         freed: leaves that were proven free by looking into them.
-        stopped: why it is not complete; "" where it is.
+        stopped: why it is not complete; None where it is.
         needed: enclosures that all of it takes, by `estimate`; 0 where that was not asked.
     """
 
@@ -105,8 +113,13 @@ class Covering:
     tree: BitTree
     tested: int
     freed: int
-    stopped: str = ""
+    stopped: CoveringEnd | None = None
     needed: int = 0
+
+    @property
+    def interrupted(self) -> bool:
+        """Ctrl-C ended it before it was complete."""
+        return self.stopped is CoveringEnd.INTERRUPTED
 
     @property
     def complete(self) -> bool:
@@ -223,7 +236,9 @@ def estimate(robot: Robot, task: Task, plan: Plan, *, ways: int = 512, seed: int
     return int(float(f"{total:.1e}"))
 
 
-def put_together(plan: Plan, batches: Mapping[int, Batch], stopped: str = "", needed: int = 0) -> Covering:
+def put_together(
+    plan: Plan, batches: Mapping[int, Batch], stopped: CoveringEnd | None = None, needed: int = 0
+) -> Covering:
     """The covering of chunks, by their numbers; those that are missing are not covered.
 
     Args:

@@ -12,6 +12,7 @@ from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some
 from rankdrop.cover.box_matching import Spot
 from rankdrop.proof.record import Tolerance
 from rankdrop.schema.arm import FRAME, ROBOT, file
+from rankdrop.text.words import covering_end_words
 from rankdrop.version import VERSION
 
 ARM_JOINTS = table(
@@ -157,7 +158,7 @@ COVER_FILE = file(
     method=(Literal["split determinant", "enclosures"], "", attrgetter("covering.plan.method")),
     sentence=str,
     complete=(bool, "the whole joint space was covered; else nothing is said of the rest"),
-    stopped=(str | None, "", lambda covered: covered.covering.stopped or None),
+    stopped=(str | None, "", lambda covered: covering_end_words(covered.covering.stopped) or None),
     needed=(optional(Count), "enclosures that all of it takes, estimated from random ways down its tree; since 0.3",
         lambda covered: covered.covering.needed or UNSET),
     joints=(many(Positive), "", attrgetter("covering.plan.variables")),

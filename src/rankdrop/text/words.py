@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.cover.covering import CoveringEnd
 from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions, Tolerant
 from rankdrop.local.directions import Screw
 from rankdrop.local.failures import Failures
@@ -551,13 +552,28 @@ def covering_label(needed: int) -> str:
     return "parts covered"
 
 
-def _why_not_complete(stopped: str, needed: int) -> str:
-    """In brackets: why a covering ended early, and the work that all of it takes."""
-    if not stopped:
+def covering_end_words(stopped: CoveringEnd | None) -> str:
+    """Why a covering ended early: "the budget is spent"; "" where it is complete."""
+    if stopped is None:
         return ""
-    if not needed or stopped == "interrupted":
-        return f" ({stopped})"
-    return f" ({stopped}: about {needed:,} enclosures are needed at this width)"
+    return _COVERING_ENDS[stopped]
+
+
+_COVERING_ENDS = {
+    CoveringEnd.INTERRUPTED: "interrupted",
+    CoveringEnd.BUDGET_SPENT: "the budget is spent",
+    CoveringEnd.BUDGET_TOO_SMALL: "budget too small",
+}
+
+
+def _why_not_complete(stopped: CoveringEnd | None, needed: int) -> str:
+    """In brackets: why a covering ended early, and the work that all of it takes."""
+    if stopped is None:
+        return ""
+    why = covering_end_words(stopped)
+    if not needed or stopped is CoveringEnd.INTERRUPTED:
+        return f" ({why})"
+    return f" ({why}: about {needed:,} enclosures are needed at this width)"
 
 
 def _covered_what(corank: int) -> str:

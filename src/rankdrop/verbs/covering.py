@@ -15,12 +15,11 @@ import numpy as np
 from rankdrop.cover.box_matching import FamilyBoxes, spots
 from rankdrop.cover.covering import (
     BUDGET,
-    SPENT,
     SPLIT,
-    TOO_FEW,
     Batch,
     BudgetSpent,
     Covering,
+    CoveringEnd,
     batch_from_bytes,
     batch_to_bytes,
     chunk_of,
@@ -183,7 +182,7 @@ def covering(
     if not _is_quick(plan):
         needed = estimate(robot, task, plan)
     if needed > _FAR * budget:
-        return put_together(plan, batches, TOO_FEW, needed)
+        return put_together(plan, batches, CoveringEnd.BUDGET_TOO_SMALL, needed)
     label = covering_label(needed)
 
     def each(chunk: int, content: bytes) -> None:
@@ -200,9 +199,9 @@ def covering(
         for _ in finish(job, engine, folder=folder, each=each, report=lambda done, total: tell(label, done, total)):
             pass
     except KeyboardInterrupt:
-        return put_together(plan, batches, "interrupted", needed)
+        return put_together(plan, batches, CoveringEnd.INTERRUPTED, needed)
     except BudgetSpent:
-        return put_together(plan, _paid(job, batches, plan, budget), SPENT, needed)
+        return put_together(plan, _paid(job, batches, plan, budget), CoveringEnd.BUDGET_SPENT, needed)
     return put_together(plan, batches, needed=needed)
 
 

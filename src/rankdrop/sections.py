@@ -47,7 +47,8 @@ class Section:
 
 _WORDED = {
     "Analysis": "rankdrop.text.analysis", "Conditions": "rankdrop.text.conditions",
-    "Covered": "rankdrop.text.words", "Explanation": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
+    "Covered": "rankdrop.text.words", "PartSet": "rankdrop.text.explanation", "Progress": "rankdrop.text.jobs",
+    "Explanation": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
     "FamilyEvidence": "rankdrop.text.family",
     "FamilyName": "rankdrop.text.names", "Dependence": "rankdrop.text.names",
     "ExactConditions": "rankdrop.text.conditions",

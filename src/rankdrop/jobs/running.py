@@ -42,6 +42,7 @@ import msgspec
 from rankdrop.codec import Count, decode, mapping, table, text, whole
 from rankdrop.disk import append_line, locked, read_file, replace_file
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError, ResultFileError
+from rankdrop.sections import words_of
 from rankdrop.version import VERSION
 
 Plan = dict[str, Any]
@@ -273,15 +274,9 @@ class Progress:
 
     @property
     def sentence(self) -> str:
-        """For people."""
-        share = f"{self.done} of {self.chunks} chunks of the {self.kind} ({self.items} items in all)"
-        if self.done == self.chunks:
-            return f"finished: {share}"
-        if self.left is None:
-            left = ""
-        else:
-            left = f"; about {self.left:.0f} s left at the pace so far"
-        return f"{share}; last one {self.quiet:.0f} s ago{left}"
+        """In words: "3 of 8 chunks of the sweep (40 items in all); last one 2 s ago"."""
+        words: str = words_of(self).progress_words(self)
+        return words
 
 
 def progress_of(path: str | Path) -> Progress:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, prod
 
 import numpy as np
@@ -12,6 +12,7 @@ from rankdrop.configuration import Configuration, at
 from rankdrop.local.block import read_only, svd
 from rankdrop.local.rates import rate_limits
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.sections import words_of
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 
@@ -78,17 +79,25 @@ class PartSet:
     """The three parts for one unit ball of joint rates.
 
     Attributes:
-        ball: the unit balls of joint rates and of joint torques, in words.
+        by_limits: joint rates count as shares of their limits; else 1 rad/s of every joint counts as one.
+        slide_length: so much of a slide counts as 1 rad [m]; None where no joint slides, or by limits.
         joints: (n,) the rate of each joint that counts as one [rad/s, m/s].
         translation, rotation: None where the task has no such rows.
         task: all rows of the task, translations divided by the length scale.
     """
 
-    ball: str
+    by_limits: bool
+    slide_length: float | None
     joints: tuple[float, ...]
     translation: Part | None
     rotation: Part | None
     task: Part
+
+    @property
+    def ball(self) -> str:
+        """The unit balls of joint rates and of joint torques, in words."""
+        balls: str = words_of(self).unit_balls(self)
+        return balls
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,13 +153,14 @@ def ellipsoids(
     weights, limits, zero = here.scale, rate_limits(here.robot), here.tolerances.singular
     length = here.task.scale(here.robot)
     slides = any(joint.kind is JointKind.PRISMATIC for joint in here.robot.variables)
-    ball = "Σ q̇² ≤ (1 rad/s)²" + (f", slides in units of {length:.4g} m" if slides else "") + "; Σ τ² ≤ (1 N m)²"
-    plain = _shapes(here.jacobian * weights, here.task, length, ball, weights, _PER_RATE, zero)
+    plain = _shapes(here.jacobian * weights, here.task, length, weights, _PER_RATE, zero)
+    if slides:
+        plain = replace(plain, slide_length=length)
     bounded = None
     if np.isfinite(limits).all():
-        ball = "Σ (q̇/limit)² ≤ 1; Σ (τ · limit)² ≤ (1 W)²"
         zero *= float((limits / weights).max())
-        bounded = _shapes(here.jacobian * limits, here.task, length, ball, limits, _PER_BALL, zero)
+        bounded = _shapes(here.jacobian * limits, here.task, length, limits, _PER_BALL, zero)
+        bounded = replace(bounded, by_limits=True)
     return Ellipsoids(plain, bounded, length)
 
 
@@ -159,7 +169,7 @@ _PER_BALL = {"translation": "m/s", "rotation": "rad/s", "task": "rad/s"}  # spee
 
 
 def _shapes(
-    scaled: Array, task: Task, length: float, ball: str, weights: Array, units: dict[str, str], zero: float
+    scaled: Array, task: Task, length: float, weights: Array, units: dict[str, str], zero: float
 ) -> PartSet:
     """The three parts of the task Jacobian (translations divided by `length`) with weighted columns."""
     rows, parts = np.array(task.rows), {}
@@ -167,7 +177,7 @@ def _shapes(
         if chosen.any():
             parts[name] = _part(name, size * scaled[chosen], rows[chosen] % 3, np.ones(3), units[name], size * zero)
     whole = _part("task", scaled, rows, np.repeat([length, 1.0], 3), units["task"], zero, length)
-    return PartSet(ball, tuple(weights.tolist()), parts.get("translation"), parts.get("rotation"), whole)
+    return PartSet(False, None, tuple(weights.tolist()), parts.get("translation"), parts.get("rotation"), whole)
 
 
 def _part(

@@ -311,7 +311,11 @@ INDEX = table("index", of=Index, value=num("entry", ge=0) | None, length_scale=n
 SHAPE = table(
     "shape", name=str, velocity=ELLIPSOID, force=ELLIPSOID, sigma_min=INDEX, condition=INDEX, manipulability=INDEX,
 )  # fmt: skip
-SHAPES = table("shapes", of=PartSet, joints=many(num("joint/s") | None))
+SHAPES = table(
+    "shapes", of=PartSet, by_limits=None, slide_length=None,
+    ball=(str, "the unit balls of joint rates and of joint torques, in words", attrgetter("ball")),
+    joints=many(num("joint/s") | None),
+)  # fmt: skip
 ELLIPSOIDS = table("ellipsoids", of=Ellipsoids, length_scale=num("m"))
 RANK = table(
     "rank",

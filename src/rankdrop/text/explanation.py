@@ -20,6 +20,7 @@ from rankdrop.configuration import Cause, at
 from rankdrop.families.record import Incidence
 from rankdrop.kinematics import pose
 from rankdrop.lists import flat_map
+from rankdrop.local.ellipsoids import PartSet
 from rankdrop.local.pointing import pointing_task, tool_stays_level, turn_follows
 from rankdrop.local.rates import DirectionRates
 from rankdrop.options import advised
@@ -400,6 +401,16 @@ _SHAPES: Columns = {
     "condition": lambda part: short(part.condition.value),
     "manipulability": lambda part: short(part.manipulability.value),
 }  # fmt: skip
+
+
+def unit_balls(parts: PartSet) -> str:
+    """The unit balls of joint rates and of joint torques: "Σ q̇² ≤ (1 rad/s)²; Σ τ² ≤ (1 N m)²"."""
+    if parts.by_limits:
+        return "Σ (q̇/limit)² ≤ 1; Σ (τ · limit)² ≤ (1 W)²"
+    rates, torques = "Σ q̇² ≤ (1 rad/s)²", "Σ τ² ≤ (1 N m)²"
+    if parts.slide_length is None:
+        return f"{rates}; {torques}"
+    return f"{rates}, slides in units of {parts.slide_length:.4g} m; {torques}"
 
 
 def _ellipsoids(explanation: Explanation, full: bool) -> Iterator[Section]:

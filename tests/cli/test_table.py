@@ -88,10 +88,10 @@ def test_an_exact_condition_stands_in_place_of_a_fitted_one(shapes: Analysis) ->
     row = shapes.families[2]
     long = Equation(tuple(Term(1.0 + i, "cos", (0, 2 * i, 2, 0, 0, 0, 0), (0,) * 7) for i in range(26)))
     fitted = replace(row, equations=(long,))
-    exact = written_conditions((), ("a2 c2 + a3 c23 = 0", "s4 = 0"), ("", ""), "real if a2 < a3")
+    exact = written_conditions((), ("a2 c2 + a3 c23 = 0", "s4 = 0"), ("", ""), ("a3 − a2",))
     derived = replace(fitted, exact=exact)
-    assert conditions_of(derived) == [("exactly", "a2 c2 + a3 c23 = 0"), ("exactly", "s4 = 0; real if a2 < a3")]
-    assert exact_conditions(derived) == "a2 c2 + a3 c23 = 0 and s4 = 0; real if a2 < a3"
+    assert conditions_of(derived) == [("exactly", "a2 c2 + a3 c23 = 0"), ("exactly", "s4 = 0; real if and only if a3 − a2 ≥ 0")]
+    assert exact_conditions(derived) == "a2 c2 + a3 c23 = 0 and s4 = 0; real if and only if a3 − a2 ≥ 0"
     (label, text), = conditions_of(fitted)
     assert (label, text[:8]) == ("c", coupled_conditions(fitted)[0][:8])
     assert conditions_of(row) == [("c", "0.9087 cos θ2 + cos(θ2+θ3) = 0")]

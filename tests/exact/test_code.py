@@ -29,7 +29,7 @@ class Stated:
 
 
 def family(id: str, name: str, corank: int, pins: tuple, polynomials: tuple) -> Stated:
-    return Stated(id, name, corank, ExactConditions((), (*pins, *polynomials), ""))
+    return Stated(id, name, corank, ExactConditions((), (*pins, *polynomials), ()))
 
 
 def families():

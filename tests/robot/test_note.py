@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from rankdrop.options import on_command_line
@@ -39,3 +41,10 @@ def test_of_many_links_at_the_tip_eight_are_named() -> None:
     links = tuple("abcdefghi")
     assert "; fixed to it: a, b, c, d, e, f, g, h …" in str(RobotNote(NoteOn.TIP, "t", fixed=links))
     assert str(RobotNote(NoteOn.TIP, "t", fixed=links[:8])).endswith("; fixed to it: a, b, c, d, e, f, g, h")
+
+
+@pytest.mark.parametrize("kind", NoteOn)
+def test_a_kind_of_note_is_a_slug_and_its_words_are_made_elsewhere(kind: NoteOn) -> None:
+    assert re.fullmatch(r"[a-z]+(-[a-z]+)*", kind)
+    words = str(RobotNote(kind, "joint_a", "joint_b", text="as given"))
+    assert kind.value not in words

@@ -11,16 +11,16 @@ from rankdrop.sections import words_of
 class ObtainedFrom(StrEnum):
     """What the conditions of a family were obtained from."""
 
-    EXACT = "exact condition"
-    VALUES = "values verified"
-    FITTED = "fitted, then verified"
-    SHARED_VALUES = "shared values, verified"
-    CLOUD = "points without a condition"
-    NEIGHBOURS = "neighbours of one tangent shape"
-    FULL_RANK = "full rank of D"
-    UNCLEAR_RANK = "no clear rank of D"
-    MEETING = "families that meet"
-    STORED = "sentence of a file"
+    EXACT = "exact"
+    VALUES = "values"
+    FITTED = "fitted"
+    SHARED_VALUES = "shared-values"
+    CLOUD = "cloud"
+    NEIGHBOURS = "neighbours"
+    FULL_RANK = "full-rank"
+    UNCLEAR_RANK = "unclear-rank"
+    MEETING = "meeting"
+    STORED = "stored"
 
 
 @dataclass(frozen=True)

@@ -39,8 +39,8 @@ def unseen_of_sentence(sentence: str, estimate: float, upper: float) -> Unseen:
     return Unseen(estimate, upper, Estimator.STORED, text=sentence)
 
 
-_OF_ONE_WORD = (ObtainedFrom.EXACT, ObtainedFrom.VALUES, ObtainedFrom.FITTED, ObtainedFrom.SHARED_VALUES)
-"""Kinds that stand in files by their own words."""
+_WITHOUT_NUMBERS = (ObtainedFrom.EXACT, ObtainedFrom.VALUES, ObtainedFrom.FITTED, ObtainedFrom.SHARED_VALUES)
+"""Kinds of evidence that are read again from their words in files."""
 
 
 def evidence_of_sentence(sentence: str) -> FamilyEvidence:
@@ -48,8 +48,10 @@ def evidence_of_sentence(sentence: str) -> FamilyEvidence:
 
     Example:
         >>> evidence_of_sentence("exact condition").kind
-        <ObtainedFrom.EXACT: 'exact condition'>
+        <ObtainedFrom.EXACT: 'exact'>
     """
-    if sentence in _OF_ONE_WORD:
-        return FamilyEvidence(ObtainedFrom(sentence))
+    for kind in _WITHOUT_NUMBERS:
+        evidence = FamilyEvidence(kind)
+        if str(evidence) == sentence:
+            return evidence
     return FamilyEvidence(ObtainedFrom.STORED, text=sentence)

@@ -10,13 +10,17 @@ from rankdrop.sections import Section
 from rankdrop.text.lost import lost_sentences
 
 _EVIDENCE = {
+    ObtainedFrom.EXACT: "exact condition",
+    ObtainedFrom.VALUES: "values verified",
+    ObtainedFrom.FITTED: "fitted, then verified",
+    ObtainedFrom.SHARED_VALUES: "shared values, verified",
     ObtainedFrom.CLOUD: "{cloud} points of the cloud and {fresh} fresh ones, no condition found{bound}",
     ObtainedFrom.NEIGHBOURS: "{neighbours} singular configurations around q with one tangent shape",
     ObtainedFrom.FULL_RANK: "D has full rank",
     ObtainedFrom.UNCLEAR_RANK: "D has no clear rank here; the dimension is an upper bound",
     ObtainedFrom.STORED: "{text}",
 }
-"""What conditions were obtained from, where its name does not say it."""
+"""What conditions were obtained from."""
 
 
 def evidence_words(evidence: FamilyEvidence) -> str:
@@ -31,7 +35,7 @@ def evidence_words(evidence: FamilyEvidence) -> str:
     bound = ""
     if not evidence.clear_rank:
         bound = "; D has no clear rank there, so that the dimension is an upper bound"
-    return _EVIDENCE.get(evidence.kind, evidence.kind.value).format(
+    return _EVIDENCE[evidence.kind].format(
         cloud=evidence.cloud, fresh=evidence.fresh, neighbours=evidence.neighbours, bound=bound, text=evidence.text
     )
 

@@ -90,7 +90,8 @@ def test_an_exact_condition_stands_in_place_of_a_fitted_one(shapes: Analysis) ->
     fitted = replace(row, equations=(long,))
     exact = written_conditions((), ("a2 c2 + a3 c23 = 0", "s4 = 0"), ("", ""), ("a3 − a2",))
     derived = replace(fitted, exact=exact)
-    assert conditions_of(derived) == [("exactly", "a2 c2 + a3 c23 = 0"), ("exactly", "s4 = 0; real if and only if a3 − a2 ≥ 0")]
+    real = "s4 = 0; real if and only if a3 − a2 ≥ 0"
+    assert conditions_of(derived) == [("exactly", "a2 c2 + a3 c23 = 0"), ("exactly", real)]
     assert exact_conditions(derived) == "a2 c2 + a3 c23 = 0 and s4 = 0; real if and only if a3 − a2 ≥ 0"
     (label, text), = conditions_of(fitted)
     assert (label, text[:8]) == ("c", coupled_conditions(fitted)[0][:8])

@@ -71,7 +71,7 @@ _WORDED = {
     "Search": "rankdrop.text.searches", "Unseen": "rankdrop.text.searches",
     "Contradiction": "rankdrop.text.contradictions",
     "DerivationRemark": "rankdrop.text.remarks", "RobotNote": "rankdrop.text.robots",
-    "Robot": "rankdrop.text.robots",
+    "Robot": "rankdrop.text.robots", "Relation": "rankdrop.text.relations",
     "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",
 }  # fmt: skip
 """Class of a record -> module that words it."""

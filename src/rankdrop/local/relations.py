@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
@@ -12,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.kinematics import one_configuration
-from rankdrop.local.axes import Scene, indices, numbers
+from rankdrop.local.axes import Scene, indices
 from rankdrop.local.block import structural_sample
 from rankdrop.robot.model import Robot
+from rankdrop.sections import words_of
 from rankdrop.task import resolve_task
 from rankdrop.tolerances import ALIGNED
 
@@ -29,16 +29,22 @@ class Relation:
     """One thing that some axes have in common.
 
     Attributes:
-        words: in English: "axes 1, 3, 5, 7 aligned".
         joints: numbers from 1 in `Robot.joints`, which are those of q where no joint is a mimic.
         kind: "aligned" (one line), "concurrent" (three or more through one point), "intersecting" (two), "parallel".
         structural: true at every configuration, hence no reason for a singularity here.
+        slides: those of the joints that slide.
     """
 
-    words: str
     joints: tuple[int, ...]
     kind: str
     structural: bool
+    slides: tuple[int, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """In words: "axes 1, 3, 5, 7 aligned"."""
+        sentence: str = words_of(self).relation_words(self)
+        return sentence
 
 
 def relations_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tuple[Relation, ...]:
@@ -105,14 +111,6 @@ def _holds(scene: Scene, group: Group) -> bool:
     return bool(through.any(axis=(0, 1)).all())
 
 
-def _slides(slides: Sequence[int]) -> str:
-    return f"slide{'s' if len(slides) > 1 else ''} {numbers(slides)}"
-
-
 def _relation(scene: Scene, kind: str, joints: tuple[int, ...], structural: bool) -> Relation:
-    slides = [i for i in joints if scene.slides[i]]
-    axes = [i for i in joints if i not in slides]
-    parts = [f"{'axes' if len(axes) > 1 else 'axis'} {numbers(axes)}"] * bool(axes)
-    parts += [_slides(slides)] * bool(slides)
-    verb = {"aligned": "aligned", "parallel": "parallel", "concurrent": "meet in one point"}.get(kind, "intersect")
-    return Relation(f"{' and '.join(parts)} {verb}", tuple(i + 1 for i in joints), kind, structural)
+    slides = tuple(i + 1 for i in joints if scene.slides[i])
+    return Relation(tuple(i + 1 for i in joints), kind, structural, slides)

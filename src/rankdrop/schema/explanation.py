@@ -209,7 +209,10 @@ EXPLANATION_FAMILY = table(
     residual=(num("distance", ge=0), "distance of the configuration to the family [rad]"),
     source=Literal["catalogue", "analysis", "on the spot"],
 )
-RELATIONS = table("relations", of=Relation, joints=many(Positive))
+RELATIONS = table(
+    "relations", of=Relation, slides=None, words=(str, 'in English: "axes 1, 3, 5, 7 aligned"', attrgetter("words")),
+    joints=many(Positive),
+)  # fmt: skip
 SCREW = table(
     "screw",
     of=Screw,

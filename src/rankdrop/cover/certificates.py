@@ -29,7 +29,7 @@ from rankdrop.proof.record import BALL, COVERING, EXISTENCE, SCHEMA, Record, Ref
 from rankdrop.proof.regions import FREE, LETTERS, OUTSIDE
 from rankdrop.robot.model import Array, Robot, fingerprint
 from rankdrop.robot.transform import unmasked
-from rankdrop.sections import Section
+from rankdrop.sections import Section, words_of
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import heading
 from rankdrop.version import VERSION
@@ -116,12 +116,8 @@ class Verified(Verdict, Result):
 
     def sections(self) -> tuple[Section, ...]:
         """As sections of text."""
-        of = f"{self.kind} of {self.arm!r}" if self.kind else "certificate"
-        counted = (f"{self.enclosures:,} enclosures of interval arithmetic",) if self.enclosures else ()
-        if not self.holds:
-            return (Section("Not confirmed", of, (f"{self.reason}.", *self.statement), notes=counted, tone="bad"),)
-        lines = (f"{self.claim}.", *self.statement)
-        return (Section("Holds", of, lines, notes=(*filter(None, (self.how,)), *counted, *self.assumed), tone="good"),)
+        sections: tuple[Section, ...] = words_of(self).verified_sections(self)
+        return sections
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from rankdrop.lists import flat_map
 from rankdrop.report.chart import look_of, projections, slice_chart, sweep_chart, workspace_chart
 from rankdrop.report.content import Content
 from rankdrop.results import Analysis, Conditions
-from rankdrop.robot import Array, Joint, Robot, count, witness_text
+from rankdrop.robot import Array, Joint, Robot, count
 from rankdrop.sections import html
 from rankdrop.text import (
     COUPLED,
@@ -45,6 +45,7 @@ from rankdrop.text import (
     title,
     unseen,
     within,
+    witness_text,
 )
 
 _SHORT = 70  # characters of LaTeX; conditions up to this stand side by side

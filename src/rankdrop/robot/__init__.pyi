@@ -12,7 +12,6 @@ from .model import Joint as Joint
 from .model import JointKind as JointKind
 from .model import Robot as Robot
 from .model import with_tool as with_tool
-from .model import witness_text as witness_text
 from .models import from_mujoco as from_mujoco
 from .models import from_pinocchio as from_pinocchio
 from .models import from_toolbox as from_toolbox

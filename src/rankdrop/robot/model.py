@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.errors import HIDDEN, RobotError
 from rankdrop.robot.files import LARGEST_LENGTH, LONGEST_NAME, MOST_JOINTS, MOST_STEPS, allowed_range
 from rankdrop.robot.note import RobotNote, as_note
-from rankdrop.robot.quantities import checked_lengths, degrees_text
+from rankdrop.robot.quantities import checked_lengths
 from rankdrop.robot.transform import Array as Array  # the name that all others take from here
 from rankdrop.robot.transform import dot, from_xyz_rpy, norm, times, unmasked
 from rankdrop.sections import html, words_of
@@ -410,18 +410,17 @@ def _structure(robot: Robot) -> bytes:
 _BEYOND = 1e-9  # a joint at its limit is inside [rad, m]
 
 
-def witness_text(robot: Robot, q: Sequence[float]) -> str:
-    """A witness as people set it, and the joints beyond their limits: of some families every member has such.
+def joints_beyond_limits(robot: Robot, q: Sequence[float]) -> tuple[int, ...]:
+    """Numbers of the joints, from 1, that a configuration has beyond their limits: a family may have no others.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
-        >>> witness_text(open_robot("panda"), [0.0, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0])
-        'q = (0°, 0°, 0°, 0°, 0°, 85.94°, 0°), beyond the limits of joint 4'
+        >>> joints_beyond_limits(open_robot("panda"), [0.0, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0])
+        (4,)
     """
     at = np.asarray(q, dtype=np.float64)
-    beyond = np.flatnonzero((at < robot.lower - _BEYOND) | (at > robot.upper + _BEYOND)) + 1
-    which = f"joint{'s' * (len(beyond) > 1)} {', '.join(map(str, beyond))}"
-    return f"q = {degrees_text(q, robot.units)}" + f", beyond the limits of {which}" * bool(len(beyond))
+    beyond = (at < robot.lower - _BEYOND) | (at > robot.upper + _BEYOND)
+    return tuple(int(place) + 1 for place in np.flatnonzero(beyond))
 
 
 TOOL = "tool point"

@@ -62,6 +62,7 @@ from .families import slow_line as slow_line
 from .families import starts as starts
 from .families import title as title
 from .families import within as within
+from .families import witness_text as witness_text
 from .family_conditions import condition_sentences as condition_sentences
 from .ideal import here_section as here_section
 from .ideal import moved_section as moved_section

@@ -15,14 +15,14 @@ from rankdrop.formula.equation import pretty_angle
 from rankdrop.formula.mathml import typeset
 from rankdrop.lists import flat_map
 from rankdrop.options import advised
-from rankdrop.robot.model import Robot, witness_text
+from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Formula, Section, html
 from rankdrop.text.claims import answer_of as answer_of  # here too: `words_of` finds all words of conditions here
 from rankdrop.text.claims import of_conditions as of_conditions
 from rankdrop.text.claims import summary_of_conditions as summary_of_conditions
 from rankdrop.text.code import Code
-from rankdrop.text.families import values_in_degrees
+from rankdrop.text.families import values_in_degrees, witness_text
 from rankdrop.text.lost import lost_line, lost_note, lost_sentences
 from rankdrop.text.structure import reason_text
 from rankdrop.text.unfinished import cases_words, why_lowest

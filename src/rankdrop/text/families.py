@@ -26,8 +26,8 @@ from rankdrop.distance.share import Near, NearShare, SlowShare
 from rankdrop.families.record import Check, CorankSummary, Derivation, Family, Pin
 from rankdrop.formula.equation import Equation, pretty_angle, share_of_pi
 from rankdrop.options import advised
-from rankdrop.robot.model import Robot, witness_text
-from rankdrop.robot.quantities import count
+from rankdrop.robot.model import Robot, joints_beyond_limits
+from rankdrop.robot.quantities import count, degrees_text
 from rankdrop.sections import Section
 from rankdrop.text.lost import lost_note, lost_sentences
 from rankdrop.tolerances import DEFAULT
@@ -427,6 +427,24 @@ def conditions_of(row: Family) -> list[tuple[str, str]]:
     if exact:
         return [(EXACTLY, text) for text in exact]
     return [(COUPLED, text) for text in coupled_conditions(row)]
+
+
+def witness_text(robot: Robot, q: Sequence[float]) -> str:
+    """A witness as people set it, and the joints beyond their limits: of some families every member has such.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> witness_text(open_robot("panda"), [0.0, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0])
+        'q = (0°, 0°, 0°, 0°, 0°, 85.94°, 0°), beyond the limits of joint 4'
+    """
+    values = f"q = {degrees_text(q, robot.units)}"
+    beyond = joints_beyond_limits(robot, q)
+    if not beyond:
+        return values
+    listed = ", ".join(map(str, beyond))
+    if len(beyond) == 1:
+        return f"{values}, beyond the limits of joint {listed}"
+    return f"{values}, beyond the limits of joints {listed}"
 
 
 def exact_conditions(row: Family) -> str:

@@ -13,8 +13,8 @@ from itertools import chain
 from math import ceil
 
 from rankdrop.families.record import CorankSummary, Derivation, Family
-from rankdrop.robot.model import Robot, witness_text
-from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, share_text, within
+from rankdrop.robot.model import Robot
+from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, share_text, within, witness_text
 from rankdrop.text.lost import lost_note
 
 _PLAIN = {

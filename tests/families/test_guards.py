@@ -11,7 +11,7 @@ import pytest
 from rankdrop.families import table as families_module
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.inspection import Signature, inspect, verify_points
-from rankdrop.families.row import Linear, Row, membership, on_row, solve_at_special_values, soundness, verified
+from rankdrop.families.row import Linear, Row, membership, on_row, solve_at_special_values, soundness, verify_values
 from rankdrop.families.searching import search, unseen
 from rankdrop.formula.equation import Equation, System, Term, normalised
 from rankdrop.local.block import singular_values
@@ -51,7 +51,7 @@ def test_what_loses_more_everywhere_is_no_row_of_this_corank(rng) -> None:
     values = [(pi / 2, float(np.arctan2(-0.4318, 0.0203)))]  # θ2; a3 s3 + d4 c3 = 0
     for corank, holds in ((1, False), (2, True)):
         at = problem("puma560", corank)
-        assert verified(at, pinned(at, 1, 2), values, rng) == [holds]
+        assert verify_values(at, pinned(at, 1, 2), values, rng) == [holds]
 
 
 def test_a_point_near_a_square_that_is_not_singular_to_rounding_is_not_on_the_row() -> None:
@@ -114,7 +114,7 @@ def test_regular_solutions_count_against_a_row(rng) -> None:
     for equation, sound in ((alone, True), (widened(), False)):
         row = coupled(equation)
         random, _ = soundness(at, System((equation,)), 1, np.random.default_rng(0))
-        check = families_module._tested(at, [row], inspection, cover, 0)[row][0]
+        check = families_module._test_rows(at, [row], inspection, cover, 0)[row][0]
         assert random.holds
         assert check.holds is sound
         assert check.tested > random.tested  # those elsewhere were counted

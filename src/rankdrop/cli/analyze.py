@@ -221,11 +221,11 @@ def corank_section(
         else:
             failed = BAD
         yield title.append(f"{text.number_of(rows)}, ").append(text.explained(share), failed)
-        kept = {i: text.within(row, robot, limits=limits) for i, row in shown.items()}
+        kept = {i: text.restrict_to_limits(row, robot, limits=limits) for i, row in shown.items()}
         yield from _rows(console, robot, kept, lost=len(shown) == len(rows))
     if len(shown) < len(rows):
         others = [row for number, row in enumerate(rows, start=1) if number not in shown]
-        yield Text(text.folded(robot, others), style="dim")
+        yield Text(text.hidden_rows_words(robot, others), style="dim")
     yield Text(text.starts(summary), style="dim")
 
 

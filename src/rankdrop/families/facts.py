@@ -140,7 +140,7 @@ def candidate_facts(structure: Structure, scene: Scene) -> Iterator[Fact]:
     """Facts worth testing on a family seen at `scene`: those about a part of the arm first."""
     facts = [
         *_elbow(structure),
-        *_aligned(structure, scene),
+        *_aligned_axes_facts(structure, scene),
         *_against_bundles(structure),
         *_spherical(structure),
         *_centre(structure),
@@ -152,12 +152,12 @@ def candidate_facts(structure: Structure, scene: Scene) -> Iterator[Fact]:
 
 def _elbow(structure: Structure) -> Iterator[Fact]:
     """The reach cannot be changed: the arm is stretched or folded."""
-    yield from _stretched(structure)
+    yield from _stretched_arm_facts(structure)
     for bundle in structure.bundles:
         yield from _coplanar_elbow(structure, bundle)
 
 
-def _stretched(structure: Structure) -> Iterator[Fact]:
+def _stretched_arm_facts(structure: Structure) -> Iterator[Fact]:
     """The wrist centre is farthest from the centre of a spherical shoulder, or nearest to it."""
     if structure.shoulder and structure.wrist:
         # a force along the line from shoulder to wrist centre meets the axes there and is reciprocal to those between
@@ -199,7 +199,7 @@ def _own(
     return Fact(holds, detail.geometry, joints, detail, roles, losses)
 
 
-def _aligned(structure: Structure, scene: Scene) -> Iterator[Fact]:
+def _aligned_axes_facts(structure: Structure, scene: Scene) -> Iterator[Fact]:
     """Axes on one line: equal screws."""
     for group in groups(scene.axes, scene.aligned):
         in_shoulder, in_wrist = (len(set(group) & set(part)) for part in (structure.shoulder, structure.wrist))

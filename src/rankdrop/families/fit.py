@@ -81,7 +81,7 @@ def find_rows(
         progress: called with (groups done, groups).
     """
     rows: list[Row] = []
-    fitted, groups = 0, grouped(inspection)
+    fitted, groups = 0, group_by_signature(inspection)
     for index, (signature, members) in enumerate(groups):
         if progress is not None:
             progress(index, len(groups))
@@ -97,7 +97,7 @@ def find_rows(
     return without_contained(problem, rows, np.random.default_rng([seed, problem.corank, len(groups) + 1]))
 
 
-def grouped(inspection: Inspection) -> list[tuple[Signature, NDArray[np.int64]]]:
+def group_by_signature(inspection: Inspection) -> list[tuple[Signature, NDArray[np.int64]]]:
     """Points by signature: large dimension first, then many points first."""
     found: dict[Signature, list[int]] = {}
     for point, signature in enumerate(inspection.signatures):
@@ -182,7 +182,7 @@ def recognised(problem: Problem, q: Array, rng: np.random.Generator) -> list[Row
     covectors = np.concatenate([units, candidates(tuple(angles), n)])
     every = Linear.of(problem.robot, map(tuple, covectors))
     pairs = zip(every.values(q).T, every.periodic.tolist(), strict=True)
-    shared = np.stack([_shared(column, turns) for column, turns in pairs], axis=1)
+    shared = np.stack([_share_a_value(column, turns) for column, turns in pairs], axis=1)
     patterns, inverse, counts = np.unique(shared, axis=0, return_inverse=True, return_counts=True)
     rows: list[Row] = []
     for label in np.argsort(-counts, kind="stable")[:GROUPS]:
@@ -214,7 +214,7 @@ def _is_simple(value: float) -> bool:
     return abs(value / SIMPLE - round(value / SIMPLE)) <= 1e-12
 
 
-def _shared(values: Array, periodic: bool) -> Mask:
+def _share_a_value(values: Array, periodic: bool) -> Mask:
     """(N,) whether at least `SHARED` points have a value within `WIDTH`."""
     labels = clusters(values, WIDTH, periodic=periodic)
     return np.asarray(np.bincount(labels)[labels] >= SHARED)

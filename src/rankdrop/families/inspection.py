@@ -329,17 +329,17 @@ def descents(problem: Problem, q: Array) -> list[tuple[Array, float]]:
     before = flint.ctx.dps
     flint.ctx.dps = DIGITS
     try:
-        return [_descended(problem, q, cut, flint) for cut in _CUTS]
+        return [_descend_with_digits(problem, q, cut, flint) for cut in _CUTS]
     finally:
         flint.ctx.dps = before
 
 
-def _descended(problem: Problem, q: Array, cut: float, flint: Any) -> tuple[Array, float]:
+def _descend_with_digits(problem: Problem, q: Array, cut: float, flint: Any) -> tuple[Array, float]:
     """`descents` with one of `_CUTS`, the number of digits set."""
     at = _exact(q, flint)
     best = (q, np.inf)
     for _ in range(_STEPS):
-        near = _rounded(at)
+        near = _midpoints(at)
         local = problem.block(near)
         s = _complement(problem, at, local.u2, local.v2, flint)
         size = float(np.linalg.norm(s, 2))
@@ -361,12 +361,12 @@ def _complement(problem: Problem, at: Numbers, u2: Array, v2: Array, flint: Any)
     a = _exact(np.hstack([u1, u2]).T, flint) @ j @ _exact(np.hstack([v1, v2]), flint)
     r = problem.rank
     if not r:
-        return _rounded(a)
+        return _midpoints(a)
     middle = flint.arb_mat(r, r, a[:r, :r].ravel().tolist()).solve(
         flint.arb_mat(r, a.shape[1] - r, a[:r, r:].ravel().tolist())
     )
     solved = np.array(middle.tolist(), dtype=object)
-    return _rounded(a[r:, r:] - a[r:, :r] @ solved)
+    return _midpoints(a[r:, r:] - a[r:, :r] @ solved)
 
 
 def _others(basis: Array) -> Array:
@@ -378,7 +378,7 @@ def _exact(values: Array, flint: Any) -> Numbers:
     return np.asarray(np.vectorize(flint.arb, otypes=[object])(np.asarray(values, dtype=np.float64)))
 
 
-def _rounded(values: Numbers) -> Array:
+def _midpoints(values: Numbers) -> Array:
     return np.asarray(np.vectorize(lambda x: float(x.mid()), otypes=[np.float64])(values), dtype=np.float64)
 
 

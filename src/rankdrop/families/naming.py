@@ -37,7 +37,7 @@ from rankdrop.local.dependence import Common, dependence_of, line_meets_all
 from rankdrop.local.directions import lost_directions, lost_over_family
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.numbers import wrapped
+from rankdrop.robot.numbers import wrap_angle
 from rankdrop.task import Task
 from rankdrop.units import as_given
 
@@ -150,7 +150,7 @@ def _values(column: Array, *, turns: bool) -> list[float]:
     found: list[float] = []
     for value in np.pi - np.mod(np.pi - column, 2 * np.pi) if turns else column:
         off = (value - other for other in found)
-        if all(abs(wrapped(x) if turns else x) > _ONE for x in off):
+        if all(abs(wrap_angle(x) if turns else x) > _ONE for x in off):
             found.append(float(value))
         if len(found) > _FEW:
             break
@@ -241,7 +241,7 @@ def _details(facts: Sequence[Fact]) -> tuple[Detail, ...]:
     if len(own) < len(facts):
         own = [(fact, detail) for fact, detail in own if not _said_by_elbow(fact)]
     details = [detail for fact, detail in own if fact.roles]
-    details += [*_aligned(facts), *parallel, *(detail for fact, detail in own if not fact.roles)]
+    details += [*_aligned_details(facts), *parallel, *(detail for fact, detail in own if not fact.roles)]
     relations = _relations(facts, {fact.joints for fact, _ in own})
     if relations and not details:
         first = relations.pop(0)
@@ -255,7 +255,7 @@ def _said_by_elbow(fact: Fact) -> bool:
     return fact.roles == (ArmPart.ELBOW,) and fact.geometry is not Geometry.NEARLY_STRETCHED
 
 
-def _aligned(facts: Sequence[Fact]) -> list[Detail]:
+def _aligned_details(facts: Sequence[Fact]) -> list[Detail]:
     groups = tuple(fact.joints for fact in facts if fact.geometry is Geometry.ALIGNED)
     if groups:
         return [Detail(Geometry.ALIGNED, groups)]

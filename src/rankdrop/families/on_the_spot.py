@@ -18,11 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
-from rankdrop.families.fit import FamilyPoints, fitted_equations, grouped, recognised, smooth
+from rankdrop.families.fit import FamilyPoints, fitted_equations, group_by_signature, recognised, smooth
 from rankdrop.families.inspection import Inspection, Signature, inspect
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import name_family, shortened
-from rankdrop.families.record import Family, LocalConditions, Pin, rescaled, rescaled_pin, slides_of
+from rankdrop.families.record import Family, LocalConditions, Pin, rescale_equation, rescaled_pin, slides_of
 from rankdrop.families.row import Linear, Row, Values, canonical
 from rankdrop.families.searching import refine
 from rankdrop.formula.equation import Equation
@@ -79,10 +79,10 @@ def groups_through(problem: Problem, q: Array, at: Inspection, around: Inspectio
     far = np.linalg.norm(way, axis=1)
     rng = np.random.default_rng([seed, 3])
     found = []
-    for signature, every in grouped(replace(around, signatures=(None, *around.signatures[1:]))):
+    for signature, every in group_by_signature(replace(around, signatures=(None, *around.signatures[1:]))):
         members = _holding(problem, signature, q, around.q, every)
         if signature.rank and len(members) >= FEW and smooth(problem, around, members, rng) and (
-            _filled(way[members], far[members], problem.n - signature.rank)
+            _neighbours_span_kernel(way[members], far[members], problem.n - signature.rank)
         ):
             found.append((signature, members))
     ranks = sorted(signature.rank for signature in around.signatures[1:] if signature is not None)
@@ -92,7 +92,7 @@ def groups_through(problem: Problem, q: Array, at: Inspection, around: Inspectio
     return [(signature, members) for signature, members in found if far[members].min() <= BACK * SIZES[0]]
 
 
-def _filled(ways: Array, lengths: Array, dimension: int) -> bool:
+def _neighbours_span_kernel(ways: Array, lengths: Array, dimension: int) -> bool:
     """Whether neighbours lie in as many directions from q as ker D has.
 
     One direction too many in ker D, in which the condition is of second order, is met by none of them: they come back
@@ -232,13 +232,13 @@ class _Spot:
     def family(self, row: Row, points: Array, *, whole: bool) -> Family:
         """The family of a row through q; `whole`: the equations of its coupled joints are known."""
         power, slides, signature = metre_exponent(self.robot), slides_of(self.robot), row.signature
-        residual = tuple(rescaled(equation, slides, power) for equation in row.residual)
+        residual = tuple(rescale_equation(equation, slides, power) for equation in row.residual)
         values = [value for (value,) in row.sets]
         pinned = self.pins(signature.pinned, values[: len(signature.pinned)])
         relations = tuple(zip(signature.relations, values[len(pinned) :], strict=True))
         local = LocalConditions(relations, residual, whole or not signature.coupled)
         if whole:
-            equations = tuple(rescaled(one, slides, power) for one in row.system.equations)
+            equations = tuple(rescale_equation(one, slides, power) for one in row.system.equations)
         else:
             equations = ()
         return self.record(signature, pinned, row.evidence, local, points, equations)

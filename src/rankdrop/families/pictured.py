@@ -92,14 +92,14 @@ def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] =
     family = posed(robot, task, family, others)
     choice = _Choice(robot, task, family, others)
     here, own = choice.problem.robot, choice.own[None]
-    poor, outside = _poor(here, own)[0], _outside(here, own)[0]
+    poor, outside = _poor(here, own)[0], _count_joints_beyond_limits(here, own)[0]
     if poor == 0.0 and not outside:
         return family
     found, gap = choice.members(candidates(here, choice.problem.task, _CANDIDATES, 0))
-    if outside and not (_outside(here, found) == 0).any():
+    if outside and not (_count_joints_beyond_limits(here, found) == 0).any():
         found, gap = choice.members(_inside(choice.problem))
     kept = choice.against(found) <= choice.against(own)[0] + _SLACK
-    kept &= (_poor(here, found) < poor - _TALLER) | (_outside(here, found) < outside)
+    kept &= (_poor(here, found) < poor - _TALLER) | (_count_joints_beyond_limits(here, found) < outside)
     found, gap = found[kept], gap[kept]
     if not len(found):
         return family
@@ -152,7 +152,7 @@ class _Choice:
 
     def against(self, q: Array) -> Array:
         """(N,) what speaks against showing members (N, n): `fault`, and being on another family too."""
-        return np.asarray(fault(self.problem.robot, q) + _SHARED * _shared(self._beside, q))
+        return np.asarray(fault(self.problem.robot, q) + _SHARED * _mark_solutions(self._beside, q))
 
     def members(self, starts: Array) -> tuple[Array, Array]:
         """Members near starts (N, n), free joints exactly at these, turned into the limits.
@@ -186,7 +186,7 @@ def _plainness(robot: Robot, q: Array, gap: Array) -> Array:
     return np.asarray(-0.3 * gap / gap.max() + 0.1 * _turned(robot, q))
 
 
-def _shared(systems: Sequence[System], q: Array) -> Array:
+def _mark_solutions(systems: Sequence[System], q: Array) -> Array:
     """(N,) 1 where a configuration solves one of the systems, else 0."""
     on = np.zeros(len(q))
     for system in systems:
@@ -200,7 +200,7 @@ def _turned(robot: Robot, q: Array) -> Array:
     return np.asarray(away.sum(axis=1) + away[:, 0])
 
 
-def _outside(robot: Robot, q: Array) -> Array:
+def _count_joints_beyond_limits(robot: Robot, q: Array) -> Array:
     """(N,) how many joints are beyond their limits at configurations (N, n)."""
     return np.asarray(((q < robot.lower - 1e-9) | (q > robot.upper + 1e-9)).sum(axis=1))
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.families.record import Check, Family, family_in_metres, rescaled, slides_of, ways_to
+from rankdrop.families.record import Check, Family, family_in_metres, rescale_equation, slides_of, ways_to
 from rankdrop.families.searching import refine, search
 from rankdrop.formula.equation import REACHED, Equation, Mask, System, normalised
 from rankdrop.kinematics import one_configuration
@@ -257,9 +257,9 @@ class Walk:
         size = float(np.linalg.norm(direction))
         if size <= _STANDS:
             return None
-        return self.back(at + self.problem.scale * direction * (length / size))
+        return self.project_onto_family(at + self.problem.scale * direction * (length / size))
 
-    def back(self, q: Array) -> Array | None:
+    def project_onto_family(self, q: Array) -> Array | None:
         """A point of the family next to q (n,), or None where none was reached."""
         if self.family.equations:
             system = self.family.system
@@ -428,7 +428,10 @@ def explained(
     robot = points.robot
     problem = Problem(in_metres(robot), task_in_metres(points.task, robot), 1, tolerances)
     power, slides = -metre_exponent(robot), slides_of(robot)
-    systems = [System(tuple(normalised(rescaled(one, slides, power).terms) for one in family)) for family in families]
+    systems = []
+    for family in families:
+        equations = (rescale_equation(equation, slides, power) for equation in family)
+        systems.append(System(tuple(normalised(equation.terms) for equation in equations)))
     left = np.arange(len(points.q))
     for further in (False, True):
         q = into_metres(robot, _further(points, left) if further else points.q)

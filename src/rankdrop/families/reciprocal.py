@@ -302,7 +302,7 @@ class _Chain:
         rng = np.random.default_rng(0)
         for first, last in self._blocks():
             link = first + 1 if self.whole else self.n
-            known = self._known(first, last, link, self.drawn(8, rng))
+            known = self._wrenches_on_screws(first, last, link, self.drawn(8, rng))
             null = known.shape[2] - int(np.linalg.matrix_rank(known, tol=1e-9).max())
             if null and last - first < self.n - 1:
                 if last > first:
@@ -319,7 +319,7 @@ class _Chain:
         else:
             yield from ((first, self.n - 1) for first in range(self.n))
 
-    def _known(self, first: int, last: int, link: int, q: Array) -> Array:
+    def _wrenches_on_screws(self, first: int, last: int, link: int, q: Array) -> Array:
         """(B, joints, m) what the wrenches of the task do on the screws of a block, seen from a link."""
         seen = np.empty((len(q), last - first + 1, 6))
         motion = np.tile(np.eye(6), (len(q), 1, 1))
@@ -346,7 +346,7 @@ class _Chain:
     def _from_block(self, first: int, last: int, link: int, null: int) -> Draw:
         def draw(count: int, rng: np.random.Generator) -> Array:
             q = self.drawn(count, rng)
-            known = self._known(first, last, link, q)
+            known = self._wrenches_on_screws(first, last, link, q)
             v = np.linalg.svd(known)[2][:, known.shape[2] - null :]  # (B, null, m)
             u = np.einsum("bk,bkm->bm", rng.standard_normal((count, null)), v)
             u /= np.linalg.norm(u, axis=1, keepdims=True)

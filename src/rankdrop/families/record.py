@@ -460,7 +460,7 @@ def place_of(dimension: int, pinned: Iterable[Pin], coupled: Iterable[int], text
     return -dimension, tuple(one.number for one in pins), tuple(sorted(coupled)), values, tuple(texts)
 
 
-def numbered(rows: Sequence[Family], corank: int, after: int = 0) -> tuple[Family, ...]:
+def number_families(rows: Sequence[Family], corank: int, after: int = 0) -> tuple[Family, ...]:
     """Rows in their places with the ids that go with them; those without conditions come last.
 
     Args:
@@ -508,7 +508,7 @@ def _with_slides(family: Family, robot: Robot, power: int) -> Family:
     return replace(
         family,
         pinned=tuple(rescaled_pin(one, slides, power) for one in family.pinned),
-        equations=tuple(rescaled(one, slides, power) for one in family.equations),
+        equations=tuple(rescale_equation(one, slides, power) for one in family.equations),
         witness=tuple(shifted(x, power) if i in slides else x for i, x in enumerate(family.witness)),
     )
 
@@ -525,7 +525,7 @@ def rescaled_pin(pin: Pin, slides: Sequence[int], power: int) -> Pin:
     return pin
 
 
-def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
+def rescale_equation(equation: Equation, slides: Sequence[int], power: int) -> Equation:
     """The equation where the numbers of slides are 10 to a power times as large; its largest coefficient is 1 again.
 
     Args:

@@ -194,7 +194,7 @@ class Linear:
             tolerance: values closer than this are one.
         """
         pairs = zip(self.values(q).T, self.periodic.tolist(), strict=True)
-        columns = [_snapped(column, weights, tolerance, periodic=turns) for column, turns in pairs]
+        columns = [_snap_to_known_values(column, weights, tolerance, periodic=turns) for column, turns in pairs]
         found: dict[Values, list[int]] = {}
         for point, values in enumerate(np.reshape(columns, (len(self), len(q))).T.tolist()):
             found.setdefault(tuple(values), []).append(point)
@@ -232,7 +232,7 @@ def clusters(values: Array, width: float, *, periodic: bool) -> NDArray[np.int64
     return labels
 
 
-def _snapped(values: Array, weights: Array, tolerance: float, *, periodic: bool) -> Array:
+def _snap_to_known_values(values: Array, weights: Array, tolerance: float, *, periodic: bool) -> Array:
     """Each value replaced by the best-known one of its cluster, or the multiple of π/12 there."""
     labels, result = clusters(values, tolerance, periodic=periodic), np.empty_like(values)
     for label in np.unique(labels):
@@ -409,11 +409,11 @@ def _least_slope(slope: Array) -> float:
 
 def completed(problem: Problem, row: Row, start: Iterable[Values], rng: np.random.Generator) -> list[Row]:
     """Rows with all combinations of values that hold, from those observed outwards by symmetry."""
-    found = grow(start, row.linear, partial(verified, problem, row, rng=rng))
+    found = grow(start, row.linear, partial(verify_values, problem, row, rng=rng))
     return [replace(row, sets=sets) for sets in boxes(found)]
 
 
-def verified(problem: Problem, row: Row, values: list[Values], rng: np.random.Generator) -> list[bool]:
+def verify_values(problem: Problem, row: Row, values: list[Values], rng: np.random.Generator) -> list[bool]:
     """Which combinations of values belong to the family: tested directly, by σ at random values of all other joints.
 
     A combination holds when every tested configuration has corank ≥ k and most have exactly k (else it belongs to the
@@ -435,7 +435,7 @@ def verified(problem: Problem, row: Row, values: list[Values], rng: np.random.Ge
 def _holding(
     problem: Problem, row: Row, values: list[Values], each: int, rng: np.random.Generator
 ) -> list[bool | None]:
-    """`verified` with a number of starts; None where fewer than three of them could be used."""
+    """`verify_values` with a number of starts; None where fewer than three of them could be used."""
     q, good = row.solve(problem, values, each, rng)
     sigma = problem.sigma(q)
     singular = sigma[..., problem.rank] <= problem.tolerances.singular

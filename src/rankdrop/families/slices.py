@@ -278,10 +278,10 @@ class _Plane:
             return Trace(family.id, (), self._solved(system, family))
         lines: list[Array] = []
         for line in curves(telling[0][1], self.x, self.y):
-            lines += self._polished(line, system, family)
+            lines += self._project_line(line, system, family)
         return Trace(family.id, tuple(lines), np.empty((0, 2)))
 
-    def _polished(self, line: Array, system: System, family: Family) -> list[Array]:
+    def _project_line(self, line: Array, system: System, family: Family) -> list[Array]:
         """The line brought onto the zero set, and cut where a vertex is not singular."""
         ends, _ = system.solve(lifted(self.q, self.moving, line), along=self._basis(), iterations=8)
         points = ends[:, list(self.moving)]

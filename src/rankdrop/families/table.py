@@ -36,7 +36,7 @@ from rankdrop.families.record import (
     Pin,
     family_in_units,
     family_out_of_units,
-    numbered,
+    number_families,
 )
 from rankdrop.families.row import (
     Linear,
@@ -107,7 +107,7 @@ def families(
     inspection = inspect(problem, points, signatures=known is None)
     cover = membership(problem, points)
     rows = _rows(problem, inspection, cover, known, seed, report)
-    tested = _tested(problem, rows, inspection, cover, seed)
+    tested = _test_rows(problem, rows, inspection, cover, seed)
     kept = list(tested)
     report(60, STEPS)
     others = verify_points(problem, _fresh(cloud, inspection, seed, threads, fresh))
@@ -129,7 +129,7 @@ def families(
         shown = witness(problem, row, np.random.default_rng([seed, cloud.corank, 8, count]))
         listed.append(_family(problem, row, tested[row], explains, shown))
         report(80 + 20 * count // len(kept), STEPS)
-    ordered = _ordered(listed, [family for family, _ in rest], known, cloud.corank)
+    ordered = _order_families(listed, [family for family, _ in rest], known, cloud.corank)
     pieces = _pieces(cover, kept, inspection) + [count for _, count in rest]
     report(STEPS, STEPS)
     summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
@@ -151,13 +151,13 @@ def _regular_points(problem: Problem, rows: Sequence[Row], q: Array) -> tuple[Ma
     return not_singular(problem, q, lambda at: on_any(membership(problem, at), rows, len(at)) | _solved(rows, at))
 
 
-def _ordered(
+def _order_families(
     listed: Sequence[Family], unnamed: Sequence[Family], known: Sequence[Family] | None, corank: int
 ) -> tuple[Family, ...]:
     """The table: families with conditions, then groups of points without; fitted ones get ids and names here."""
     if known is None:
-        return _told_apart(numbered([*listed, *unnamed], corank))
-    return (*listed, *numbered(unnamed, corank, after=len(known)))
+        return _told_apart(number_families([*listed, *unnamed], corank))
+    return (*listed, *number_families(unnamed, corank, after=len(known)))
 
 
 def _contradicted(tested: Mapping[Row, Tested]) -> tuple[tuple[Family, int | None], ...]:
@@ -187,7 +187,7 @@ Tested = tuple[Check, Array, int]
 the corank; the smallest dimension of ker D at these, which no family through them exceeds, n without such points."""
 
 
-def _tested(
+def _test_rows(
     problem: Problem, rows: Sequence[Row], inspection: Inspection, cover: Membership, seed: int
 ) -> dict[Row, Tested]:
     """The rows with what speaks for each.
@@ -393,12 +393,12 @@ def unexplained_families(
     groups: dict[Shape, list[int]] = {}
     for i in range(len(q)):
         groups.setdefault(_shape(inspection, i, problem), []).append(i)
-    ordered = sorted(_gathered(groups).items(), key=lambda item: (-len(item[1]), item[1][0]))
+    ordered = sorted(_merge_small_groups(groups).items(), key=lambda item: (-len(item[1]), item[1][0]))
     tested = int(fresh.exact.sum())
     return [_unnamed(problem, inspection, key, np.array(members), from_cloud, tested) for key, members in ordered]
 
 
-def _gathered(groups: dict[Shape, list[int]]) -> dict[Shape, list[int]]:
+def _merge_small_groups(groups: dict[Shape, list[int]]) -> dict[Shape, list[int]]:
     """Put groups with the same pinned joints together where one is small beside the other.
 
     Near a degenerate geometry (offsets of a fraction of a millimetre) tangents of one set come in many shapes. What is

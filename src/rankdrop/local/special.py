@@ -25,7 +25,7 @@ import numpy as np
 
 from rankdrop.local.axes import Scene
 from rankdrop.robot.model import Array, Robot, once
-from rankdrop.robot.numbers import wrapped
+from rankdrop.robot.numbers import wrap_angle
 from rankdrop.task import Task
 
 Vector = tuple[float, float, float]
@@ -141,7 +141,7 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
     tip = _vector(scene.tip[0].tolist())
     elbow = arm.elbow
     if turns and arm.aligned(elbow - 1, elbow + 1):
-        yield Special(Part.ELBOW, Shape.JOINT, joints[elbow], wrapped(values[elbow]), 0.0, exact=True)
+        yield Special(Part.ELBOW, Shape.JOINT, joints[elbow], wrap_angle(values[elbow]), 0.0, exact=True)
     elif moves and (turn := arm.elbow_turn(tip)) is not None:
         shape = Shape.STRETCHED if abs(turn) <= pi / 2 else Shape.FOLDED
         yield _measured(Part.ELBOW, shape, joints[elbow], values[elbow], turn)
@@ -158,7 +158,7 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
 def _measured(part: Part, shape: Shape, joint: int, value: float, turn: float) -> Special:
     """A condition of one joint that its angle misses by `turn` modulo π."""
     off = turn - pi * round(turn / pi)
-    return Special(part, shape, joint, wrapped(value - off), abs(off), abs(off) <= EXACT)
+    return Special(part, shape, joint, wrap_angle(value - off), abs(off), abs(off) <= EXACT)
 
 
 @dataclass(frozen=True, slots=True)

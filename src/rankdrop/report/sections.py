@@ -40,11 +40,11 @@ from rankdrop.text import (
     near_overview,
     nothing_found,
     number_of,
+    restrict_to_limits,
     sampled,
     starts,
     title,
     unseen,
-    within,
     witness_text,
 )
 
@@ -205,7 +205,7 @@ _WORDS = ' class="words"'
 def _rows(analysis: Analysis, row: Family) -> str:
     robot = analysis.robot
     conditions = conditions_of(row)
-    row, outside = within(row, robot, limits=analysis.settings.limits)
+    row, outside = restrict_to_limits(row, robot, limits=analysis.settings.limits)
     every = columns(robot, row.corank)
     first = f"<tr>{''.join(_cell(column, row) for column in every)}</tr>"
     notes = [

@@ -89,15 +89,15 @@ class Far:
     def certificate(self) -> Certificate | None:
         """Ball proven free of singularities, worked out when it is first asked for; None where the task cannot be
         certified (`uncertified` says why) or the configuration is singular."""
-        return self._certified[0]
+        return self._certify_nearest[0]
 
     @property
     def uncertified(self) -> str:
         """Why there is no certificate; empty where there is one."""
-        return self._certified[1]
+        return self._certify_nearest[1]
 
     @cached_property
-    def _certified(self) -> tuple[Certificate | None, str]:
+    def _certify_nearest(self) -> tuple[Certificate | None, str]:
         """Within the limits the nearest singularity may lie farther than one outside them, and bounds nothing."""
         if self.unasked:
             return None, self.unasked
@@ -458,7 +458,7 @@ class Explanation(Result):
             )  # fmt: skip
             least = min((distance for _, distance, _ in found), default=np.inf)
             for sheet in sheets:
-                if sheet.distance < least - _SHEETS and not self._told(sheet.q, sheet.corank, sheet.distance):
+                if sheet.distance < least - _SHEETS and not self._is_slow_family(sheet.q, sheet.corank, sheet.distance):
                     place = np.array(sheet.q)
                     found.append((self.incidences_at(place, sheet.corank)[0].family, sheet.distance, place))
                     break
@@ -474,7 +474,7 @@ class Explanation(Result):
         else:
             about = None
         for point in self.far.families:
-            if point.family.name != about and not self._told(point.q, point.family.corank, point.distance):
+            if point.family.name != about and not self._is_slow_family(point.q, point.family.corank, point.distance):
                 yield point.family, point.distance, np.array(point.q)
 
     def _other_values(self) -> Iterator[tuple[Family, float, Array]]:
@@ -494,7 +494,7 @@ class Explanation(Result):
                 place[joint] += way
                 yield family, float(abs(way) / self.here.scale[joint]), place
 
-    def _told(self, q: Sequence[float], corank: int, distance: float) -> bool:
+    def _is_slow_family(self, q: Sequence[float], corank: int, distance: float) -> bool:
         """Whether a singular configuration is what the answer is about already: near because slow."""
         if self.slow_family is None:
             return False

@@ -63,7 +63,7 @@ def strata(search: Search) -> list[Record] | UnsetType:
 def find_to_csv(search: Search) -> str:
     """One line per start: start, outcome, iterations, q1 … qn, sigma1 … ."""
     n, values = search.q.shape[1], search.sigma.shape[1]
-    header = ["start", "outcome", "iterations", *_numbered("q", n), *_numbered("sigma", values)]
+    header = ["start", "outcome", "iterations", *_numbered_names("q", n), *_numbered_names("sigma", values)]
     lines = (
         [int(index) + 1, Outcome(search.outcome[index]).name.lower(), int(search.iterations[index]),
          *search.q[index].tolist(), *search.sigma[index].tolist()]
@@ -92,7 +92,7 @@ def history_to_csv(history: History) -> str:
          *history.sigma[start, step].tolist()]
         for start in range(starts) for step in range(steps) if not np.isnan(history.sigma[start, step, 0])
     )  # fmt: skip
-    return _csv(["start", "iteration", "turning", *_numbered("sigma", values)], lines)
+    return _csv(["start", "iteration", "turning", *_numbered_names("sigma", values)], lines)
 
 
 def history_to_npz(history: History) -> bytes:
@@ -104,7 +104,7 @@ def _run(search: Search) -> np.ndarray[Any, np.dtype[np.intp]]:
     return np.flatnonzero(search.outcome != Outcome.NOT_RUN)
 
 
-def _numbered(letter: str, count: int) -> list[str]:
+def _numbered_names(letter: str, count: int) -> list[str]:
     return [f"{letter}{number}" for number in range(1, count + 1)]
 
 

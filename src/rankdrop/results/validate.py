@@ -20,7 +20,7 @@ from rankdrop.local.block import generic_rank
 from rankdrop.results.settings import Residual, Settings
 from rankdrop.robot.files import RANGE, allowed_range
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
-from rankdrop.robot.numbers import wrapped
+from rankdrop.robot.numbers import wrap_angle
 from rankdrop.robot.transform import rigid
 from rankdrop.task import Task, link_index, resolve_task
 
@@ -302,7 +302,7 @@ def _check_pin(robot: Robot, family: Family, pin: Pin, where: str, tolerance: fl
     joint, at_witness = robot.variables[pin.number - 1], family.witness[pin.number - 1]
     turns = bool(robot.periodic[pin.number - 1])
     gaps = [abs(value - at_witness) for value in pin.values]
-    near = min(abs(wrapped(gap)) if turns else gap for gap in gaps) <= tolerance
+    near = min(abs(wrap_angle(gap)) if turns else gap for gap in gaps) <= tolerance
     require(
         (pin.joint == joint.name, "the joint has another name", f"{where}.joint", pin.joint, joint.name),
         (near, "the witness is at none of the values", f"{where}.values", at_witness, None),

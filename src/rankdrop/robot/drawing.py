@@ -95,7 +95,7 @@ class Drawing:
             RobotError: as `open_robot`.
         """
         if self.text:
-            return self._with({})
+            return self._read_with_values({})
         return open_robot(self.name, tip=self.tip, base=self.base, as_written=self.as_written)
 
     @cached_property
@@ -176,7 +176,7 @@ class Drawing:
         inner = {place: place.sign * x for place, x in values.items() if place.part not in ENDS}
         ends = {place: place.sign * x for place, x in values.items() if place.part in ENDS}
         if inner:
-            found = self._with(inner)
+            found = self._read_with_values(inner)
         else:
             found = self.nominal
         for end in ENDS:
@@ -190,7 +190,7 @@ class Drawing:
             return found
         return replace(found, name=name)
 
-    def _with(self, values: Mapping[Place, float]) -> Robot:
+    def _read_with_values(self, values: Mapping[Place, float]) -> Robot:
         if self._rows is not None:
             if self.file.startswith("catalogue "):
                 kind = "catalogue"
@@ -242,11 +242,11 @@ def _child(element: Element, tag: str) -> Element:
 def _moved(robot: Robot, end: str, pose: Array) -> Robot:
     if end == "tool":
         return replace(robot, home=times(robot.home, pose))
-    joints = tuple(_carried(joint, pose) for joint in robot.joints)
+    joints = tuple(_move_joint(joint, pose) for joint in robot.joints)
     return replace(robot, joints=joints, home=times(pose, robot.home))
 
 
-def _carried(joint: Joint, pose: Array) -> Joint:
+def _move_joint(joint: Joint, pose: Array) -> Joint:
     turned_v, turned_w = times(pose[:3, :3], joint.screw[:3]), times(pose[:3, :3], joint.screw[3:])
     screw = np.concatenate([turned_v + np.cross(pose[:3, 3], turned_w), turned_w])
     return replace(joint, screw=screw, frame=times(pose, joint.frame))

@@ -175,7 +175,7 @@ def _read(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
         RobotError: too large, too many, out of range, damaged, or more than the memory.
     """
     try:
-        return _parsed(file, most_faces, most_vertices)
+        return _parse_parts(file, most_faces, most_vertices)
     except RankdropError:
         raise
     except MemoryError:
@@ -186,7 +186,7 @@ def _read(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
         raise RobotError(f"the mesh cannot be read: {reason}", where=str(file)) from None
 
 
-def _parsed(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
+def _parse_parts(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
     import trimesh
 
     try:
@@ -197,7 +197,7 @@ def _parsed(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
     if kind == "dae":  # refuses document types and entities
         read_xml(data.decode("utf-8", "replace"), str(file))
     scene = trimesh.load_scene(io.BytesIO(data), file_type=kind)  # without a resolver no other file is opened
-    placed = [scene.graph[node][1] for node in _counted(scene.graph.nodes_geometry, str(file))]
+    placed = [scene.graph[node][1] for node in _refuse_too_many_nodes(scene.graph.nodes_geometry, str(file))]
     used = [scene.geometry[name] for name in placed]
     faces = sum(len(getattr(shape, "faces", ())) for shape in used)
     vertices = sum(len(getattr(shape, "vertices", ())) for shape in used)
@@ -207,7 +207,7 @@ def _parsed(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
     return [_part(part, unit, str(file)) for part in parts]
 
 
-def _counted(nodes: Sequence[Any], file: str) -> Sequence[Any]:
+def _refuse_too_many_nodes(nodes: Sequence[Any], file: str) -> Sequence[Any]:
     if len(nodes) > MOST_INSTANCES:
         raise RobotError("the mesh places too many copies", where=file, got=len(nodes), allowed=f"at most "
                          f"{MOST_INSTANCES:,}")  # fmt: skip

@@ -270,7 +270,7 @@ def parallel(twist: float) -> bool:
     return abs(twist - round(twist / pi) * pi) < NOTHING
 
 
-def wrapped(angle: float) -> float:
+def wrap_angle(angle: float) -> float:
     """The same angle in −π … π."""
     return (angle + pi) % (2 * pi) - pi
 
@@ -302,7 +302,7 @@ class Change:
     def by(self) -> float:
         """How far it was moved [rad, m]; 180° and −180° are the same."""
         by = self.after - self.before
-        return abs(wrapped(by) if self.turns else by)
+        return abs(wrap_angle(by) if self.turns else by)
 
     @property
     def name(self) -> str:
@@ -370,7 +370,7 @@ def _differences(before: Sequence[Numbers], after: Sequence[Numbers]) -> Iterato
             yield Change("angle", (i + 1,), one.phase, other.phase)
             yield Change("distance", pair, one.a, other.a)
             lean = abs(one.tilt) > NOTHING
-            turned = hypot(wrapped(one.twist - other.twist), one.tilt)
+            turned = hypot(wrap_angle(one.twist - other.twist), one.tilt)
             yield Change("twist", pair, other.twist + turned if lean else one.twist, other.twist)
 
 

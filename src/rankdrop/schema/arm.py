@@ -63,7 +63,7 @@ NEAR = table(
 ARM_OF = attrgetter("robot", "task", "generic_rank")  # what `ROBOT` is made of
 
 
-def _of(index: int, name: str) -> Any:
+def _attribute_of(index: int, name: str) -> Any:
     """Attribute of one of (robot, task, generic rank)."""
     return lambda arm: getattr(arm[index], name)
 
@@ -77,15 +77,15 @@ def _joints(arm: Any) -> list[dict[str, Any]]:
 
 ROBOT = table(
     "robot",
-    name=(str, "", _of(0, "name")),
-    n=(Positive, "number of joint variables: length of q", _of(0, "n")),
-    task=(str, "name of the task, or its rows joined by commas", _of(1, "name")),
+    name=(str, "", _attribute_of(0, "name")),
+    n=(Positive, "number of joint variables: length of q", _attribute_of(0, "n")),
+    task=(str, "name of the task, or its rows joined by commas", _attribute_of(1, "name")),
     generic_rank=(whole(ge=0, le=6),
         "rank of the task Jacobian almost everywhere; corank k is rank generic_rank − k", itemgetter(2)),
     joints=(many(JOINTS), "the joint variables, in the order of q", _joints),
-    base=(str, "first link", _of(0, "base")),
-    tip=(str, "last link", _of(0, "tip")),
-    about=(str, "", _of(0, "about")),
+    base=(str, "first link", _attribute_of(0, "base")),
+    tip=(str, "last link", _attribute_of(0, "tip")),
+    about=(str, "", _attribute_of(0, "about")),
     lengths=(optional(mapping(num("m", gt=0))),
         "letters that exact conditions write lengths with, and their values [m]; absent where the robot has none",
         lambda arm: dict(arm[0].lengths) or UNSET),
@@ -94,14 +94,14 @@ ROBOT = table(
     near=(optional(NEAR),
         "where an ideal arm is near: the nearest one with axes exactly parallel, square and intersecting",
         lambda arm: near_ideal(arm[0]) or UNSET),
-    source=(SOURCE, "where the numbers come from", _of(0, "source")),
-    made_for=(str, "task the description names", _of(0, "task")),
-    frame=(FRAME, "frame of the task", _of(1, "frame")),
+    source=(SOURCE, "where the numbers come from", _attribute_of(0, "source")),
+    made_for=(str, "task the description names", _attribute_of(0, "task")),
+    frame=(FRAME, "frame of the task", _attribute_of(1, "frame")),
     rows=(some(whole(ge=0, le=5)), "rows of the twist (vx, vy, vz, wx, wy, wz) in the task, counted from 0",
-        _of(1, "rows")),
-    home=(row(row(num("pose"), 4), 4), "pose of the tip at q = 0 in the base frame", _of(0, "home")),
+        _attribute_of(1, "rows")),
+    home=(row(row(num("pose"), 4), 4), "pose of the tip at q = 0 in the base frame", _attribute_of(0, "home")),
     chain=(some(CHAIN), "every moving joint, mimic joints included, as screws (v; ω) at q = 0 in the base frame",
-        _of(0, "joints")),
+        _attribute_of(0, "joints")),
 )
 TOLERANCES = table(
     "tolerances",

@@ -144,13 +144,13 @@ def _details(kind: type) -> Callable[[FamilyName], Any]:
 def _from_one(detail: Detail | Dependence | LowRank) -> Detail | Dependence | LowRank:
     """A detail with joints counted from 1, as in every file."""
     if isinstance(detail, Detail):
-        return replace(detail, joints=tuple(_next(group) for group in detail.joints))
+        return replace(detail, joints=tuple(_numbers_from_one(group) for group in detail.joints))
     if isinstance(detail, Dependence):
-        return replace(detail, joints=_next(detail.joints), slides=_next(detail.slides))
+        return replace(detail, joints=_numbers_from_one(detail.joints), slides=_numbers_from_one(detail.slides))
     return detail
 
 
-def _next(joints: Sequence[int]) -> tuple[int, ...]:
+def _numbers_from_one(joints: Sequence[int]) -> tuple[int, ...]:
     return tuple(joint + 1 for joint in joints)
 
 

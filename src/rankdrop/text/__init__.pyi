@@ -44,8 +44,8 @@ from .families import columns as columns
 from .families import conditions_of as conditions_of
 from .families import examples as examples
 from .families import explained as explained
-from .families import folded as folded
 from .families import footnotes as footnotes
+from .families import hidden_rows_words as hidden_rows_words
 from .families import inside_limits as inside_limits
 from .families import joint_cell as joint_cell
 from .families import joint_symbol as joint_symbol
@@ -56,12 +56,12 @@ from .families import near_overview as near_overview
 from .families import nothing_found as nothing_found
 from .families import number_of as number_of
 from .families import one_line as one_line
+from .families import restrict_to_limits as restrict_to_limits
 from .families import share_text as share_text
 from .families import slow_configurations as slow_configurations
 from .families import slow_line as slow_line
 from .families import starts as starts
 from .families import title as title
-from .families import within as within
 from .families import witness_text as witness_text
 from .family_conditions import condition_sentences as condition_sentences
 from .ideal import here_section as here_section

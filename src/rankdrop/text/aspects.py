@@ -126,7 +126,7 @@ def within_limits_sentence(count: Any) -> str:
     if count is None:
         return ""
     if count.left is not None:
-        why = _NOT_WITHIN[count.left.value].format(joints=_numbered(count.shared))
+        why = _NOT_WITHIN[count.left.value].format(joints=_joint_numbers(count.shared))
         return f"Within the joint limits nothing was counted: {why}."
     least, most = count.at_least, count.at_most
     if count.exact:
@@ -311,13 +311,13 @@ def _peeled_and_cells(count: Any) -> list[str]:
     """Which joints were peeled off, and which ones cells were made of."""
     how = []
     if count.peeled:
-        how.append(f"{_numbered(count.peeled)} peeled off")
+        how.append(f"{_joint_numbers(count.peeled)} peeled off")
     if count.cells:
-        how.append(f"cells in {_numbered(count.cells)}")
+        how.append(f"cells in {_joint_numbers(count.cells)}")
     return how
 
 
-def _numbered(joints: Sequence[int]) -> str:
+def _joint_numbers(joints: Sequence[int]) -> str:
     return f"{plural('joint', len(joints))} {listing(map(str, joints))}"
 
 

@@ -27,13 +27,13 @@ from rankdrop.text.families import (
     joints_named,
     letters_text,
     near_total,
+    restrict_to_limits,
     share_cell,
     share_text,
     slow_line,
     symbols,
     values_in_degrees,
     values_text,
-    within,
 )
 from rankdrop.text.lost import lost_note, lost_sentences
 from rankdrop.text.special import family_label, family_title, label_words
@@ -85,7 +85,7 @@ def _short_condition(family: Family) -> str:
 
 def _asked_and_tested(analysis: Any, family: Family, exact: str) -> str:
     """What a family asks of the joints, the values outside the limits, and the share of a test that failed."""
-    shown, outside = within(family, analysis.robot, limits=analysis.settings.limits)
+    shown, outside = restrict_to_limits(family, analysis.robot, limits=analysis.settings.limits)
     asked = _asked(analysis.robot, shown, exact)
     if outside:
         asked += f"; outside the limits: {outside}"
@@ -197,12 +197,12 @@ def compared_sentence(names: Sequence[str], task: str, best: Mapping[str, Sequen
 
 def compared_arms(names: Sequence[str], records: Sequence[Mapping[str, Any]]) -> Section:
     """Each of several arms in a line: its families by corank, or what could not be measured."""
-    lines = tuple(f"{name}: {_measured(record)}" for name, record in zip(names, records, strict=True))
+    lines = tuple(f"{name}: {_measured_arm_words(record)}" for name, record in zip(names, records, strict=True))
     more = f"every family with its share, and how it was verified: {advised('full')}"
     return Section("Families", lines=lines, notes=(more,))
 
 
-def _measured(record: Mapping[str, Any]) -> str:
+def _measured_arm_words(record: Mapping[str, Any]) -> str:
     if record["error"]:
         parts = [record["error"]]
     else:

@@ -162,7 +162,7 @@ def _cases(found: Suppression, case: Case) -> Iterator[Step]:
 def _case(found: Suppression, case: Case) -> Iterator[str]:
     ring = found.chain.ring
     if case.dependence is not None:
-        yield from _suppressed(found, case, case.dependence)
+        yield from _suppressed_screw_lines(found, case, case.dependence)
     if case.basic is not None:
         p = case.basic.product.polynomial
         yield Formula(f"|{_names(case.basic.joints)}| = {Value(ring, p, ring.factor(p)).text()}")
@@ -175,7 +175,7 @@ def _case(found: Suppression, case: Case) -> Iterator[str]:
     yield from _branches(case)
 
 
-def _suppressed(found: Suppression, case: Case, dependence: Dependence) -> Iterator[str]:
+def _suppressed_screw_lines(found: Suppression, case: Case, dependence: Dependence) -> Iterator[str]:
     """Which screw is a combination of which others in a case, how that is proven, and which screws are left."""
     screw, on, proof = dependence.screw, dependence.on, dependence.proof
     for j in sorted((screw, *on)):  # with the case's angles put in, where that changes short ones

@@ -80,7 +80,7 @@ def opening(summary: FamilySummary) -> str:
         if _alike(before, other, first):
             words = str(other.families)
         else:
-            words = _counted(other)
+            words = _count_combinations(other)
         parts.append(f"{words} (rank {other.rank})")
     return f"{summary.arm} has {count(summary.families, 'family', 'families')} of singularities: {'; '.join(parts)}."
 
@@ -115,7 +115,7 @@ def _names(ranked: RankSummary) -> str:
     return f"{comma.join(names[:_NAMED])}{comma}{left} more"
 
 
-def _counted(ranked: RankSummary) -> str:
+def _count_combinations(ranked: RankSummary) -> str:
     """Families of a lower rank, counted: "5 combinations", "2 more", "1 combination and 3 more"."""
     others = ranked.families - ranked.combinations
     if ranked.combinations:
@@ -248,10 +248,10 @@ def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
         failures.append(("condition", "too small and too large" if tested == "both" else tested))
     if failures:
         return _failed(failures, claims)
-    return _derived(derived, claims)
+    return _derivation_verdict(derived, claims)
 
 
-def _derived(derived: Any, claims: tuple[str, ...]) -> Verdict:
+def _derivation_verdict(derived: Any, claims: tuple[str, ...]) -> Verdict:
     """The verdict on an exact derivation that nothing contradicts: verified where something was tested."""
     exactly, rounded = _exactness(derived.chain)
     how = exactly if rounded else _EXACTLY

@@ -309,7 +309,7 @@ class Code:
     def _latex_meanings(self, formulas: Iterable[str]) -> list[str]:
         """The lengths, the angles that are shifted, and, where the formulas have them, what s and c stand for."""
         told = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
-        told += [rf"\theta_{{{j}}} = q_{{{j}}} {_shift_latex(shift)}" for j, shift in self._shifted()]
+        told += [rf"\theta_{{{j}}} = q_{{{j}}} {_shift_latex(shift)}" for j, shift in self._joint_shifts()]
         if any(re.search(r"\b[sc]_", formula) for formula in formulas):
             told += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
         return told
@@ -328,7 +328,7 @@ class Code:
             rows.append(" & ".join(cells) + r" \tabularnewline")
         return rows, long
 
-    def _shifted(self) -> Iterator[tuple[int, float]]:
+    def _joint_shifts(self) -> Iterator[tuple[int, float]]:
         yield from ((j, float(shift)) for j, shift in enumerate(self.shifts, 1) if shift)
 
     def _explained(self) -> list[str]:
@@ -336,7 +336,7 @@ class Code:
             f"q1 to q{self.n} are joint variables in rad, those of slides in m; lengths are in m.",
             "A configuration lies on a family where all residuals are zero. s_i = sin θi, c_ij = cos(θi + θj).",
         ]
-        shifted = [f"θ{j} = q{j} {'−' if s < 0 else '+'} {abs(s):.12g} rad" for j, s in self._shifted()]
+        shifted = [f"θ{j} = q{j} {'−' if s < 0 else '+'} {abs(s):.12g} rad" for j, s in self._joint_shifts()]
         if shifted:
             return [*lines, f"In the words on a condition {', '.join(shifted)}."]
         return lines

@@ -105,8 +105,8 @@ def condition_sections(conditions: Any, *, families: bool = True) -> tuple[Secti
         conditions: what was derived.
         families: False leaves out the families, of coranks that have any.
     """
-    parts = (_steps, _determinants, *((_coranks,) if families else ()), _no_coranks, _undivided, _assumed, _not_real,
-             _checks, _unfinished)  # fmt: skip
+    parts = (_steps, _determinants, *((_coranks,) if families else ()), _no_coranks, _undivided_sections, _assumed,
+             _not_real, _checks, _unfinished_sections)  # fmt: skip
     return tuple(flat_map(lambda part: part(conditions), parts))
 
 
@@ -188,7 +188,7 @@ def _no_coranks(conditions: Any) -> Iterator[Section]:
         yield Section("", "", notes=tuple(notes))
 
 
-def _undivided(conditions: Any) -> Iterator[Section]:
+def _undivided_sections(conditions: Any) -> Iterator[Section]:
     """Cases that were not taken apart, with a configuration on each."""
     lines: list[str] = []
     for number, case in enumerate(conditions.undivided, 1):
@@ -458,7 +458,7 @@ def _tested_lines(conditions: Any) -> Iterator[str]:
         yield "no singular configuration was looked for numerically"
 
 
-def _unfinished(conditions: Any) -> Iterator[Section]:
+def _unfinished_sections(conditions: Any) -> Iterator[Section]:
     if conditions.left:
         limit = f"the limit is the work of {conditions.settings.seconds:g} s, counted in steps"
         longer = advised("time-limit", "…", python="seconds=…")

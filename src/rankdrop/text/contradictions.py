@@ -47,8 +47,8 @@ def contradiction_words(one: Contradiction) -> str:
     return _CONTRADICTIONS[one.kind].format(
         family=one.family, called=one.called, method=_method(one.method), other=_method(one.other), corank=one.corank,
         rank=one.rank, full_rank=one.full_rank, number=one.number, wrong=one.wrong, tested=one.tested,
-        dimension=one.dimension, text=one.text, digits=DIGITS, sets=count(one.number, "set"), where=_where(one),
-        q=", ".join(_number(round(value, 9)) for value in one.q),
+        dimension=one.dimension, text=one.text, digits=DIGITS, sets=count(one.number, "set"),
+        where=_configuration_words(one), q=", ".join(_number(round(value, 9)) for value in one.q),
     )  # fmt: skip
 
 
@@ -59,7 +59,7 @@ def _method(method: str) -> str:
     return method
 
 
-def _where(one: Contradiction) -> str:
+def _configuration_words(one: Contradiction) -> str:
     """A configuration on a set of one method only, and the rank there."""
     if not one.q:
         return f"no real configuration of rank {one.full_rank - 1} or {one.full_rank} was found on them"

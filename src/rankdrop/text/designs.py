@@ -131,7 +131,7 @@ def sweep_sections(designs: Any, *, every: bool = False) -> Iterator[Section]:
          shown(parameter.upper, parameter))
         for parameter in designs.parameters
     )
-    where = _where(designs.spec.limits)
+    where = _limits_words(designs.spec.limits)
     spec = designs.spec
     about = f"{len(designs.records):,} variants ({spec.kind}); task {spec.task.name}; {where}; seed {spec.seed}"
     after = (f"σ has translation divided by {designs.spec.task.length_scale:.4g} m, for every variant",)
@@ -213,7 +213,7 @@ def _families(designs: Any) -> Iterator[Section]:
     columns = ("", "variants", "families", "within")
     yield Section("Sets of families", told, columns=columns, rows=tuple(rows), texts=(2, 3), after=more)
     if designs.changes:
-        yield _changed(designs)
+        yield _changes_section(designs)
     if designs.exact:
         yield _exact(designs)
 
@@ -225,7 +225,7 @@ def _difference(common: Any, other: Any) -> str:
     return "; ".join([*(f"+ {key}" for key in new), *(f"− {key}" for key in gone)])
 
 
-def _changed(designs: Any) -> Section:
+def _changes_section(designs: Any) -> Section:
     counts = Counter(change.what for change in designs.changes)
     rows = []
     for what, pairs in counts.most_common(SHOWN):
@@ -275,7 +275,7 @@ def _exact(designs: Any) -> Section:
     return Section("Derived exactly", about, columns=columns, rows=tuple(rows), texts=texts, notes=(_ALMOST_ALL,))
 
 
-def _where(limits: bool) -> str:
+def _limits_words(limits: bool) -> str:
     """The configurations that were measured."""
     if limits:
         return "inside the joint limits"
@@ -440,7 +440,7 @@ def compared_arms_sections(found: Any, *, full: bool = True) -> Iterator[Section
     rows = [("joints", *(str(robot.n) for robot in found.robots)),
             ("reach", *(f"{reach(robot):.4g} m" for robot in found.robots))]  # fmt: skip
     rows += [(name, *_arm_cells(found, name)) for name in found.measures]
-    where = _where(found.limits)
+    where = _limits_words(found.limits)
     notes = [f"σ has translation divided by {found.task.length_scale:.4g} m for every arm; ← best",
              *(f"{name}: {MEANINGS[name]}{error_text(found.records, name)}" for name in found.measures)]  # fmt: skip
     yield Section("Side by side", f"task {found.task.name}; {where}; seed {found.seed}", columns=("", *found.names),

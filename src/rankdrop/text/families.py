@@ -355,7 +355,7 @@ def symbols(robot: Robot) -> tuple[str, ...]:
     return tuple(joint_symbol(number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1))
 
 
-def within(row: Family, robot: Robot, *, limits: bool) -> tuple[Family, str]:
+def restrict_to_limits(row: Family, robot: Robot, *, limits: bool) -> tuple[Family, str]:
     """The row with its values inside the limits where these were asked for, and what of it lies outside, or ""."""
     if not limits:
         return row, ""
@@ -388,7 +388,7 @@ def examples(rows: Sequence[Family]) -> dict[int, Family]:
     return dict(sorted(ordered[:_SHOWN]))
 
 
-def folded(robot: Robot, rows: Sequence[Family]) -> str:
+def hidden_rows_words(robot: Robot, rows: Sequence[Family]) -> str:
     """Rows that are not shown, counted by their kind."""
     kinds = Counter(_kind(robot, row) for row in rows).most_common()
     parts = [f"{count:,} {words}" for words, count in kinds[:_KINDS]]
@@ -569,7 +569,7 @@ def _corank_section(
     table = columns(robot, summary.corank)
     rows, under = [], []
     for family in families:
-        row, outside = within(family, robot, limits=limits)
+        row, outside = restrict_to_limits(family, robot, limits=limits)
         rows.append(tuple(one_line(column, row) for column in table))
         for label, words in footnotes(robot, row, outside, lost=False):
             if label == AT:

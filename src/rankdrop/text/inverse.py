@@ -133,7 +133,7 @@ def _why(found: Any) -> str:
     """Why a pose has no solution, and how far it is out of reach."""
     why, robot = found.unreached, found.robot
     if why.kind == "tilt":
-        return _tilted(found)
+        return _tilt_words(found)
     if why.shift is None:
         shift = None
     else:
@@ -150,7 +150,7 @@ def _why(found: Any) -> str:
     return f"This position is in reach with other orientations only: off by {apart}"
 
 
-def _tilted(found: Any) -> str:
+def _tilt_words(found: Any) -> str:
     """How far the pose is tilted, and which tilt the tool has, where no joint tilts it."""
     robot, why = found.robot, found.unreached
     _, (roll, pitch, _) = _place_and_angles(robot, why.tip)
@@ -209,7 +209,7 @@ def inverse_sections(found: Any, *, deg: bool) -> tuple[Section, ...]:
     """The count, the solutions, how they were searched."""
     tone = "good" if found.inside else "bad"
     first = Section(found.sentence, lines=(f"Pose: {tool_place(found.robot, found.pose)}, base axes.",), tone=tone)
-    return (first, *_tables(found, deg=deg), Section("Search", lines=tuple(_searched(found))))
+    return (first, *_tables(found, deg=deg), Section("Search", lines=tuple(_search_lines(found))))
 
 
 def _tables(found: Any, *, deg: bool) -> Iterator[Section]:
@@ -267,7 +267,7 @@ def _continuum_cells(continuum: Any) -> tuple[str, str, str]:
     return verdict, shape, inside
 
 
-def _searched(found: Any) -> Iterator[str]:
+def _search_lines(found: Any) -> Iterator[str]:
     """How the solutions were searched, and what is not proven."""
     if found.unreached is not None and found.unreached.kind == "tilt":
         yield "not searched: the tilt of the tool is the same in every configuration"

@@ -14,7 +14,17 @@ from math import ceil
 
 from rankdrop.families.record import CorankSummary, Derivation, Family
 from rankdrop.robot.model import Robot
-from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, share_text, within, witness_text
+from rankdrop.text.families import (
+    JOINT,
+    WORDS,
+    Column,
+    at_witness,
+    columns,
+    lines_of,
+    restrict_to_limits,
+    share_text,
+    witness_text,
+)
 from rankdrop.text.lost import lost_note
 
 _PLAIN = {
@@ -82,16 +92,16 @@ def _table(
     heads = [f"${_symbol(one.title)}$" if one.holds == JOINT else as_text(one.title) for one in every]
     cells = [
         [_cell(one, inside, number) for one in every]
-        for number, (inside, _) in enumerate((within(row, robot, limits=limits) for row in rows), start=1)
+        for number, (inside, _) in enumerate((restrict_to_limits(row, robot, limits=limits) for row in rows), start=1)
     ]
     notes = _notes(robot, rows, exact)
-    body = [*_aligned([heads]), r"\hline", *_aligned(cells), r"\hline"]
+    body = [*_tabular_lines([heads]), r"\hline", *_tabular_lines(cells), r"\hline"]
     size = r"\footnotesize" if decimals else r"\small"
     label = rf"\label{{tab:{name}-corank-{summary.corank}}}"
     if _height(every, rows, words, notes) > _PAGE:
         broken = [
             "{" + size, r"\setlength{\tabcolsep}{3pt}", rf"\begin{{longtable}}{{{shape}}}",
-            rf"\caption{{{caption}}}{label}\\", r"\hline", *_aligned([heads]), r"\hline", r"\endhead", *body[2:],
+            rf"\caption{{{caption}}}{label}\\", r"\hline", *_tabular_lines([heads]), r"\hline", r"\endhead", *body[2:],
             r"\end{longtable}", r"\raggedright\sloppy", *notes, "}",
         ]  # fmt: skip
         return "\n".join(broken), True
@@ -124,7 +134,7 @@ def _share(column: Column, words: float) -> float:
     return {"name": 0.4, "lost": 0.6}.get(column.key, 0.3) * words
 
 
-def _aligned(rows: Iterable[Sequence[str]]) -> Iterator[str]:
+def _tabular_lines(rows: Iterable[Sequence[str]]) -> Iterator[str]:
     return (" & ".join(row) + r" \tabularnewline" for row in rows)
 
 

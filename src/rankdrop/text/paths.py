@@ -105,15 +105,15 @@ def why_ended(tool: Any, robot: Robot) -> str:
     if tool.folds:
         place = f"{pose} (σ = {tool.sigma:.1e}), and no configuration near it leads on"
         reason = f"{_FOLDS}, {place}"
-        return f"{reason}; {_ahead(tool)}"
+        return f"{reason}; {_pose_after_end_words(tool)}"
     if tool.reason in _REASONS:
         reason = f"{_REASONS[tool.reason]}, {pose} (σ = {tool.sigma:.1e})"
     else:
         reason = f"{_joint(robot, tool.joint)} reaches its limit {pose}"
-    return f"{reason}; {_ahead(tool)}"
+    return f"{reason}; {_pose_after_end_words(tool)}"
 
 
-def _ahead(tool: Any) -> str:
+def _pose_after_end_words(tool: Any) -> str:
     """Whether the pose after the end can be reached."""
     ahead = f"pose {int(min(np.floor(tool.reached + 1e-9) + 1, tool.poses))}"
     if tool.next_reachable:
@@ -275,7 +275,7 @@ def summary(check: Any, mending: Any = None) -> tuple[str, ...]:
     near = min((stretch for stretch in check.stretches if isfinite(stretch.closest.distance)),
                key=lambda stretch: stretch.closest.distance, default=None)  # fmt: skip
     if near is not None:
-        lines.append(f"Nearest singularity: {stretch_place(check, near)}, {_where(near)}.")
+        lines.append(f"Nearest singularity: {stretch_place(check, near)}, {_nearest_place_words(near)}.")
     return (*lines, _verified_line(check))
 
 
@@ -380,7 +380,7 @@ def _branches_section(check: Any, *, deg: bool) -> Section:
                    columns=("", "verdict", "posture", *heads), rows=tuple(rows), texts=(0, 1, 2))  # fmt: skip
 
 
-def _where(near: Any) -> str:
+def _nearest_place_words(near: Any) -> str:
     """Where a stretch is nearest to a singularity."""
     if near.verdict != "free":
         return when(near.closest.place)
@@ -535,7 +535,7 @@ def _met_lines(check: Any, *, deg: bool, full: bool) -> list[str]:
         for stretch in met:
             lines += crossing_lines(stretch, check, deg=deg, full=full)
         return lines
-    lines += (f"{_crossed(stretch, check)}, {when(stretch.closest.place)}" for stretch in met[:LISTED])
+    lines += (f"{_crossing_words(stretch, check)}, {when(stretch.closest.place)}" for stretch in met[:LISTED])
     if len(met) > LISTED:
         more = f"and {len(met) - LISTED} more; "
     else:
@@ -545,7 +545,10 @@ def _met_lines(check: Any, *, deg: bool, full: bool) -> list[str]:
 
 def crossing_lines(stretch: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:
     """A stretch that is not free: what it reaches, where, and what is lost."""
-    yield f"{_crossed(stretch, check)}, {_span(stretch)}" + (f", corank {stretch.corank}" if stretch.corank > 1 else "")
+    crossing = f"{_crossing_words(stretch, check)}, {_span(stretch)}"
+    if stretch.corank > 1:
+        crossing += f", corank {stretch.corank}"
+    yield crossing
     yield f"    at {joints_words(check.robot, stretch.closest.q, deg=deg)}"
     yield from (f"    the tool {words}" for words in (stretch.lost if full else stretch.lost[:1]))
     if not full:
@@ -582,7 +585,7 @@ def _place(check: Any, q: Array, name: str, corank: int = 0) -> str:
     return place or name or "an unnamed family"
 
 
-def _crossed(stretch: Any, check: Any) -> str:
+def _crossing_words(stretch: Any, check: Any) -> str:
     verbs = {"crossing": "crosses", "touching": "lies in" if stretch.lies else "touches"}
     verb = verbs.get(stretch.verdict, "undecided:")
     return f"{verb} {stretch_place(check, stretch)}{_id(stretch)}"
@@ -610,8 +613,8 @@ def _free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
             row.append(_speed_cell(stretch))
         rows.append(tuple(row))
     where = tuple(
-        f"{_far(stretch.closest.distance)} at row {row_words(stretch.closest.place)}{_way(stretch, check.robot)}: "
-        f"{joints_words(check.robot, stretch.closest.q, deg=deg)}"
+        f"{_distance_words(stretch.closest.distance)} at row {row_words(stretch.closest.place)}"
+        f"{_way(stretch, check.robot)}: {joints_words(check.robot, stretch.closest.q, deg=deg)}"
         for stretch in free[:_CLOSEST] if stretch.closest.distance >= _LEADS
     )
     return Section("Proven free", columns=tuple(columns), rows=tuple(rows), after=where, notes=tuple(notes))
@@ -625,7 +628,7 @@ def _closest_cells(closest: Any) -> tuple[str, str, str]:
         weak = _percent(closest.weak)
     if closest.distance < _LEADS:
         return "at its end", "→ 0", weak
-    return _far(closest.distance), short(closest.sigma, 3), weak
+    return _distance_words(closest.distance), short(closest.sigma, 3), weak
 
 
 def _speed_cell(stretch: Any) -> str:
@@ -658,7 +661,7 @@ def _span(stretch: Any) -> str:
     return f"{rows}, {start.time:.6g} to {end.time:.6g} s"
 
 
-def _far(distance: float) -> str:
+def _distance_words(distance: float) -> str:
     if isfinite(distance):
         return short(distance, 3)
     return "?"

@@ -131,10 +131,10 @@ def _procedure_lines(report: OrderedReport) -> Iterator[str]:
         yield f"  {instruction};"
         yield from (f"    {line}" for line in lines)
     if report.lost:
-        yield from (f"  conclusion: actuate {_joints(report.printed)}", "", *_corrected(report))
+        yield from (f"  conclusion: actuate {_joints(report.printed)}", "", *_carried_screw_lines(report))
 
 
-def _corrected(report: OrderedReport) -> Iterator[str]:
+def _carried_screw_lines(report: OrderedReport) -> Iterator[str]:
     """The same with every later screw carried along, and what finite motion says."""
     for trial in report.trials:
         if trial.dimensions != trial.carried:

@@ -52,7 +52,7 @@ _KINDS = {"joint": "joint move", "line": "straight line"}
 
 def sentence(check: Any) -> str:
     """The verdict: what the program does, worst first, with its lines."""
-    parts = [*_reached(check), *_ended(check), *_broken(check), *_open(check)]
+    parts = [*_reached(check), *_end_lines(check), *_broken(check), *_open(check)]
     unread = len(check.unread)
     if not parts:
         timed = all(part.untimed is None for part in check.parts)
@@ -105,7 +105,7 @@ def _path_of(stretch: Any, check: Any) -> Any:
     return next(path for path in check.checks if any(part is stretch for part in path.stretches))
 
 
-def _ended(check: Any) -> Iterator[str]:
+def _end_lines(check: Any) -> Iterator[str]:
     for part in check.parts:
         if part.ended is not None:
             move = part.ended.move

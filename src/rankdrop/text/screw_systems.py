@@ -38,12 +38,12 @@ _SHARED = {
 def system_words(system: ScrewSystem) -> str:
     """What the joints of a system have in common, and whether they are dependent."""
     joints = numbers([number - 1 for number in system.numbers])
-    shared = f"{system.members} {joints} {_shared(system)}"
+    shared = f"{system.members} {joints} {_common_geometry_words(system)}"
     when = _WHEN[system.structural, system.permanent]
     return f"{shared} ({system.kind} system of dimension {system.dimension}), {when}"
 
 
-def _shared(system: ScrewSystem) -> str:
+def _common_geometry_words(system: ScrewSystem) -> str:
     """What the joints have in common: "are parallel"."""
     if system.kind == "translational":
         of_axes, with_slides = _SHARED[f"{system.kind} {system.dimension}"]

@@ -60,7 +60,7 @@ _NONE_FOUND = "rank {rank} of {r}; no singular configuration was found, and {pro
 
 def reason_of(explanation: Explanation) -> str:
     """What decides the verdict, in a sentence."""
-    facts, far = _measured(explanation), explanation.far
+    facts, far = _measured_values(explanation), explanation.far
     if explanation.cause == Cause.NONE and far.nearest is None:
         near = far.certificate
         if near:
@@ -71,7 +71,7 @@ def reason_of(explanation: Explanation) -> str:
     return _REASONS[explanation.cause].format_map(facts)
 
 
-def _measured(explanation: Explanation) -> dict[str, object]:
+def _measured_values(explanation: Explanation) -> dict[str, object]:
     """What the sentences on rank, singular values and distance are filled with."""
     rank, far, count = explanation.rank, explanation.far, explanation.nearly_lost
     r, first, sigma = rank.generic_rank, rank.rank - count, [short(float(value), 3) for value in rank.sigma]
@@ -201,7 +201,7 @@ def _summarised(explanation: Explanation, summary: Summary) -> dict[str, object]
         slowest = _speed_words(summary.slowest)
     if summary.radius:
         proven = f"; none within {short(below(degrees(summary.radius), 3))}° (proven)"
-    return _measured(explanation) | {
+    return _measured_values(explanation) | {
         "name": special_words(summary.place, names) or summary.family or "family unknown",
         "pinned": _pinned_words(explanation.robot, summary),
         "place": place,

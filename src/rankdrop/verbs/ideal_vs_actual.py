@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.families.record import Family, rescaled, slides_of
+from rankdrop.families.record import Family, rescale_equation, slides_of
 from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
@@ -86,7 +86,7 @@ def nearby(arm: Idealised, task: Task, families: Sequence[Family], *, seed: int 
 def _points(given: Robot, model: Robot, task: Task, family: Family, seed: int) -> Array:
     """(≤ POINTS, n) random configurations of `model`, the arm in metres, on a family of the arm as given."""
     power = -metre_exponent(given)
-    equations = tuple(rescaled(equation, slides_of(given), power) for equation in family.equations)
+    equations = tuple(rescale_equation(equation, slides_of(given), power) for equation in family.equations)
     found = np.empty((0, model.n))
     if equations:
         q, solved = System(equations).solve(sample(model, task, POINTS, seed))

@@ -129,7 +129,7 @@ class FamiliesTab:
         """The walk, the configuration on the family where it starts, and the joint that leads it; None: no walk."""
         live, session = self.controls.live, self.controls.session
         walk, joint = Walk(live.robot, live.task, self.family), int(self.ui.joint.value.split()[0])
-        q = walk.back(session.q)
+        q = walk.project_onto_family(session.q)
         if q is None or np.abs(q - session.q).max() > 1e-4:
             q = self._nearest_point()
         if q is None:

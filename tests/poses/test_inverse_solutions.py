@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -132,7 +134,62 @@ def test_a_wrist_singularity_is_one_curve_beside_isolated_solutions(name: str, q
         moving = np.flatnonzero(one.highest - one.lowest > 1e-3) + 1
         assert tuple(moving) == joints
     assert all(one.verdict != "singular" for one in found.branches)
-    assert "all of it singular" in found.sentence
+    assert f"all of {'it' if len(singular) == 1 else 'them'} singular" in found.sentence
+
+
+@pytest.mark.slow
+def test_a_point_of_higher_corank_on_a_self_motion_is_no_isolated_solution() -> None:
+    """With the wrist aligned and the wrist centre in the plane of axes 1 and 2 each curve passes points of rank 4."""
+    robot = open_robot("stanford")
+    found = inverse(robot, pose(robot, [0.0, 0.0, 0.4, 0.3, 0.0, 0.5]))
+    assert [one.dimension for one in found.continua] == [1] * len(found.continua)
+    assert found.continua
+    assert not found.branches
+
+
+@pytest.mark.parametrize(("name", "place", "task"), [
+    ("px150", [0.3, 0.0, 0.2], "position"), ("so101", [0.25, 0.0, 0.15], "position"),
+])  # fmt: skip
+def test_a_surface_is_shown_inside_the_joint_limits_where_it_has_a_place_there(
+    name: str, place: list[float], task: str
+) -> None:
+    robot = open_robot(name)
+    found = inverse(robot, place, task)
+    (surface,) = found.continua
+    assert surface.dimension == 2
+    assert not surface.beyond
+    assert (surface.q >= robot.lower).all()
+    assert (surface.q <= robot.upper).all()
+    np.testing.assert_allclose(pose(robot, surface.q)[:3, 3], place, atol=1e-8)
+    assert "It has configurations inside the joint limits" in found.sentence
+
+
+def test_a_surface_is_moved_inside_narrow_limits() -> None:
+    """Chance hits no configuration inside these limits; projections do."""
+    free = open_robot("px150")
+    inside = np.array([0.05, -0.4, 0.6, 0.5, 0.3])
+    robot = replace(free, joints=tuple(
+        replace(joint, lower=value - 0.02, upper=value + 0.02) for joint, value in zip(free.joints, inside, strict=True)
+    ))  # fmt: skip
+    (surface,) = inverse(robot, pose(robot, inside), "position").continua
+    assert not surface.beyond
+    assert np.abs(surface.q - inside).max() <= 0.02 + 1e-9
+
+
+def test_the_turn_of_a_free_tool_axis_is_across_that_axis() -> None:
+    """The tool axis leaves the vertical plane of a five-joint arm; the least turn back is about a line across it."""
+    half = np.pi / 2
+    table = [(0.0, half, 0.3, 0.0), (0.35, 0.0, 0.0, 0.0), (0.3, 0.0, 0.0, 0.0), (0.0, half, 0.0, half),
+             (0.0, 0.0, 0.12, 0.0)]  # fmt: skip
+    robot = from_dh(table, convention="standard")
+    wanted = matrix_of([0.4, 0.1, 0.3, *np.radians([170.0, 10.0, 0.0])])
+    found = inverse(robot, wanted, "tool-axis-free", starts=300)
+    assert found.unreached is not None
+    made = found.unreached.turned
+    turn = np.cross(wanted[:3, 2], made[:3, 2])
+    assert found.unreached.turn == pytest.approx(float(np.arcsin(np.linalg.norm(turn))), abs=1e-6)
+    axis = ", ".join(f"{x:.2f}".replace("-", "−") for x in turn / np.linalg.norm(turn))
+    assert f"turning about ({axis})" in found.sentence
 
 
 def test_an_isolated_singular_solution_is_one() -> None:

@@ -31,7 +31,7 @@ from rankdrop.kinematics import pose as pose_of
 from rankdrop.local.block import joint_scale, sampling_box, singular_values
 from rankdrop.local.pointing import TILTED, level_task, tilt_is_fixed, tilts_off
 from rankdrop.options import takes
-from rankdrop.poses.inverse import Aim, apart, distinct, wrapped
+from rankdrop.poses.inverse import Aim, apart, distinct, within, wrapped
 from rankdrop.poses.postures import posture_names
 from rankdrop.problem import into_limits
 from rankdrop.questions import ExplainOptions, InverseOptions
@@ -54,6 +54,7 @@ _NEWS = 0.5  # a singular solution nearer to a known one is no news: it is on th
 _PROBE = 0.02  # δ of a displacement that may leave the tool still [rad]
 _STEP, _STEPS = 0.08, 500  # along a curve [rad]; steps each way
 _ENOUGH = 8  # singular solutions looked at where one of them is on a surface
+_INWARDS = 20  # projections of the points of a surface into the joint limits
 _CURVES = 64  # curves that are followed at most
 _JUDGED = 64  # branches whose verdict is computed by a search; beyond, by σ alone
 _LEAST_STARTS, _ROUNDS, _HEAVY = 128, 150, 1e3  # of Levenberg's method; weight of what is kept
@@ -94,7 +95,7 @@ class Continuum:
         complete: a curve that was followed to its closing or to both of its ends.
         singular: every configuration of it is singular.
         lowest, highest: (n,) of the joints along the curve that was followed [rad, m], counted on through whole turns.
-        inside: share of the curve inside the joint limits.
+        inside: share of the curve inside the joint limits; of a surface, share of its points that were found.
         beyond, residual: as of a `Branch`.
     """
 
@@ -423,10 +424,28 @@ class _Search:
         surface = max(pieces, key=lambda piece: piece.dimension, default=None)
         if surface is not None and surface.dimension > 1:  # surfaces are not separated, nor what is connected with them
             q, dimension, singular = surface
-            return isolated, (self._continuum(q, dimension, q[None], False, False, singular),), True
+            same = [piece.q for piece in pieces if piece.dimension == dimension and piece.singular == singular]
+            points = self._inwards(np.array(same))
+            return isolated, (self._continuum(q, dimension, points, False, False, singular),), True
         found, more = self._followed(pieces)
         found.sort(key=lambda continuum: (bool(continuum.beyond), not continuum.closed))
-        return isolated, tuple(found), more
+        alone = [not any(self._on(q, curve.points) for curve in self.curves) for q in isolated]
+        return isolated[alone], tuple(found), more
+
+    def _inwards(self, points: Array) -> Array:
+        """Points (N, n) of a surface, and where none of them is inside the joint limits, those towards the limits.
+
+        Alternating projections: to the limits joint by joint, and by Newton's method back to the pose.
+        """
+        now = into_limits(self.robot, points)
+        kept = now
+        for _ in range(_INWARDS):
+            if within(self.robot, kept).any() or not len(now):
+                break
+            found, arrived = self.aim.solve(self.goal[None], np.clip(now, self.robot.lower, self.robot.upper))
+            now = into_limits(self.robot, found[arrived])
+            kept = np.concatenate([kept, now])
+        return kept
 
     def _by_freedom(self) -> tuple[Array, list[_Piece]]:
         """Isolated solutions (k, n), and those on a self-motion; of a surface not all that were found."""
@@ -533,9 +552,10 @@ class _Search:
         self, q: Array, dimension: int, points: Array, closed: bool, complete: bool, singular: bool
     ) -> Continuum:
         """The facts of a self-motion, shown at its best configuration."""
-        placed = into_limits(self.robot, points)
-        inside = _outside(self.robot, placed).max(axis=1, initial=0.0) <= 0.0
-        best = np.lexsort((-self.sigma(points), ~inside))[0]
+        placed = into_limits(self.robot, wrapped(self.robot, points))
+        outside = _outside(self.robot, placed).max(axis=1, initial=0.0)
+        inside = outside <= 0.0
+        best = np.lexsort((-self.sigma(points), outside))[0]
         return Continuum(
             placed[best], dimension, closed, complete, singular, points.min(axis=0), points.max(axis=0),
             float(inside.mean()), _beyond(self.robot, placed[best]), self.residual(points),

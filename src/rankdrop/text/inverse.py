@@ -14,6 +14,7 @@ from rankdrop.options import advised
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.sections import Section
+from rankdrop.task import BASE, Task
 from rankdrop.text.words import joint_word, minus, motion, plural, power, short
 from rankdrop.units import counted_exponent
 
@@ -93,10 +94,9 @@ def _continua_words(found: Any) -> str:
             count = f"{'at least ' if found.more else ''}{len(some)} self-motion {plural(kind, len(some))}"
         else:
             count = f"at least one self-motion {kind}"
+        where = ""
         if all(one.singular for one in some):
-            where = ", all of it singular"
-        else:
-            where = ""
+            where = f", all of {'it' if len(some) == 1 else 'them'} singular"
         words.append(f"{count} (dimension {dimension}{where})")
     return f"infinitely many solutions: {' and '.join(words)}"
 
@@ -104,7 +104,7 @@ def _continua_words(found: Any) -> str:
 def _inside_words(found: Any) -> str:
     every = (*found.branches, *found.continua)
     if found.continua and found.inside:
-        return f"{found.inside} of {len(every)} have configurations inside the joint limits"
+        return f"{_which_have(found.inside, len(every))} configurations inside the joint limits"
     if found.inside == len(every):
         if len(every) > 1:
             return "All are inside the joint limits"
@@ -112,7 +112,19 @@ def _inside_words(found: Any) -> str:
     if found.inside:
         return f"{found.inside} of {len(every)} inside the joint limits"
     nearest = min(every, key=lambda one: max(amount for _, amount in one.beyond))
-    return f"None is inside the joint limits; the nearest exceeds those of {_beyond_words(found.robot, nearest)}"
+    none = "None is"
+    if any(one.dimension > 1 for one in found.continua):  # points of a surface are found, not followed
+        none = "No configuration was found"
+    return f"{none} inside the joint limits; the nearest exceeds those of {_beyond_words(found.robot, nearest)}"
+
+
+def _which_have(inside: int, count: int) -> str:
+    """The start of a sentence on solutions with a place inside the limits: "It has", "All have", "1 of 7 has"."""
+    if count == 1:
+        return "It has"
+    if inside == count:
+        return "All have"
+    return f"{inside} of {count} {'has' if inside == 1 else 'have'}"
 
 
 def _beyond_words(robot: Robot, one: Any) -> str:
@@ -140,7 +152,7 @@ def _why(found: Any) -> str:
         shift = f"{_length(why.shift, robot)} with this orientation"
     turn = None
     if why.turn is not None:
-        turn = f"{short(degrees(why.turn), 3)}° of {_turning(found.pose, why.turned)} at this position"
+        turn = f"{short(degrees(why.turn), 3)}° of {_turning(found.task, found.pose, why.turned)} at this position"
     if why.kind == "position":
         return _out_of_reach(found, shift)
     apart = " or ".join(one for one in (shift, turn) if one is not None) or "an amount that was not found"
@@ -195,14 +207,35 @@ def _cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:
         yield _fixed(degrees(value), 2) if deg and joint.unit == "rad" else _fixed(value, 4)
 
 
-def _turning(wanted: Array, made: Array) -> str:
+def _turning(task: Task, wanted: Array, made: Array) -> str:
     """About which axis of the base: "yaw", or "turning about (0.10, 0.99, 0.00)"."""
-    vector = rotation_vector(made[:3, :3] @ wanted[:3, :3].T)
+    vector = _needed_turn(task, wanted[:3, :3], made[:3, :3])
     axis = vector / max(float(np.linalg.norm(vector)), 1e-300)
     large = np.flatnonzero(np.abs(axis) > _AXIS)
     if len(large) == 1:
         return ("turning about X", "turning about Y", "yaw (turning about Z)")[int(large[0])]
     return f"turning about ({', '.join(_fixed(x, 2) for x in axis)})"
+
+
+def _needed_turn(task: Task, wanted: Array, made: Array) -> Array:
+    """(3,) along the axis in the base of the least turn from `wanted` to what the task asks of `made` (3, 3).
+
+    A task that wants two turns leaves one axis a free. Of the tool: the turn carries R* a to R a. Of the base: it
+    carries R* Rᵀ a to a. A task that wants one turn asks for the turn about its axis alone.
+    """
+    turns = [row - 3 for row in task.rows if row >= 3]
+    whole = rotation_vector(made @ wanted.T)
+    of_tool = task.frame.axes != BASE
+    if len(turns) == 3:
+        return whole
+    if len(turns) == 1:
+        axis = made[:, turns[0]] if of_tool else np.eye(3)[turns[0]]
+        return np.asarray(axis * np.sign(axis @ whole))
+    (free,) = {0, 1, 2} - set(turns)
+    if of_tool:
+        return np.cross(wanted[:, free], made[:, free])
+    axis = np.eye(3)[free]
+    return np.cross(wanted @ made.T @ axis, axis)
 
 
 def inverse_sections(found: Any, *, deg: bool) -> tuple[Section, ...]:

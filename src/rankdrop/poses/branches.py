@@ -429,7 +429,7 @@ class _Search:
             return isolated, (self._continuum(q, dimension, points, False, False, singular),), True
         found, more = self._followed(pieces)
         found.sort(key=lambda continuum: (bool(continuum.beyond), not continuum.closed))
-        alone = [not any(self._on(q, curve.points) for curve in self.curves) for q in isolated]
+        alone = [not self._on_a_curve(q) for q in isolated]
         return isolated[alone], tuple(found), more
 
     def _inwards(self, points: Array) -> Array:
@@ -469,7 +469,7 @@ class _Search:
         """The curves through solutions, and whether some were not followed: there are more than `_CURVES`."""
         found: list[Continuum] = []
         for q, _, singular in pieces:
-            if any(self._on(q, curve.points) for curve in self.curves):
+            if self._on_a_curve(q):
                 continue
             if len(self.curves) == _CURVES:
                 return found, True
@@ -477,6 +477,9 @@ class _Search:
             self.curves.append(Curve(points, closed, complete))
             found.append(self._continuum(q, 1, points, closed, complete, singular))
         return found, False
+
+    def _on_a_curve(self, q: Array) -> bool:
+        return any(self._on(q, curve.points) for curve in self.curves)
 
     def _on(self, q: Array, points: Array) -> bool:
         gap = np.linalg.norm(apart(self.robot, q, points) / self.scale, axis=1)

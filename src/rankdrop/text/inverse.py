@@ -94,11 +94,17 @@ def _continua_words(found: Any) -> str:
             count = f"{'at least ' if found.more else ''}{len(some)} self-motion {plural(kind, len(some))}"
         else:
             count = f"at least one self-motion {kind}"
-        where = ""
-        if all(one.singular for one in some):
-            where = f", all of {'it' if len(some) == 1 else 'them'} singular"
-        words.append(f"{count} (dimension {dimension}{where})")
+        words.append(f"{count} (dimension {dimension}{_all_singular(some)})")
     return f"infinitely many solutions: {' and '.join(words)}"
+
+
+def _all_singular(continua: list[Any]) -> str:
+    """Words behind the dimension of self-motions that are singular all over."""
+    if not all(one.singular for one in continua):
+        return ""
+    if len(continua) == 1:
+        return ", all of it singular"
+    return ", all of them singular"
 
 
 def _inside_words(found: Any) -> str:
@@ -112,10 +118,15 @@ def _inside_words(found: Any) -> str:
     if found.inside:
         return f"{found.inside} of {len(every)} inside the joint limits"
     nearest = min(every, key=lambda one: max(amount for _, amount in one.beyond))
-    none = "None is"
-    if any(one.dimension > 1 for one in found.continua):  # points of a surface are found, not followed
-        none = "No configuration was found"
-    return f"{none} inside the joint limits; the nearest exceeds those of {_beyond_words(found.robot, nearest)}"
+    beyond = f"the nearest exceeds those of {_beyond_words(found.robot, nearest)}"
+    return f"{_none_is(found)} inside the joint limits; {beyond}"
+
+
+def _none_is(found: Any) -> str:
+    """A curve is followed, so that none of it is inside; of a surface points are found."""
+    if any(one.dimension > 1 for one in found.continua):
+        return "No configuration was found"
+    return "None is"
 
 
 def _which_have(inside: int, count: int) -> str:
@@ -124,7 +135,9 @@ def _which_have(inside: int, count: int) -> str:
         return "It has"
     if inside == count:
         return "All have"
-    return f"{inside} of {count} {'has' if inside == 1 else 'have'}"
+    if inside == 1:
+        return f"1 of {count} has"
+    return f"{inside} of {count} have"
 
 
 def _beyond_words(robot: Robot, one: Any) -> str:
@@ -229,7 +242,9 @@ def _needed_turn(task: Task, wanted: Array, made: Array) -> Array:
     if len(turns) == 3:
         return whole
     if len(turns) == 1:
-        axis = made[:, turns[0]] if of_tool else np.eye(3)[turns[0]]
+        axis = np.eye(3)[turns[0]]
+        if of_tool:
+            axis = made @ axis
         return np.asarray(axis * np.sign(axis @ whole))
     (free,) = {0, 1, 2} - set(turns)
     if of_tool:

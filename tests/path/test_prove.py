@@ -225,6 +225,16 @@ def test_a_path_that_only_touches_is_told_so_and_one_that_passes_is_free() -> No
     assert found.stretches[0].closest.distance == pytest.approx(1e-7, rel=0.2)
 
 
+@pytest.mark.parametrize(("last", "verb"), [(0.4, "Lies in"), (0.0, "Touches")])
+def test_the_first_line_of_a_path_in_a_singularity_says_from_where_to_where(last: float, verb: str) -> None:
+    """Joint 5 stays at 0 while joint 1 turns, or while all joints rest; one time within says too little."""
+    robot = open_robot("irb120")
+    rest = np.array([0.0, -0.3, 0.2, 0.0, 0.0, 0.0])
+    q = np.stack([rest, rest + last * np.eye(6)[0]])
+    first = check_path(robot, q, [0.0, 3.0]).sentence
+    assert first == f"{verb} a singularity once, first wrist: joint 5 at 0°, between rows 1 and 2, 0 to 3 s."
+
+
 @pytest.mark.by_hand_at("panda-k1.f1", "ur5-k1.f1")
 @pytest.mark.slow_at("ur5-k1.f1", "ur5-k1.f3")
 @pytest.mark.slow_at("panda-k1.f1")

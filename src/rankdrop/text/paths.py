@@ -44,6 +44,7 @@ _LEADS = 1e-6  # a distance below it is that of a stretch that ends at a singula
 _TURNS = 1e-6  # a joint that turns less stands still [rad]
 _MOVED = 1e-3  # a start that is nearer to the first pose counts as at it [rad]
 _NAMED = 10  # crossings whose poses are noted
+_STAYS = 1e-3  # share of the way between two rows; a longer stretch in a singularity is reported by both of its ends
 
 _EVIDENCE = {
     "covered": "enclosures cover all of it",
@@ -205,15 +206,42 @@ def _reached(check: Any) -> Iterator[str]:
     """Singularities that the path reaches or comes near to; the end of a branch."""
     if check.tool is not None and not check.tool.complete:
         yield "the branch ends"
-    for kind, words in (("crossing", "crosses a singularity {} (proven)"), ("touching", "touches a singularity {}")):
-        part = [crossing for crossing in check.crossings if crossing.verdict == kind]
+    for how, words in REACHED.items():
+        part = [crossing for crossing in check.crossings if how_reached(crossing) == how]
         if part:
-            times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
-            yield f"{words.format(times)}, first {stretch_place(check, part[0])}, {when(part[0].closest.place)}"
+            yield f"{words.format(times(len(part)))}, first {stretch_place(check, part[0])}, {_stay_or_place(part[0])}"
     if check.tool is not None and check.tool.passed:
         yield passing_words(check.tool.passed)
     if check.margin == "violated" and not check.crossings:
         yield f"comes nearer than {angle(check.options.min_distance)} to a singularity"
+
+
+def _stay_or_place(stretch: Any) -> str:
+    """The place of a singularity; both ends of a stretch that lies in it, or at which the arm rests."""
+    start, end = stretch.bracket
+    if stretch.verdict == "touching" and end.position - start.position > _STAYS:
+        return _span(stretch)
+    return when(stretch.closest.place)
+
+
+REACHED = {
+    "crossing": "crosses a singularity {} (proven)",
+    "lies": "lies in a singularity {}",
+    "touching": "touches a singularity {}",
+}
+"""How a path reaches singularities, in the order of the first line; how often is put in."""
+
+
+def how_reached(stretch: Any) -> str:
+    """The key of `REACHED` of a stretch of a path; its verdict where it reaches no singularity for certain."""
+    if stretch.verdict == "touching" and stretch.lies:
+        return "lies"
+    return str(stretch.verdict)
+
+
+def times(count: int) -> str:
+    """How often: "once", "twice", "3 times"."""
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 def passing_words(passed: Sequence[Any]) -> str:
@@ -585,9 +613,11 @@ def _place(check: Any, q: Array, name: str, corank: int = 0) -> str:
     return place or name or "an unnamed family"
 
 
+_VERBS = {"crossing": "crosses", "lies": "lies in", "touching": "touches"}
+
+
 def _crossing_words(stretch: Any, check: Any) -> str:
-    verbs = {"crossing": "crosses", "touching": "lies in" if stretch.lies else "touches"}
-    verb = verbs.get(stretch.verdict, "undecided:")
+    verb = _VERBS.get(how_reached(stretch), "undecided:")
     return f"{verb} {stretch_place(check, stretch)}{_id(stretch)}"
 
 

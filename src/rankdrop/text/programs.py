@@ -10,7 +10,16 @@ from rankdrop.lists import flat_map
 from rankdrop.options import advised
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
-from rankdrop.text.paths import crossing_lines, free_words, joints_words, stretch_place, turn_words
+from rankdrop.text.paths import (
+    REACHED,
+    crossing_lines,
+    free_words,
+    how_reached,
+    joints_words,
+    stretch_place,
+    times,
+    turn_words,
+)
 from rankdrop.text.remedies import joint_moves, tool_off_words
 from rankdrop.text.words import above_limit, angle, motion, plural, rounded_down, rounded_up, short
 from rankdrop.tolerances import NEAR
@@ -88,13 +97,12 @@ def _in_line(line: int, text: str) -> str:
 
 
 def _reached(check: Any) -> Iterator[str]:
-    for kind, words in (("crossing", "crosses a singularity {} (proven)"), ("touching", "touches a singularity {}")):
-        part = [crossing for crossing in check.met if crossing.stretch.verdict == kind]
+    for how, words in REACHED.items():
+        part = [crossing for crossing in check.met if how_reached(crossing.stretch) == how]
         if part:
-            times = {1: "once", 2: "twice"}.get(len(part), f"{len(part)} times")
             first = part[0]
             name = stretch_place(_path_of(first.stretch, check), first.stretch)
-            yield f"{words.format(times)}: {name}, {_in_line(first.line, first.text)}"
+            yield f"{words.format(times(len(part)))}: {name}, {_in_line(first.line, first.text)}"
     passed = next((part.moves[part.passed[0]] for part in check.parts if part.passed), None)
     if passed is not None:
         yield f"goes through a singularity {_in_line(passed.line, passed.text)}"

@@ -11,7 +11,9 @@ import pytest
 from rankdrop.families.points import members
 from rankdrop.local.special import Part, Shape, specials_at
 from rankdrop.results.known import shipped
+from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array
+from rankdrop.task import resolve_task
 from rankdrop.text.verdict import summary_lines
 from rankdrop.verbs.explain import explain
 
@@ -72,6 +74,29 @@ def test_parts_agree_with_the_conditions_of_the_families() -> None:
             q: Array = members(found.robot, found.task, family, 8, seed=2)[0]
             here = {one.part.value for one in specials_at(found.robot, found.task, q, family.corank)}
             assert head <= here, (name, family.name, here)
+
+
+SLIDES = [(0, -np.pi / 2, 0, 0), (0, -np.pi / 2, 0, -np.pi / 2), (0, 0, 0, np.pi / 2)]
+WRIST = [(0, -np.pi / 2, 0, 0), (0, np.pi / 2, 0, 0), (0, 0, 0.15, 0)]
+
+
+def test_the_wrist_of_a_gantry_is_no_elbow() -> None:
+    gantry = from_dh(SLIDES + WRIST, kinds="PPPRRR", convention="standard")
+    q = np.array([1.0, 2.0, 0.5, 0.3, 0.0, 0.2])
+    (one,) = specials_at(gantry, resolve_task(None, gantry), q, 1)
+    assert (one.part, one.joint, one.exact) == (Part.WRIST, 5, True)
+    assert summary_lines(explain(gantry, q))[0].endswith("wrist: joint 5 at 0°.")
+
+
+def test_a_slide_that_brings_the_wrist_onto_axis_2_is_named() -> None:
+    """The wrist centre is 0.15 m from axis 1 then, not above it."""
+    turret = [(0, -np.pi / 2, 0.4, 0), (0, np.pi / 2, 0.15, 0), (0, 0, 0.3, -np.pi / 2)]
+    robot = from_dh(turret + WRIST, kinds="RRPRRR", convention="standard")
+    task = resolve_task(None, robot)
+    for q, shape, axis in (([0.3, 0.4, -0.3, 0.2, 0.5, 0.1], Shape.ON_AXIS, 2),
+                           ([0.3, 0.0, 0.5, 0.2, 0.5, 0.1], Shape.ABOVE_AXIS, 1)):  # fmt: skip
+        (one,) = specials_at(robot, task, np.array(q), 1)
+        assert (one.part, one.shape, one.joint) == (Part.SHOULDER, shape, axis)
 
 
 def test_a_condition_that_is_nearly_satisfied_is_not_exact() -> None:

@@ -4,7 +4,8 @@ Each part has one condition, measured as an angle that is 0 where the condition 
 
 - wrist: the directions of the last three axes lie in one plane; the middle joint of the three is at 0 or π from it;
 - elbow: the arm is stretched or folded; the angle at the elbow axis between shoulder point S and wrist point W, which
-  is the tip for a task without rotation; or the axes before and behind the elbow are one line;
+  is the tip for a task without rotation; or the axes before and behind the elbow are one line; an arm of slides with a
+  wrist has none;
 - shoulder: W lies in the plane through axis 1 along axis 2 (distance to the plane over the distance of W from axis 2);
   with seven axes, the directions of the first three lie in one plane.
 
@@ -41,12 +42,13 @@ class Part(StrEnum):
 
 class Shape(StrEnum):
     """What is special about a part: a joint at a value, the arm stretched or folded, the wrist in the plane through
-    axis 1 along axis 2."""
+    axis 1 along axis 2, or on axis 2."""
 
     JOINT = "joint"
     STRETCHED = "stretched"
     FOLDED = "folded"
     ABOVE_AXIS = "above-axis"
+    ON_AXIS = "on-axis"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +57,7 @@ class Special:
 
     Attributes:
         part, shape: the part, and its condition.
-        joint: from 1, the joint that measures the condition; 1 for `ABOVE_AXIS`.
+        joint: from 1, the joint that measures the condition; the axis of `ABOVE_AXIS` and `ON_AXIS`.
         value: of that joint where the condition holds exactly, the nearest one [rad].
         off: how far the configuration is from the condition, in [0, π/2] [rad].
         exact: `off` is 0 to 1e-6.
@@ -116,10 +118,13 @@ def _always(robot: Robot, turns: bool, moves: bool) -> frozenset[tuple[Part, int
     return frozenset(set.intersection(*seen))
 
 
-def _triples(count: int, turns: bool) -> list[tuple[Part, int]]:
-    """Parts that are three axes in a row, with the middle one, of an arm of so many axes; the wrist where it turns."""
+def _triples(count: int, turns: bool, sliding: bool) -> list[tuple[Part, int]]:
+    """Parts that are three axes in a row, with the middle one, of an arm of so many axes.
+
+    The wrist counts where the task turns, with five axes or more, or with three where slides carry it.
+    """
     found = []
-    if turns and count >= 5:
+    if sliding or (turns and count >= 5):
         found.append((Part.WRIST, count - 2))
     if count >= ARM_AXES:
         found.append((Part.SHOULDER, count - ARM_AXES + 1))
@@ -139,20 +144,34 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
     )  # fmt: skip
     joints, values = [i + 1 for i in axes], q[list(axes)].tolist()
     tip = _vector(scene.tip[0].tolist())
-    elbow = arm.elbow
-    if turns and arm.aligned(elbow - 1, elbow + 1):
-        yield Special(Part.ELBOW, Shape.JOINT, joints[elbow], wrap_angle(values[elbow]), 0.0, exact=True)
-    elif moves and (turn := arm.elbow_turn(tip)) is not None:
-        shape = Shape.STRETCHED if abs(turn) <= pi / 2 else Shape.FOLDED
-        yield _measured(Part.ELBOW, shape, joints[elbow], values[elbow], turn)
-    for part, middle in _triples(len(axes), turns):
+    sliding = turns and len(axes) < robot.n and arm.is_carried_wrist
+    if not sliding:
+        yield from _elbow(arm, joints[arm.elbow], values[arm.elbow], tip, turns, moves)
+    for part, middle in _triples(len(axes), turns, sliding):
         turn = arm.turn(middle)
         if turn is not None:
             yield _measured(part, Shape.JOINT, joints[middle], values[middle], turn)
     if moves and 4 <= len(axes) <= 6 and not _parallel(arm.z[0], arm.z[1]):
-        gap, lever = arm.from_shoulder_plane(tip)
-        yield Special(Part.SHOULDER, Shape.ABOVE_AXIS, joints[0], 0.0, atan2(gap, max(lever, _FLAT * arm.reach)),
-                      gap <= EXACT * arm.reach)  # fmt: skip
+        yield _shoulder(arm, joints, tip)
+
+
+def _elbow(arm: _Axes, joint: int, value: float, tip: Vector, turns: bool, moves: bool) -> Iterator[Special]:
+    """The condition of the elbow, which this joint measures; none where an upper arm or forearm has no length."""
+    if turns and arm.aligned(arm.elbow - 1, arm.elbow + 1):
+        yield Special(Part.ELBOW, Shape.JOINT, joint, wrap_angle(value), 0.0, exact=True)
+    elif moves and (turn := arm.elbow_turn(tip)) is not None:
+        shape = Shape.STRETCHED if abs(turn) <= pi / 2 else Shape.FOLDED
+        yield _measured(Part.ELBOW, shape, joint, value, turn)
+
+
+def _shoulder(arm: _Axes, joints: list[int], tip: Vector) -> Special:
+    """The condition of the shoulder: the wrist in the plane through axis 1 along axis 2, or on axis 2."""
+    gap, lever = arm.from_shoulder_plane(tip)
+    exact = gap <= EXACT * arm.reach
+    if exact and lever <= EXACT * arm.reach:
+        return Special(Part.SHOULDER, Shape.ON_AXIS, joints[1], 0.0, 0.0, exact)
+    off = atan2(gap, max(lever, _FLAT * arm.reach))
+    return Special(Part.SHOULDER, Shape.ABOVE_AXIS, joints[0], 0.0, off, exact)
 
 
 def _measured(part: Part, shape: Shape, joint: int, value: float, turn: float) -> Special:
@@ -185,6 +204,18 @@ class _Axes:
         if len(self.z) <= 3 or _parallel(self.z[0], self.z[1]):
             return 1
         return 2
+
+    @property
+    def is_carried_wrist(self) -> bool:
+        """Whether the last three of at most five axes meet in a point, as a wrist that slides carry; not in a plane."""
+        count = len(self.z)
+        if not 3 <= count < ARM_AXES - 1:
+            return False
+        first, middle, last = count - 3, count - 2, count - 1
+        if _parallel(self.z[first], self.z[middle]) or _parallel(self.z[middle], self.z[last]):
+            return False
+        apart = _less(self.between(middle, last), self.between(first, middle))
+        return _length(apart) <= EXACT * self.reach
 
     def aligned(self, i: int, j: int) -> bool:
         """Whether two axes are one line; False where there is no second."""

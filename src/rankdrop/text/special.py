@@ -22,6 +22,7 @@ _WORDS = {
     Shape.STRETCHED: "arm stretched",
     Shape.FOLDED: "arm folded",
     Shape.ABOVE_AXIS: "wrist above axis {axis}",
+    Shape.ON_AXIS: "wrist on axis {axis}",
 }
 _NEARLY = {
     Shape.JOINT: "{joint} near {value}",

@@ -11,10 +11,11 @@ import pytest
 
 import rankdrop
 from rankdrop.cli import exits
-from rankdrop.errors import OptionError, ResultFileError, RobotError
+from rankdrop.errors import OptionError, ResultFileError, RobotError, TaskError
 from rankdrop.families.record import Check
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
 from rankdrop.text.families import rounded_share, share_text
 
 from .conftest import command
@@ -115,6 +116,13 @@ def test_a_name_is_not_a_robot() -> None:
     ):
         with pytest.raises(RobotError, match=r"a Robot is needed; got 'pa10'; .*open_robot"):
             call()
+
+
+@pytest.mark.parametrize("task", [5, 2.5, [1, 2], {"vx": 1}, b"pose", True])
+def test_what_is_no_task_is_refused_in_one_line(task) -> None:
+    with pytest.raises(TaskError, match="or rows out of vx"):
+        resolve_task(task, open_robot("ur5e"))
+
 
 
 def test_an_analysis_that_cannot_be_saved_says_so(found: Analysis) -> None:

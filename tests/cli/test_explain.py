@@ -166,7 +166,7 @@ def test_a_proof_that_was_interrupted_holds_and_is_said_to_be() -> None:
     assert found.far.certificate is not None
     stopped = replace(found)
     stopped.__dict__["far"] = replace(found.far)  # worked out already
-    stopped.far.__dict__["_certified"] = replace(found.far.certificate, complete=False), ""
+    stopped.far.__dict__["_certificate_and_reason"] = replace(found.far.certificate, complete=False), ""
     assert stopped_early(stopped)
     assert "interrupted" in str(stopped)
 

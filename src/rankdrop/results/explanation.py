@@ -89,15 +89,15 @@ class Far:
     def certificate(self) -> Certificate | None:
         """Ball proven free of singularities, worked out when it is first asked for; None where the task cannot be
         certified (`uncertified` says why) or the configuration is singular."""
-        return self._certify_nearest[0]
+        return self._certificate_and_reason[0]
 
     @property
     def uncertified(self) -> str:
         """Why there is no certificate; empty where there is one."""
-        return self._certify_nearest[1]
+        return self._certificate_and_reason[1]
 
     @cached_property
-    def _certify_nearest(self) -> tuple[Certificate | None, str]:
+    def _certificate_and_reason(self) -> tuple[Certificate | None, str]:
         """Within the limits the nearest singularity may lie farther than one outside them, and bounds nothing."""
         if self.unasked:
             return None, self.unasked

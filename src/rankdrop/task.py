@@ -133,22 +133,28 @@ def resolve_task(
     return resolved
 
 
+def _no_task(task: object) -> TaskError:
+    """The error for a value that is neither the name of a task nor rows."""
+    return TaskError(
+        "there is no such task", got=repr(task), allowed=", ".join(_NAMED) + ", or rows out of " + ",".join(ROWS)
+    )
+
+
 def _from_rows(task: str | Sequence[str]) -> Task:
     if isinstance(task, str) and task in _NAMED:
         return Task(task, *_NAMED[task])
-    allowed = ", ".join(_NAMED) + ", or rows out of " + ",".join(ROWS)
     if isinstance(task, str):
         parts = task.split(",")
     elif isinstance(task, Sequence) and all(isinstance(part, str) for part in task):
         parts = list(task)
     else:
-        raise TaskError("a task is a name, rows or a Task", where="task", got=repr(task), allowed=allowed)
+        raise _no_task(task)
     words = [part.strip() for part in parts]
     unknown = [word for word in words if word not in ROWS]
     if not unknown and len(set(words)) != len(words):
         raise TaskError("a row is named twice", where="task", got=repr(task), allowed="each row once")
     if unknown or not words:
-        raise TaskError("there is no such task", got=repr(task), allowed=allowed)
+        raise _no_task(task)
     rows = tuple(sorted(ROWS.index(word) for word in words))
     for name, named in _NAMED.items():
         if (rows, WORLD_ALIGNED) == named:

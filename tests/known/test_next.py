@@ -10,6 +10,7 @@ from rankdrop.errors import OptionError
 from rankdrop.local.block import singular_values
 from rankdrop.local.nearest import nearest_singularity, other_sheets
 from rankdrop.results import explanation
+from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.verbs.explain import explain
@@ -74,3 +75,12 @@ def test_what_was_not_searched_is_not_denied(monkeypatch) -> None:
         assert next_line(explain(arm, q, evaluations=0)) == "Next: not searched."
     monkeypatch.setattr(explanation, "other_sheets", lambda *_args, **_named: (40, iter(())))
     assert next_line(explain(arm, q, evaluations=0)) == "Next: none found by 40 searches."
+
+
+def test_where_no_families_are_known_the_way_to_know_them_is_named() -> None:
+    """At a wrist singularity all walks end on the wrist's own sheet; the exact families of a file name the next."""
+    half = np.pi / 2
+    arm = from_dh([(0.15, -half, 0.45, 0.0), (0.6, 0.0, 0.0, -half), (0.2, -half, 0.0, 0.0), (0.0, half, 0.64, 0.0),
+                   (0.0, -half, 0.0, 0.0), (0.0, 0.0, 0.1, 0.0)], convention="standard")  # fmt: skip
+    line = next_line(explain(arm, [1.3, 0.2, 0.5, 0.7, 0.0, 0.1], evaluations=0))
+    assert line == "Next: none found by 40 searches; analysis=… with a file of analyze finds more."

@@ -181,8 +181,11 @@ def _next_words(explanation: Explanation) -> str:
         if not other and explanation.next.family is not None:
             other = explanation.next.family.called.short
         return f"Next: {other}, {degrees_words(summary.next_distance)} of joint motion away."
-    if summary.next_searches:
+    if summary.next_searches and explanation.families:
         return f"Next: none found by {summary.next_searches} searches."
+    if summary.next_searches:
+        more = f"{advised('analysis', '…')} with a file of analyze finds more"
+        return f"Next: none found by {summary.next_searches} searches; {more}."
     return NOT_SEARCHED
 
 

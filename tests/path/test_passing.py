@@ -15,6 +15,7 @@ import pytest
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.orientation import rotation_vector
 from rankdrop.path import mend_path
+from rankdrop.path.check import follow as follow_module
 from rankdrop.path.check import passing
 from rankdrop.path.check.check import PathQuestion, check_file, check_poses
 from rankdrop.path.check.follow import Followed, _Walk, follow
@@ -192,6 +193,19 @@ def test_a_wrist_turned_for_the_line_passes_at_any_speed(rows: int) -> None:
     assert "goes on through it, at any speed" in check.sentence
 
 
+@pytest.mark.parametrize(("rows", "end"), [(2, 0.1), (2, 0.001), (400, 0.1)])
+def test_rows_next_to_a_crossing_are_left_out_but_those_of_poses(rows: int, end: float) -> None:
+    """Next to it rows are ill-conditioned. Poses have rows all the same, 0.4 mm apart and just behind it."""
+    robot = open_robot("lrmate200id")
+    poses = line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], *np.linspace(-0.1, end, rows))
+    found = follow(robot, poses, np.radians([-14, 2, -2, 90, 14, -90]), tolerance=(1e-4, 1e-3), through=True)
+    assert (found.complete, [passed.rest for passed in found.passed]) == (True, [False])
+    assert np.isin(np.arange(1, rows + 1), found.place).all()
+    between = found.q[found.place != np.floor(found.place)]
+    near = np.linalg.norm(between - np.radians([0, 0, 0, 90, 0, -90]), axis=1) < 1e-3
+    assert rows == 400 or not near.any()
+
+
 @pytest.mark.parametrize("before", [0, 20])
 def test_a_tool_that_waits_at_a_singularity_goes_on_from_there(before: int) -> None:
     """50 equal poses, in the middle of a line or at its start: they have no direction to go on in."""
@@ -319,10 +333,14 @@ def test_a_line_across_a_self_motion_stays_on_its_own_curve() -> None:
      [-0.7944, 0.7232, 1.7976, -2.4795, -0.1455, 2.8056], 0.00090976),
 ])  # fmt: skip
 def test_a_line_folds_back_after_the_crossing_or_before_it(
-    name: str, near: list[float], along: list[float], start: list[float], reached: float
+    name: str, near: list[float], along: list[float], start: list[float], reached: float,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    joint = 4
+    """What folds back is not followed again: that would add a row next to the last one."""
+    joint, parts = 4, []
+    monkeypatch.setattr(follow_module, "follow_curve", lambda *given: parts.append(follow_curve(*given)) or parts[-1])
     found = followed_across(name, joint, near, along, start)
+    assert [part.folds for part in parts].index(True) == len(parts) - 1
     assert (found.complete, found.folds, found.reason) == (False, True, "singular")
     assert -0.04 + 0.08 * (found.reached - 1.0) == pytest.approx(reached, abs=2e-6)
     assert not any(passed.rest for passed in found.passed)
@@ -342,6 +360,19 @@ def test_two_curves_that_pass_closely_are_no_crossing(degrees: float) -> None:
     sides = {np.sign(determinant(robot, row)) for row in part.q}
     assert sides == {np.sign(determinant(robot, start))}
     assert all(crossing.rest for crossing in part.crossings)
+
+
+def test_a_branch_whose_curve_is_not_known_ends_before_the_singularity(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The local geometry of a singular configuration is none of one that is 1e-5 before it."""
+    robot = open_robot("puma560")
+    q = np.radians([-2.285303, 25.054618, 9.727722, 106.948241, 1e-3, -4.826506])
+    poses = line(robot, q, [-0.234686, -0.427842, -0.872854, 0, 0, 0], 0.0, -0.02, 0.1)
+    start = follow(robot, poses[:2], q, limits=False).last
+    monkeypatch.setattr(follow_module, "follow_curve", lambda *given: None)
+    found = follow(robot, poses[1:], start, limits=False, tolerance=TOLERANCE, through=True)
+    assert (found.complete, found.reason, found.passed) == (False, "stuck", ())
+    assert 1.0 < found.reached < 1.0 + 1.0 / 6.0
+    assert 1e-6 < found.sigma < 1.1e-6
 
 
 def test_a_turn_next_to_corank_two_is_found() -> None:
@@ -404,6 +435,9 @@ def test_every_curve_that_leaves_a_crossing_is_found(
                                    atol=1e-9)  # fmt: skip
     turned = [float(np.linalg.norm(departure.q - q) / (departure.place - 0.5)) for departure in found]
     assert turned == sorted(turned)
+    needed = np.array([at(home, way + 1e-4 * lost, s) for s in (-0.04, 0.04)])
+    move = Move(Aim(robot, resolve_task(None, robot)), needed, 0.5)
+    assert not passing._crossing(move, q, move.seen_from(q), move.room)  # no two curves cross there
 
 
 def test_the_flattest_curve_comes_first_whatever_the_order_of_zeros(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rankdrop.path.check.passing import _end_along
 from rankdrop.path.check.solution_curve import CurvePart, _CurveWalk, _Point, follow_curve
 from rankdrop.robot.model import Array
 
@@ -35,6 +36,9 @@ class Plane:
                 return y
             y = y - np.linalg.lstsq(np.vstack([self.slopes(y), across]), off, rcond=1e-13)[0]
         return None
+
+    def place_at(self, w: float) -> float:
+        return w
 
     def solved(self, w: float, guess: Array) -> Array | None:
         end = self.on_plane(np.append(guess, w), np.array([0.0, 0.0, 1.0]))
@@ -72,6 +76,26 @@ def test_a_curve_that_folds_back_at_the_end_of_the_move_has_reached_it() -> None
     part = followed(move, np.array([-np.sqrt(0.05), 0.0]))
     assert (part.folds, part.w[-1]) == (False, 0.05)
     assert part.q[-1, 0] == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize(("f", "way", "room", "step"), [
+    (lambda x, w: x - 20 * w * w, [0.0, 1.0], 0.1, 0.0025),  # bent by 80 % of 0.04, by 20 % of 0.01
+    (lambda x, w: w - 0.05 * x + 1.5 * x * x, [1.0, 0.05], 0.1, 0.01),  # behind the start after 0.04
+    (lambda x, w: x, [0.0, 1.0], 0.02, 0.01),  # beyond the end of the move after 0.04
+])  # fmt: skip
+def test_a_departure_is_ahead_on_the_move_and_next_to_its_tangent(
+    f: Any, way: list[float], room: float, step: float
+) -> None:
+    """The longest of the steps 0.04, 0.01 and 0.0025 for which that holds."""
+    move = Plane(f, room)
+    direction = np.array([way[0], way[1], way[1]]) / np.linalg.norm([way[0], way[1], way[1]])
+    departure = _end_along(move, np.zeros(3), direction, room)
+    assert departure is not None
+    x, w = departure.q
+    assert f(x, w) == pytest.approx(0.0, abs=1e-12)
+    assert departure.place == pytest.approx(w)
+    assert direction @ [x, w, w] == pytest.approx(step)
+    assert 0.0 < w <= room
 
 
 def test_a_singular_start_has_no_direction_of_its_own() -> None:

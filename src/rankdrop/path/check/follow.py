@@ -49,7 +49,6 @@ _SINGULAR = 1e-6  # σ_r of a row below which the branch is at a singularity, an
 _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton leaves the lost joint motion alone [rad]
 _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
 _STRAIGHT = 0.97  # cosine of the turn of the joint motion at a singularity below which it is a corner
-_CREEPS, _CREPT = 3, 1e-3  # so many departures from rest within that share of a move lead nowhere
 _STALLED, _STAYED = 75, 0.5  # so many tries within one move and so much joint motion: the branch may creep [rad]
 _ADVANCED = 0.1  # of the way between two poses: who gets so far within `_STALLED` tries does not creep
 _NO_NEARER = 3.0  # … and does where σ_r changed by no more than this factor: on the way to a near miss it falls more
@@ -443,16 +442,7 @@ class _Walk:
                 return self._along_curve(made, move, part)
             if sigma > _SINGULAR:
                 return None, None
-        if self._leads_nowhere(place):
-            return None, None
         return self._departed(made, sigma), None
-
-    def _leads_nowhere(self, place: float) -> bool:
-        """The last departures were close together; they are no longer counted."""
-        if len(self.passed) < _CREEPS or place + 1.0 - self.passed[-_CREEPS].place >= _CREPT:
-            return False
-        del self.passed[-_CREEPS:]
-        return True
 
     def _departed(self, made: _Progress, sigma: float) -> tuple[Array, Array] | None:
         """As `_onward`, by the local geometry of a singular configuration."""

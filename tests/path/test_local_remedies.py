@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.path.check.turns import far_turns
 from rankdrop.path.curve import Curve, curve
+from rankdrop.path.mend import remedies
 from rankdrop.path.mend.bumps import CLEARANCE, least_motion, step, tool_off
 from rankdrop.path.mend.remedies import LOCAL, Mending, Remedy, mend_path
 from rankdrop.path.read.files import read_trajectory
@@ -394,6 +396,31 @@ def test_a_path_that_touches_the_edge_of_reach_stays_inside() -> None:
     assert best.kind == "bump"
     np.testing.assert_array_equal(best.trajectory.q[[0, -1]], q[[0, -1]])
     assert np.abs(np.sin(best.trajectory.q[:, 1])).min() > 1e-3
+    assert best.off[1] < 2.1e-3  # of the bump alone; 9.3e-3 where the tool is led aside
+
+
+def test_what_a_bump_avoids_needs_no_detour() -> None:
+    q = np.array([[0.0, 0.5], [0.4, 0.0], [0.8, 0.5], [1.2, -0.5]])
+    best = mend_path(rankdrop.check_path(open_robot("planar2r"), q), kinds=("detour",)).best
+    assert best is not None
+    assert (best.how, len(best.changes)) == (("detour", 1), 2)
+
+
+@pytest.mark.parametrize(("bound", "bumps", "failed", "unfree", "chosen"), [
+    (0.1, 1, 1, (1, 1), 0), (0.1, 1, 1, (2, 1), 1), (0.1, 1, 1, (2, 2), 1), (0.1, 1, 2, (2, 2), 0),
+    (0.0, 1, 1, (1, 1), None), (0.1, 0, 1, (1, 1), None), (0.1, 1, 0, (1, 1), None),
+])  # fmt: skip
+def test_bumps_beside_detours_leave_no_singularity_but_those_without_a_bump(
+    bound: float, bumps: int, failed: int, unfree: tuple[int, int], chosen: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of two proposals, which leave so many stretches that are not free, the first that does; else the last."""
+    checks = [SimpleNamespace(stretches=[SimpleNamespace(verdict="crossing")] * count) for count in unfree]
+    proposals = [SimpleNamespace(made=check, number=k) for k, check in enumerate(checks)]
+    without = SimpleNamespace(core=SimpleNamespace(stretches=(None,)))
+    monkeypatch.setattr(remedies, "_bumpings", lambda *given: iter(proposals))
+    mender = SimpleNamespace(_bumps=lambda *given: ([None] * bumps, [without] * failed), _again=lambda made: made)
+    found = remedies._Mender._bumps_beside(mender, SimpleNamespace(bound=bound), CLEARANCE)
+    assert found == (None if chosen is None else (proposals[chosen], checks[chosen]))
 
 
 @pytest.mark.by_hand_at("cubic")

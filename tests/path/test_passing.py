@@ -311,7 +311,7 @@ def test_a_corner_of_the_joints_within_a_straight_move_needs_a_rest(turned: floa
     angle = np.radians(turned)
     corner = Departure(place, np.array([np.cos(angle), np.sin(angle)]), False)
     back = Departure(place, np.array([-1.0, 0.1]), False)
-    first, last = _Walk._straight_on(walk, made, [back, corner])
+    first, last = _Walk._sort_by_turn(walk, made, [back, corner])
     assert (first.q is corner.q, first.rest, last.q is back.q) == (True, rest, True)
 
 
@@ -396,7 +396,7 @@ def test_a_self_motion_of_unknown_lost_direction_is_not_followed(monkeypatch: py
     turned = internal_turn(aim, poses, 0.0, q, limits=False)
     assert turned is not None
     assert abs(np.degrees(turned[3])) == pytest.approx(90.0, abs=1e-6)
-    monkeypatch.setattr("rankdrop.path.check.passing._kept_way", lambda aim, new, u: np.abs(new - q).max() < 1e-15)
+    monkeypatch.setattr(passing, "_keeps_lost_direction", lambda aim, new, u: np.abs(new - q).max() < 1e-15)
     assert internal_turn(aim, poses, 0.0, q, limits=False) is None
 
 
@@ -437,7 +437,7 @@ def test_every_curve_that_leaves_a_crossing_is_found(
     assert turned == sorted(turned)
     needed = np.array([at(home, way + 1e-4 * lost, s) for s in (-0.04, 0.04)])
     move = Move(Aim(robot, resolve_task(None, robot)), needed, 0.5)
-    assert not passing._crossing(move, q, move.seen_from(q), move.room)  # no two curves cross there
+    assert not passing._crossing_departures(move, q, move.seen_from(q), move.room)  # no two curves cross there
 
 
 def test_the_flattest_curve_comes_first_whatever_the_order_of_zeros(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rankdrop.path.check.passing import _end_along
+from rankdrop.path.check.passing import _departure_along
 from rankdrop.path.check.solution_curve import CurvePart, _CurveWalk, _Point, follow_curve
 from rankdrop.robot.model import Array
 
@@ -40,7 +40,7 @@ class Plane:
     def place_at(self, w: float) -> float:
         return w
 
-    def solved(self, w: float, guess: Array) -> Array | None:
+    def solution_near(self, w: float, guess: Array) -> Array | None:
         end = self.on_plane(np.append(guess, w), np.array([0.0, 0.0, 1.0]))
         return None if end is None else end[:2]
 
@@ -54,7 +54,7 @@ def followed(move: Plane, q: Array) -> CurvePart:
         if part.folds or part.w[-1] == move.room:
             break
         walk = _CurveWalk(move)  # the way is counted from the start of the move
-        walk.points.append(walk.begun(np.append(part.q[-1], part.w[-1]), part.heading))
+        walk.points.append(walk.first_point(np.append(part.q[-1], part.w[-1]), part.heading))
         part = walk.run()
     else:
         pytest.fail("the curve has no end")
@@ -89,7 +89,7 @@ def test_a_departure_is_ahead_on_the_move_and_next_to_its_tangent(
     """The longest of the steps 0.04, 0.01 and 0.0025 for which that holds."""
     move = Plane(f, room)
     direction = np.array([way[0], way[1], way[1]]) / np.linalg.norm([way[0], way[1], way[1]])
-    departure = _end_along(move, np.zeros(3), direction, room)
+    departure = _departure_along(move, np.zeros(3), direction, room)
     assert departure is not None
     x, w = departure.q
     assert f(x, w) == pytest.approx(0.0, abs=1e-12)
@@ -101,15 +101,15 @@ def test_a_departure_is_ahead_on_the_move_and_next_to_its_tangent(
 def test_a_singular_start_has_no_direction_of_its_own() -> None:
     """Where two curves cross, and next to corank 2."""
     move = Plane(lambda x, w: (x - w) * (x + 2 * w), 0.06)
-    assert _CurveWalk(move).begun(np.zeros(3), None) is None
+    assert _CurveWalk(move).first_point(np.zeros(3), None) is None
     flat = SimpleNamespace(aim=move.aim, room=1.0, slopes=lambda y: np.array([[1e-5, 0.0, 1.0], [0.0, 1e-5, 1.0]]))
-    assert _CurveWalk(flat).begun(np.zeros(3), np.array([0.0, 0.0, 1.0])) is None
+    assert _CurveWalk(flat).first_point(np.zeros(3), np.array([0.0, 0.0, 1.0])) is None
 
 
 def test_a_solution_far_from_the_curve_is_not_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
     move = Plane(lambda x, w: x - w, 0.02)
     assert follow_curve(move, np.zeros(2), None) is not None
-    monkeypatch.setattr(move, "solved", lambda w, guess: guess + 0.01)
+    monkeypatch.setattr(move, "solution_near", lambda w, guess: guess + 0.01)
     assert follow_curve(move, np.zeros(2), None) is None
 
 
@@ -135,7 +135,7 @@ def test_where_two_curves_cross_the_one_that_arrives_goes_on() -> None:
 def test_two_curves_that_pass_each_other_are_not_crossed(off: float, folds: bool, end: float) -> None:
     """(x − w)(x + 2 w) = ±1e-5, shifted: the branch turns onto the other line, or folds back before it."""
     move = Plane(lambda x, w: (x - (w - 0.03)) * (x + 2 * (w - 0.03)) - off, 0.06)
-    start = move.solved(0.0, np.array([-0.03, 0.0]))
+    start = move.solution_near(0.0, np.array([-0.03, 0.0]))
     assert start is not None
     part = followed(move, start)
     assert (part.folds, part.crossings) == (folds, ())
@@ -149,7 +149,7 @@ def walk_with(points: list[float], sigma: Any, monkeypatch: pytest.MonkeyPatch) 
     def point(x: float) -> _Point:
         return _Point(np.array([x, x, x]), np.ones(3) / np.sqrt(3), 1.0, float(sigma(x)))
 
-    monkeypatch.setattr(walk, "stepped", lambda here, step: point(here.y[0] + step))
+    monkeypatch.setattr(walk, "step_along", lambda here, step: point(here.y[0] + step))
     walk.points = [point(x) for x in points]
     return walk
 
@@ -159,7 +159,7 @@ def test_a_change_of_sign_without_a_zero_is_a_jump(
     least: float, crosses: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     walk = walk_with([0.0], lambda x: (x - 0.01) + np.copysign(least, x - 0.01), monkeypatch)
-    found = walk.crossed(walk.points[0], 0.02)
+    found = walk.find_crossing(walk.points[0], 0.02)
     assert (found is not None) == crosses
     assert found is None or found.w == pytest.approx(0.01, abs=1e-6)
 
@@ -169,7 +169,7 @@ def test_a_singularity_is_touched_where_sigma_is_zero_at_its_least(
     least: float, touches: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     walk = walk_with([0.0, 0.011, 0.02], lambda x: (x - 0.01) ** 2 + least, monkeypatch)
-    found = walk.touched()
+    found = walk.find_touch()
     assert (found is not None) == touches
     assert found is None or found.y[0] == pytest.approx(0.01, abs=1e-4)
 
@@ -183,14 +183,14 @@ def test_a_point_of_a_self_motion_is_not_taken(sigma: float, w: float, slope: fl
     walk = _CurveWalk(Plane(lambda x, w: x - w, 1.0))
     way = np.ones(3) / np.sqrt(3)
     walk.points = [_Point(np.zeros(3), way, 1.0, 1e-3)]
-    assert walk.doubtful(_Point(np.array([w, w, w]), way, slope, sigma)) == doubtful
+    assert walk.is_doubtful(_Point(np.array([w, w, w]), way, slope, sigma)) == doubtful
 
 
 def test_a_step_around_a_corner_is_too_long() -> None:
     """An ellipse of half axes 0.01 and 0.014."""
     move = Plane(lambda x, w: x**2 + (w - 0.01) ** 2 - 1e-4, 1.0)
     walk = _CurveWalk(move)
-    here = walk.begun(np.array([-0.01, 0.01, 0.01]), np.array([0.0, 1.0, 1.0]) / np.sqrt(2))
+    here = walk.first_point(np.array([-0.01, 0.01, 0.01]), np.array([0.0, 1.0, 1.0]) / np.sqrt(2))
     assert here is not None
-    assert walk.stepped(here, 4e-3) is None
-    assert walk.stepped(here, 1e-4) is not None
+    assert walk.step_along(here, 4e-3) is None
+    assert walk.step_along(here, 1e-4) is not None

@@ -248,7 +248,7 @@ class _Progress:
         self.places.append(np.zeros(1))
         self.seen = self.place, self.now
 
-    def ahead(self, last: float) -> float:
+    def next_place(self, last: float) -> float:
         """Where the next step ends: at a pose where it can, so that no share of a way is left over."""
         ahead = min(self.place + self.length, last)
         if ahead >= int(self.place) + 1:
@@ -295,95 +295,95 @@ class _Walk:
         found, arrived = self.aim.solve(self.poses[:1], start[None])
         if not arrived[0]:
             return Followed(start[None][:0], np.zeros(0), False, 1.0, start, "start", 0)
-        joint = self._beyond(found)
+        joint = self._joint_beyond_limit(found)
         if joint >= 0:
             return Followed(start[None][:0], np.zeros(0), False, 1.0, start, "limit", joint + 1)
         now, last = found[0], len(self.poses) - 1.0
         if self.through and last > 0.0 and self._singular(now):
-            now = self._snapped(now)
-        made = _Progress(now, self._side(now))
-        while made.place < last:
-            self._look_at_work(made)
-            if made.spent or not self._advanced(made, last):
+            now = self._turn_start(now)
+        progress = _Progress(now, self._side(now))
+        while progress.place < last:
+            self._look_at_work(progress)
+            if progress.spent or not self._take_step(progress, last):
                 break
-            made.tries += 1
-        return self._confirmed(self._as_followed(made, last))
+            progress.tries += 1
+        return self._cut_at_miss(self._as_followed(progress, last))
 
-    def _look_at_work(self, made: _Progress) -> None:
+    def _look_at_work(self, progress: _Progress) -> None:
         """Note whether the work of one path is used up, or the branch creeps."""
-        if made.tries > 0 and made.tries % _STALLED == 0:
-            made.creeps = self._creeps(made)
-            made.seen = made.place, made.now
+        if progress.tries > 0 and progress.tries % _STALLED == 0:
+            progress.creeps = self._creeps(progress)
+            progress.seen = progress.place, progress.now
         most = _TRIES[0] + _TRIES[1] * len(self.poses)
-        made.spent = made.creeps or made.tries > most or made.size > _ROWS
+        progress.spent = progress.creeps or progress.tries > most or progress.size > _ROWS
 
-    def _creeps(self, made: _Progress) -> bool:
+    def _creeps(self, progress: _Progress) -> bool:
         """Whether the branch is where it was `_STALLED` tries before, and no nearer to a singularity, nor farther.
 
         Where it passes by a singularity, σ_r falls and rises by orders of magnitude while the joints hardly move, and
         between that they turn far, within fewer tries.
         """
-        place, q = made.seen
-        moved = float(np.linalg.norm((made.now - q) / self.aim.joints))
-        if made.place - place >= _ADVANCED or moved >= _STAYED:
+        place, q = progress.seen
+        moved = float(np.linalg.norm((progress.now - q) / self.aim.joints))
+        if progress.place - place >= _ADVANCED or moved >= _STAYED:
             return False
-        sigma = singular_values(self.aim.robot, np.stack([q, made.now]), self.aim.task)[:, self.aim.rank - 1]
+        sigma = singular_values(self.aim.robot, np.stack([q, progress.now]), self.aim.task)[:, self.aim.rank - 1]
         return bool(sigma.max() <= _NO_NEARER * sigma.min())
 
-    def _advanced(self, made: _Progress, last: float) -> bool:
+    def _take_step(self, progress: _Progress, last: float) -> bool:
         """Take one step or halve it, and return True; at the end of the branch, note why and return False."""
         step = None
         self.growth = _GROWING
-        if made.side != 0.0 or not self._singular(made.now):
-            ahead = made.ahead(last)
-            step = self._try(made.now, made.place, ahead, made.side)
-            made.joint = self._stopping_joint(step)
-            if (step is None or made.joint >= 0) and made.length >= _SHORTEST:
-                made.length = (ahead - made.place) / 2
+        if progress.side != 0.0 or not self._singular(progress.now):
+            ahead = progress.next_place(last)
+            step = self._try_step(progress.now, progress.place, ahead, progress.side)
+            progress.joint = self._stopping_joint(step)
+            if (step is None or progress.joint >= 0) and progress.length >= _SHORTEST:
+                progress.length = (ahead - progress.place) / 2
                 return True
         heading = None
         if step is None:
-            step, heading = self._onward(made)
-            made.joint = self._stopping_joint(step)
-        if step is None or made.joint >= 0:
+            step, heading = self._step_from_singularity(progress)
+            progress.joint = self._stopping_joint(step)
+        if step is None or progress.joint >= 0:
             return False
-        if self.passed and self.passed[-1].place == made.place + 1.0 and not self.passed[-1].rest:
-            made.rows, made.places, step = self._spanned(made.rows, made.places, step)
-        made.keep(*step, between=self.tolerance is not None, growth=self.growth)
-        made.heading = heading
-        if made.folds:
+        if self.passed and self.passed[-1].place == progress.place + 1.0 and not self.passed[-1].rest:
+            progress.rows, progress.places, step = self._step_over_singularity(progress.rows, progress.places, step)
+        progress.keep(*step, between=self.tolerance is not None, growth=self.growth)
+        progress.heading = heading
+        if progress.folds:
             return False
         if self.through:
-            made.side = self._side(made.now)
+            progress.side = self._side(progress.now)
         return True
 
     def _stopping_joint(self, step: tuple[Array, Array] | None) -> int:
         """First joint beyond its limit in a step; −1 for none, or without a step."""
         if step is None:
             return -1
-        return self._beyond(step[1])
+        return self._joint_beyond_limit(step[1])
 
-    def _as_followed(self, made: _Progress, last: float) -> Followed:
+    def _as_followed(self, progress: _Progress, last: float) -> Followed:
         """What was followed, and why it ended."""
-        q, place = np.concatenate(made.rows), np.concatenate(made.places) + 1.0
+        q, place = np.concatenate(progress.rows), np.concatenate(progress.places) + 1.0
         reason, sigma = "", np.inf
-        if made.place < last:
-            sigma = float(singular_values(self.aim.robot, made.now, self.aim.task)[self.aim.rank - 1])
-            reason = self._reason(made, sigma)
-        return Followed(q, place, not reason, made.place + 1.0, made.now, reason, made.joint + 1, sigma,
-                        passed=tuple(self.passed), folds=made.folds, turn=made.turn)  # fmt: skip
+        if progress.place < last:
+            sigma = float(singular_values(self.aim.robot, progress.now, self.aim.task)[self.aim.rank - 1])
+            reason = self._reason(progress, sigma)
+        return Followed(q, place, not reason, progress.place + 1.0, progress.now, reason, progress.joint + 1, sigma,
+                        passed=tuple(self.passed), folds=progress.folds, turn=progress.turn)  # fmt: skip
 
-    def _reason(self, made: _Progress, sigma: float) -> str:
+    def _reason(self, progress: _Progress, sigma: float) -> str:
         """Why a branch ended before the last pose."""
-        if made.turn is not None:
+        if progress.turn is not None:
             return "turn"
-        if made.joint >= 0:
+        if progress.joint >= 0:
             return "limit"
-        if made.folds or sigma <= (_SINGULAR if self.decides else _SMALL):
+        if progress.folds or sigma <= (_SINGULAR if self.decides else _SMALL):
             return "singular"
-        if made.creeps and sigma <= _CREPT_TO:
+        if progress.creeps and sigma <= _CREPT_TO:
             return "singular"
-        if made.spent:
+        if progress.spent:
             return "budget"
         return "stuck"
 
@@ -402,16 +402,16 @@ class _Walk:
             return 0.0
         return self.aim.side(q)
 
-    def _still(self, q: Array, poses: Array) -> Mask:
+    def _holds_poses(self, q: Array, poses: Array) -> Mask:
         """(N,) whether a configuration has the poses (N, 4, 4), to rounding."""
         rows = np.tile(q, (len(poses), 1))
         return np.asarray(np.linalg.norm(self.aim.error(poses, rows), axis=1) <= _SAME)
 
-    def _snapped(self, q: Array) -> Array:
+    def _turn_start(self, q: Array) -> Array:
         """A start at a singularity, brought to the nearest configuration of its self-motion from which the path goes on
         if that is very near.
         """
-        moved = np.flatnonzero(~self._still(q, self.poses[1:]))
+        moved = np.flatnonzero(~self._holds_poses(q, self.poses[1:]))
         if not len(moved):
             return q
         begins = float(moved[0])
@@ -423,124 +423,126 @@ class _Walk:
             return end
         return q
 
-    def _onward(self, made: _Progress) -> tuple[tuple[Array, Array] | None, Array | None]:
+    def _step_from_singularity(self, progress: _Progress) -> tuple[tuple[Array, Array] | None, Array | None]:
         """From a configuration at or next to a singularity: a step ahead, and the direction of the solution curve at
         its end, where it was followed. Without a step, note whether the branch folds back, and the turn that it needs.
         """
-        now, place = made.now, made.place
+        now, place = progress.now, progress.place
         following = int(place) + 1
-        if self._still(now, self.poses[following : following + 1])[0]:
+        if self._holds_poses(now, self.poses[following : following + 1])[0]:
             return (np.array([float(following)]), now[None]), None
         sigma = singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1]
         if not self.decides or sigma > _SMALL:
             return None, None
-        if self.aim.square and (sigma > _SINGULAR or made.heading is not None):
+        if self.aim.square and (sigma > _SINGULAR or progress.heading is not None):
             move = Move(self.aim, self.poses, place)
             move.seen_from(now)
-            part = follow_curve(move, now, made.heading)
+            part = follow_curve(move, now, progress.heading)
             if part is not None:
-                return self._along_curve(made, move, part)
+                return self._step_along_curve(progress, move, part)
             if sigma > _SINGULAR:
                 return None, None
-        return self._departed(made, sigma), None
+        return self._step_by_geometry(progress, sigma), None
 
-    def _departed(self, made: _Progress, sigma: float) -> tuple[Array, Array] | None:
-        """As `_onward`, by the local geometry of a singular configuration."""
-        now, place = made.now, made.place
+    def _step_by_geometry(self, progress: _Progress, sigma: float) -> tuple[Array, Array] | None:
+        """As `_step_from_singularity`, by the local geometry of a singular configuration."""
+        now, place = progress.now, progress.place
         found, folds = departures(self.aim, self.poses, place, now)
-        found = self._straight_on(made, found)
+        found = self._sort_by_turn(progress, found)
         for departure in found:
-            step = self._leap(now, place, departure)
-            if step is not None and (self._beyond(step[1]) < 0 or departure is found[-1]):
+            step = self._step_to_departure(now, place, departure)
+            if step is not None and (self._joint_beyond_limit(step[1]) < 0 or departure is found[-1]):
                 self.passed.append(Passed(place + 1.0, departure.rest))
                 return step
-        made.folds = folds and not found
+        progress.folds = folds and not found
         if found or folds or sigma > _SINGULAR:
             return None
         end = internal_turn(self.aim, self.poses, place, now, limits=self.limits)
         if end is not None:
-            made.turn = Turn(place + 1.0, now, end)
+            progress.turn = Turn(place + 1.0, now, end)
         return None
 
-    def _along_curve(
-        self, made: _Progress, move: Move, part: CurvePart
+    def _step_along_curve(
+        self, progress: _Progress, move: Move, part: CurvePart
     ) -> tuple[tuple[Array, Array] | None, Array | None]:
-        """As `_onward`, for a part of the solution curve that was followed from `made.now`."""
+        """As `_step_from_singularity`, for a part of the solution curve that was followed from `progress.now`."""
         at, q = np.array([move.place_at(w) for w in part.w]), part.q
-        made.folds = part.folds
+        progress.folds = part.folds
         if not len(at):
             return None, None
-        count = self._within(q)
+        count = self._count_within_limits(q)
         if count < len(q):
-            at, q, made.folds = at[:count], q[:count], False
+            at, q, progress.folds = at[:count], q[:count], False
         crossings = [crossing for crossing in part.crossings if move.place_at(crossing.w) <= at[-1]]
-        at, q = np.append(made.place, at), np.vstack([made.now, q])
-        step = self._joined(at, q)
+        at, q = np.append(progress.place, at), np.vstack([progress.now, q])
+        step = self._join_rows(at, q)
         if step is None:  # a fold stands even where its last rows are too near to each other
             return None, None
         for crossing in crossings:
             if not crossing.rest:
-                step = self._without_crossing(made, at, q, crossing.q) or step
+                step = self._step_over_crossing(progress, at, q, crossing.q) or step
             self.passed.append(Passed(move.place_at(crossing.w) + 1.0, crossing.rest))
         if at[-1] == move.k + 1.0:
             return step, None
         return step, part.heading
 
-    def _within(self, q: Array) -> int:
+    def _count_within_limits(self, q: Array) -> int:
         """How many of the first rows (K, n) keep the joint limits; 1 at least, so that the joint is known."""
         for k in range(len(q)):
-            if self._beyond(q[k : k + 1]) >= 0:
+            if self._joint_beyond_limit(q[k : k + 1]) >= 0:
                 return max(1, k)
         return len(q)
 
-    def _joined(self, at: Array, q: Array) -> tuple[Array, Array] | None:
+    def _join_rows(self, at: Array, q: Array) -> tuple[Array, Array] | None:
         """Places after the first one, and configurations, from those (K,) and (K, n) of a solution curve."""
         pieces = []
         for k in range(len(at) - 1):
             off = float(np.linalg.norm((q[k + 1] - q[k]) / self.aim.joints))
-            piece = self._filled(at[k : k + 2], q[k : k + 2], off)
+            piece = self._fill_step(at[k : k + 2], q[k : k + 2], off)
             if piece is None:
                 return None
             pieces.append(piece)
         return np.concatenate([piece[0] for piece in pieces]), np.concatenate([piece[1] for piece in pieces])
 
-    def _without_crossing(self, made: _Progress, at: Array, q: Array, crossing: Array) -> tuple[Array, Array] | None:
-        """As `_joined`, without rows so near to a crossing that their rates are ill-conditioned, those before the first
-        one too; None where no row leads over it.
+    def _step_over_crossing(
+        self, progress: _Progress, at: Array, q: Array, crossing: Array
+    ) -> tuple[Array, Array] | None:
+        """As `_join_rows`, without rows so near to a crossing that their rates are ill-conditioned, those before the
+        first one too; None where no row leads over it.
         """
         near = np.linalg.norm((q - crossing) / self.aim.joints, axis=1) < _CLEAR
         near[-1] = False
         if not near[0]:
-            return self._joined(at[~near], q[~near])
-        rows, places = np.concatenate(made.rows), np.concatenate(made.places)
+            return self._join_rows(at[~near], q[~near])
+        rows, places = np.concatenate(progress.rows), np.concatenate(progress.places)
         far = np.flatnonzero(np.linalg.norm((rows - crossing) / self.aim.joints, axis=1) >= _CLEAR)
         base = int(far.max(initial=0))
-        if int(places[base]) != int(made.place):
+        if int(places[base]) != int(progress.place):
             return None
-        over = self._joined(np.append(places[base], at[~near]), np.vstack([rows[base], q[~near]]))
+        over = self._join_rows(np.append(places[base], at[~near]), np.vstack([rows[base], q[~near]]))
         if over is not None:
-            made.rows, made.places = [rows[: base + 1]], [places[: base + 1]]
+            progress.rows, progress.places = [rows[: base + 1]], [places[: base + 1]]
         return over
 
-    def _straight_on(self, made: _Progress, found: list[Departure]) -> list[Departure]:
+    def _sort_by_turn(self, progress: _Progress, found: list[Departure]) -> list[Departure]:
         """Departures, those first that go on in the direction in which the joints arrive.
 
         Where two solution curves cross at a singularity, a change from one to the other is a corner of the joint path
         within a straight move: the arm has to rest there.
         """
-        arriving = made.direction(self.aim.joints)
+        arriving = progress.direction(self.aim.joints)
         if arriving is None or not found or found[0].rest:
             return found
         turned: list[tuple[float, Departure]] = []
         for departure in found:
-            leaving = (departure.q - made.now) / self.aim.joints
+            leaving = (departure.q - progress.now) / self.aim.joints
             cosine = float(arriving @ leaving) / float(np.linalg.norm(leaving))
-            corner = cosine < _STRAIGHT and made.place > int(made.place)
+            corner = cosine < _STRAIGHT and progress.place > int(progress.place)
             turned.append((cosine, replace(departure, rest=corner)))
         turned.sort(key=lambda pair: -pair[0])
         return [departure for _, departure in turned]
 
-    def _spanned(
+    def _step_over_singularity(
         self, rows: list[Array], places: list[Array], step: tuple[Array, Array]
     ) -> tuple[list[Array], list[Array], tuple[Array, Array]]:
         """Rows and places, and a step over a singularity.
@@ -555,18 +557,18 @@ class _Walk:
             base = 0
         if base == len(q) - 1 or int(at[base]) != int(at[-1]):
             return rows, places, step
-        over = self._filled(np.array([at[base], ahead[-1]]), np.stack([q[base], ends[-1]]), _LONGEST)
-        if over is None or self._beyond(over[1]) >= 0:
+        over = self._fill_step(np.array([at[base], ahead[-1]]), np.stack([q[base], ends[-1]]), _LONGEST)
+        if over is None or self._joint_beyond_limit(over[1]) >= 0:
             return rows, places, step
         return [q[: base + 1]], [at[: base + 1]], over
 
-    def _leap(self, now: Array, place: float, to: Departure) -> tuple[Array, Array] | None:
+    def _step_to_departure(self, now: Array, place: float, to: Departure) -> tuple[Array, Array] | None:
         """Places and configurations from a singular configuration to a departure."""
         at = np.append(np.arange(int(place) + 1.0, np.ceil(to.place - 1e-12)), to.place)
         off = float(np.linalg.norm((to.q - now) / self.aim.joints))
-        return self._filled(np.append(place, at), np.stack([now, to.q]), off)
+        return self._fill_step(np.append(place, at), np.stack([now, to.q]), off)
 
-    def _confirmed(self, found: Followed) -> Followed:
+    def _cut_at_miss(self, found: Followed) -> Followed:
         """The rows up to the first one whose forward kinematics misses its pose; else all of them."""
         good = self.aim.confirmed(poses_at(self.poses, found.place - 1.0), found.q)
         if good.all():
@@ -576,7 +578,7 @@ class _Walk:
         q = found.q[:count]
         return Followed(q, found.place[:count], False, reached, q[-1] if count else found.last, "stuck")
 
-    def _try(self, now: Array, place: float, ahead: float, side: float) -> tuple[Array, Array] | None:
+    def _try_step(self, now: Array, place: float, ahead: float, side: float) -> tuple[Array, Array] | None:
         """Places (K,) after `place`, `ahead` the last, and configurations (K, n) there; None: too long a step."""
         target = poses_at(self.poses, np.array([ahead]))
         error = self.aim.error(target, now[None])
@@ -593,13 +595,13 @@ class _Walk:
         end = found[0]
         added = float(np.linalg.norm((end - guess) / self.aim.joints))
         bent = _BENT * first + _ROUNDING
-        if added > bent or self._changed(end, side, touch=ahead == int(ahead) and first <= _TOUCH):
+        if added > bent or self._changes_side(end, side, touch=ahead == int(ahead) and first <= _TOUCH):
             return None
         at = np.append(np.arange(int(place) + 1.0, np.ceil(ahead - 1e-12)), ahead)
         self.growth = min(_GROWING, _KEPT * _LONGEST / max(first, 1e-12), _KEPT * bent / max(added, 1e-12))
-        return self._filled(np.append(place, at), np.stack([now, end]), bent, ahead_of_now - end)
+        return self._fill_step(np.append(place, at), np.stack([now, end]), bent, ahead_of_now - end)
 
-    def _changed(self, end: Array, side: float, *, touch: bool) -> bool:
+    def _changes_side(self, end: Array, side: float, *, touch: bool) -> bool:
         """The determinant changed its sign; with `touch` zero is no change for a branch that may go on from there."""
         if not self.aim.square:
             return False
@@ -607,7 +609,7 @@ class _Walk:
             return not touch
         return self.aim.side(end) != side
 
-    def _filled(
+    def _fill_step(
         self, at: Array, ends: Array, off: float, bend: Array | None = None
     ) -> tuple[Array, Array] | None:
         """Places and configurations of one step, solved from guesses between its ends, none farther than `off` from
@@ -656,7 +658,7 @@ class _Walk:
         null = v[0][:, self.aim.rank :]
         return np.asarray(length * joints * (null @ (null.T @ (self.pull(now) / joints))))
 
-    def _beyond(self, q: Array) -> int:
+    def _joint_beyond_limit(self, q: Array) -> int:
         """First joint beyond its limit in any row; −1 for none, or where limits do not count."""
         low, high = self.aim.robot.lower - 1e-9, self.aim.robot.upper + 1e-9
         out = np.argwhere(self.limits & ((q < low) | (q > high)))

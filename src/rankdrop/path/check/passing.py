@@ -115,7 +115,7 @@ class Move:
         """(1, 4, 4) pose a way w on; the move is continued beyond its ends."""
         return between(self.start, self.end, np.array([self.place - self.k + w / self.size]))
 
-    def solved(self, w: float, guess: Array) -> Array | None:
+    def solution_near(self, w: float, guess: Array) -> Array | None:
         """(n,) the solution next to a guess, a way w on."""
         found, arrived = self.aim.solve(self.target(w), guess[None])
         if arrived[0]:
@@ -150,7 +150,7 @@ class Move:
         return None
 
 
-def _local(aim: Aim, q: Array) -> tuple[Array, Array, Array]:
+def _local_geometry(aim: Aim, q: Array) -> tuple[Array, Array, Array]:
     """u (m,), σ (r,) and N (n, n − r + 1) at q, for corank 1; r the generic rank."""
     u, sigma, vt = np.linalg.svd(aim.jacobian(q[None])[0])
     r = aim.rank
@@ -174,35 +174,35 @@ def departures(aim: Aim, poses: Array, place: float, q: Array) -> tuple[list[Dep
     xi = move.seen_from(q)
     if move.size <= _STILL:
         return [], False
-    _, sigma, kernel = _local(aim, q)
+    _, sigma, kernel = _local_geometry(aim, q)
     if len(sigma) > 1 and sigma[-2] < _SECOND:
         return [], False
     room = move.room
-    found = _crossing(move, q, xi, room) or list(_smooth(move, q, xi, kernel, room))
+    found = _crossing_departures(move, q, xi, room) or list(_smooth_departures(move, q, xi, kernel, room))
     if found:
         return found, False
-    return _from_rest(move, q, kernel, room)
+    return _departures_from_rest(move, q, kernel, room)
 
 
-def _crossing(move: Move, q: Array, xi: Array, room: float) -> list[Departure]:
+def _crossing_departures(move: Move, q: Array, xi: Array, room: float) -> list[Departure]:
     """Curves that cross where the move has no share along the direction that is lost, flattest first.
 
     The kernel of (J, −ξ) is a plane of (x, w) there. On solution curves uᵀe vanishes to second order, which is a
     quadratic form on that plane: its zeros are the directions of the curves, that of a self-motion (w = 0) among them.
     """
     aim = move.aim
-    u, _, kernel = _local(aim, q)
+    u, _, kernel = _local_geometry(aim, q)
     if kernel.shape[1] != 1 or abs(float(u @ xi)) > _NOT_NEEDED:
         return []
     y = np.append(q / aim.joints, 0.0)
     plane = np.linalg.svd(move.slopes(y))[2][-2:]
     ways = [way for way in _zeros(_second_order(move, y, u, plane), plane) if way[-1] > _FLAT]
     ways.sort(key=lambda way: -float(way[-1]))
-    found = [_end_along(move, y, way, room) for way in ways]
+    found = [_departure_along(move, y, way, room) for way in ways]
     return [departure for departure in found if departure is not None]
 
 
-def _end_along(move: Move, y: Array, way: Array, room: float) -> Departure | None:
+def _departure_along(move: Move, y: Array, way: Array, room: float) -> Departure | None:
     """A smooth departure from y = (x, w) along a unit vector."""
     for step in _STEPS:
         guess = y + step * way
@@ -241,7 +241,7 @@ def _zeros(form: Array, plane: Array) -> list[Array]:
     return found
 
 
-def _smooth(move: Move, q: Array, xi: Array, kernel: Array, room: float) -> Iterator[Departure]:
+def _smooth_departures(move: Move, q: Array, xi: Array, kernel: Array, room: float) -> Iterator[Departure]:
     """Δq proportional to Δw."""
     aim = move.aim
     ahead = aim.step(q[None], xi[None])[0] / aim.joints
@@ -254,13 +254,13 @@ def _smooth(move: Move, q: Array, xi: Array, kernel: Array, room: float) -> Iter
         for share in _SPREAD:
             for direction in kernel.T if share else kernel.T[:1]:
                 guess = q + (w * ahead + share * step * direction) * aim.joints
-                end = move.solved(w, guess)
+                end = move.solution_near(w, guess)
                 if end is None:
                     continue
                 gone = (end - q) / aim.joints
                 if np.linalg.norm(gone) > _FAR * step:
                     continue
-                half = move.solved(w / 2, q + gone / 2 * aim.joints)
+                half = move.solution_near(w / 2, q + gone / 2 * aim.joints)
                 if half is None:
                     continue
                 bend = np.linalg.norm(gone - 2 * (half - q) / aim.joints)
@@ -274,7 +274,7 @@ def _smooth(move: Move, q: Array, xi: Array, kernel: Array, room: float) -> Iter
             return
 
 
-def _from_rest(move: Move, q: Array, kernel: Array, room: float) -> tuple[list[Departure], bool]:
+def _departures_from_rest(move: Move, q: Array, kernel: Array, room: float) -> tuple[list[Departure], bool]:
     """Δq along the kernel first."""
     count = kernel.shape[1]
     ways = [np.eye(count)[i] for i in range(count)]
@@ -305,8 +305,8 @@ class _Lead(Enum):
 def _lead(move: Move, q: Array, kernel: Array, way: Array, room: float) -> tuple[_Lead, float, Array | None]:
     """Where a way along the kernel leads; ahead: w at the end of a step, and the configuration there."""
     for step in _STEPS:
-        half = _along(move, q, kernel, 0.5 * step * way)
-        whole = _along(move, q, kernel, 1.0 * step * way)
+        half = _point_along_kernel(move, q, kernel, 0.5 * step * way)
+        whole = _point_along_kernel(move, q, kernel, 1.0 * step * way)
         if half is None or whole is None:
             continue
         at_half, (end, at_end) = half[1], whole
@@ -319,7 +319,7 @@ def _lead(move: Move, q: Array, kernel: Array, way: Array, room: float) -> tuple
     return _Lead.UNKNOWN, 0.0, None
 
 
-def _along(move: Move, q: Array, kernel: Array, offset: Array) -> tuple[Array, float] | None:
+def _point_along_kernel(move: Move, q: Array, kernel: Array, offset: Array) -> tuple[Array, float] | None:
     """Configuration on the path whose kernel part is `offset` (k,), and w there; None where Newton fails."""
     aim = move.aim
     x0 = q / aim.joints
@@ -330,7 +330,7 @@ def _along(move: Move, q: Array, kernel: Array, offset: Array) -> tuple[Array, f
     x, w = y[:-1], float(y[-1])
     if np.linalg.norm(x - x0 - kernel @ offset) > _BENT * np.linalg.norm(offset):
         return None
-    end = move.solved(w, x * aim.joints)
+    end = move.solution_near(w, x * aim.joints)
     if end is None or np.linalg.norm(end / aim.joints - x) > 1e-6:
         return None
     return end, w
@@ -347,7 +347,7 @@ def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: boo
         (n,), or None where the tool does not stand still along any curve through q, or no such point of it was found.
     """
     move = Move(aim, poses, place)
-    if _local(aim, q)[2].shape[1] != 1:
+    if _local_geometry(aim, q)[2].shape[1] != 1:
         return None
     turns = [_first_turn(move, q, sign, limits=limits) for sign in (1.0, -1.0)]
     for _, end in sorted((turn for turn in turns if turn is not None), key=itemgetter(0)):
@@ -366,36 +366,36 @@ def _first_turn(move: Move, q: Array, sign: float, *, limits: bool) -> tuple[flo
         How far it is along the curve, and the configuration (n,); None where there is none.
     """
     aim = move.aim
-    u, _, kernel = _local(aim, q)
+    u, _, kernel = _local_geometry(aim, q)
     heading = sign * kernel[:, 0]
     lost = float(u @ move.seen_from(q))
     now, length, step = q, 0.0, _ALONG
     for _ in range(_POINTS):
-        new = _next(move, now, heading, step)
-        if new is None or not _kept_way(aim, new, u):
+        new = _next_of_self_motion(move, now, heading, step)
+        if new is None or not _keeps_lost_direction(aim, new, u):
             step /= 2
             if step < _SHORTEST:
                 return None
             continue
-        other = _same_way(_local(aim, new)[0], u)
-        if limits and not _inside(aim, new):
+        other = _same_way(_local_geometry(aim, new)[0], u)
+        if limits and not _inside_limits(aim, new):
             return None
         gone = (new - now) / aim.joints
         length += float(np.linalg.norm(gone))
         heading = gone / np.linalg.norm(gone)
         after = float(other @ move.seen_from(new))
         if lost * after <= 0.0 and abs(lost - after) > 1e-9:
-            return length, _zero(move, now, new, u, lost, after)
+            return length, _zero_between(move, now, new, u, lost, after)
         now, u, lost = new, other, after
         step = min(2.0 * step, _ALONG)
-        if length > 4 * _ALONG and _apart(aim, now, q) < 0.6 * _ALONG:
+        if length > 4 * _ALONG and _joint_distance(aim, now, q) < 0.6 * _ALONG:
             return None
     return None
 
 
-def _kept_way(aim: Aim, q: Array, u: Array) -> bool:
+def _keeps_lost_direction(aim: Aim, q: Array, u: Array) -> bool:
     """Whether the direction lost at a configuration is near enough to ±u to know its sign."""
-    return float(abs(_local(aim, q)[0] @ u)) >= _KEPT
+    return float(abs(_local_geometry(aim, q)[0] @ u)) >= _KEPT
 
 
 def _same_way(direction: Array, other: Array) -> Array:
@@ -405,36 +405,36 @@ def _same_way(direction: Array, other: Array) -> Array:
     return -direction
 
 
-def _apart(aim: Aim, q: Array, other: Array) -> float:
+def _joint_distance(aim: Aim, q: Array, other: Array) -> float:
     """How far two configurations are apart, whole turns aside."""
     apart = np.abs(np.remainder(q - other + np.pi, 2 * np.pi) - np.pi)
     return float(np.linalg.norm(apart / aim.joints))
 
 
-def _next(move: Move, now: Array, heading: Array, step: float) -> Array | None:
+def _next_of_self_motion(move: Move, now: Array, heading: Array, step: float) -> Array | None:
     """The next configuration with the same pose."""
-    _, _, kernel = _local(move.aim, now)
+    _, _, kernel = _local_geometry(move.aim, now)
     along = kernel @ (kernel.T @ heading)
     size = float(np.linalg.norm(along))
     if size < 0.5:
         return None
     guess = now + step * along / size * move.aim.joints
-    new = move.solved(0.0, guess)
+    new = move.solution_near(0.0, guess)
     if new is None or np.linalg.norm((new - guess) / move.aim.joints) > step / 3:
         return None
     return new
 
 
-def _zero(move: Move, a: Array, b: Array, u: Array, at_a: float, at_b: float) -> Array:
+def _zero_between(move: Move, a: Array, b: Array, u: Array, at_a: float, at_b: float) -> Array:
     """The configuration between two of a self-motion at which u·ξ = 0, by regula falsi on the curve."""
     low, high = 0.0, 1.0
     best = a
     for _ in range(40):
         share = low + (high - low) * (0.5 if abs(at_a - at_b) < 1e-15 else at_a / (at_a - at_b))
         guess = a + share * (b - a)
-        new = move.solved(0.0, guess)
+        new = move.solution_near(0.0, guess)
         best = guess if new is None else new
-        value = float(_same_way(_local(move.aim, best)[0], u) @ move.seen_from(best))
+        value = float(_same_way(_local_geometry(move.aim, best)[0], u) @ move.seen_from(best))
         if abs(value) <= 1e-13 or high - low < 1e-14:
             break
         if value * at_a > 0.0:
@@ -444,5 +444,5 @@ def _zero(move: Move, a: Array, b: Array, u: Array, at_a: float, at_b: float) ->
     return best
 
 
-def _inside(aim: Aim, q: Array) -> bool:
+def _inside_limits(aim: Aim, q: Array) -> bool:
     return bool(((q >= aim.robot.lower - 1e-9) & (q <= aim.robot.upper + 1e-9)).all())

@@ -107,7 +107,7 @@ def follow_curve(move: Move, q: Array, heading: Array | None) -> CurvePart | Non
         The part with at least one point; None where it cannot be decided how the curve goes on.
     """
     walk = _CurveWalk(move)
-    start = walk.begun(np.append(q / move.aim.joints, 0.0), heading)
+    start = walk.first_point(np.append(q / move.aim.joints, 0.0), heading)
     if start is None:
         return None
     walk.points.append(start)
@@ -126,31 +126,31 @@ class _CurveWalk:
         for _ in range(_TRIES):
             if self.step < _SHORTEST:
                 return None
-            new = self.stepped(self.points[-1], self.step)
-            if new is None or self.doubtful(new):
+            new = self.step_along(self.points[-1], self.step)
+            if new is None or self.is_doubtful(new):
                 self.step /= 2
                 continue
             if new.slope <= 0.0:
-                return self.folded(new)
+                return self.part_to_fold(new)
             if new.y[-1] >= self.room:
-                return self.ended(new)
-            if not self.kept(new):
+                return self.part_to_end(new)
+            if not self.take_point(new):
                 self.step /= 2
             if self.length >= self.goal:
                 return self.part(folds=False)
         return None
 
-    def doubtful(self, new: _Point) -> bool:
+    def is_doubtful(self, new: _Point) -> bool:
         """A point on a self-motion, or one behind the last one though w grows."""
         if new.slope > 0.0 and new.y[-1] <= self.points[-1].y[-1]:
             return True
         return abs(new.sigma) <= _SELF_MOTION and bool(new.y[-1] < self.room)
 
-    def kept(self, new: _Point) -> bool:
+    def take_point(self, new: _Point) -> bool:
         """Go on to a point, and note a singularity on the way; False where the step jumps to another curve."""
         here = self.points[-1]
         if np.sign(new.sigma) != np.sign(here.sigma):
-            crossing = self.crossed(here, self.step)
+            crossing = self.find_crossing(here, self.step)
             if crossing is None:
                 return False
             self.crossings.append(crossing)
@@ -158,13 +158,13 @@ class _CurveWalk:
         self.length += self.step
         self.step = min(_GROWTH * self.step, _LONGEST)
         self.points.append(new)
-        touched = self.touched()
+        touched = self.find_touch()
         if touched is not None:
             self.points[-2] = touched
             self.crossings.append(Crossing(float(touched.y[-1]), touched.y[:-1] * self.aim.joints, True))
         return True
 
-    def begun(self, y: Array, heading: Array | None) -> _Point | None:
+    def first_point(self, y: Array, heading: Array | None) -> _Point | None:
         """The first point, with a way along the curve; None where that has no direction."""
         if heading is not None:
             return self._point(y, heading)
@@ -173,7 +173,7 @@ class _CurveWalk:
             return None
         return self._point(y, vt[-1] * np.sign(vt[-1, -1]))
 
-    def stepped(self, here: _Point, step: float) -> _Point | None:
+    def step_along(self, here: _Point, step: float) -> _Point | None:
         """The point a step on; None where the step is too long."""
         guess = here.y + step * here.way
         y = self.move.on_plane(guess, here.way)
@@ -195,13 +195,13 @@ class _CurveWalk:
         slope = float(tangent[-1]) * float(np.sign(tangent @ way))
         return _Point(y, way, slope, float(sigma[-1] * np.linalg.slogdet(jacobian)[0]))
 
-    def crossed(self, here: _Point, step: float) -> Crossing | None:
+    def find_crossing(self, here: _Point, step: float) -> Crossing | None:
         """The zero of det J within a step; None where it jumps across zero, from one curve to another."""
         low, high = 0.0, step
         best = here
         for _ in range(_HALVED):
             middle = (low + high) / 2
-            point = self.stepped(here, middle)
+            point = self.step_along(here, middle)
             if point is None:
                 break
             best = min(best, point, key=lambda point: abs(point.sigma))
@@ -213,7 +213,7 @@ class _CurveWalk:
             return None
         return Crossing(float(best.y[-1]), best.y[:-1] * self.aim.joints, False)
 
-    def touched(self) -> _Point | None:
+    def find_touch(self) -> _Point | None:
         """The point next to the last one but one at which σ_r is zero without a change of sign."""
         if len(self.points) < 3:
             return None
@@ -231,7 +231,7 @@ class _CurveWalk:
         low, high, best = 0.0, length, start
         for _ in range(_SECTIONS):
             left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-            nearer, farther = self.stepped(start, left), self.stepped(start, right)
+            nearer, farther = self.step_along(start, left), self.step_along(start, right)
             if nearer is None or farther is None:
                 high = right
                 continue
@@ -242,23 +242,23 @@ class _CurveWalk:
                 low = left
         return best
 
-    def folded(self, new: _Point) -> CurvePart | None:
+    def part_to_fold(self, new: _Point) -> CurvePart | None:
         """The part up to the largest w before a point; where that is the end of the move, the curve has reached it."""
         last = self.points[-1]
         top = self._best(last, float(np.linalg.norm(new.y - last.y)), lambda point: float(point.y[-1]))
         if top.y[-1] >= self.room - _AT_END:
-            return self.ended(top)
+            return self.part_to_end(top)
         if top is not last:
             self.points.append(top)
         return self.part(folds=True)
 
-    def ended(self, new: _Point) -> CurvePart | None:
+    def part_to_end(self, new: _Point) -> CurvePart | None:
         """The part up to the end of the move, next to a point."""
         here = self.points[-1]
         gone = new.y - here.y
         share = min(1.0, (self.room - here.y[-1]) / max(gone[-1], _TINY))
         guess = (here.y + share * gone)[:-1]
-        q = self.move.solved(self.room, guess * self.aim.joints)
+        q = self.move.solution_near(self.room, guess * self.aim.joints)
         most = max(_OFF * float(np.linalg.norm(gone)), _NEAR_END)
         if q is None or np.linalg.norm(q / self.aim.joints - guess) > most:
             return None
@@ -266,7 +266,7 @@ class _CurveWalk:
         if last is None:
             return None
         if np.sign(last.sigma) != np.sign(here.sigma) and abs(last.sigma) > _SINGULAR:
-            crossing = self.crossed(here, float(np.linalg.norm(last.y - here.y)))
+            crossing = self.find_crossing(here, float(np.linalg.norm(last.y - here.y)))
             if crossing is None:
                 return None
             self.crossings.append(crossing)

@@ -11,7 +11,7 @@ from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.path.check.follow import follow
-from rankdrop.path.check.tool_line import between
+from rankdrop.path.check.tool_line import poses_between
 from rankdrop.poses.inverse import Aim, rotation
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task
@@ -49,7 +49,7 @@ def test_rows_that_are_far_apart_are_reached_along_the_straight_line_between_the
     robot = open_robot("ur5")
     q = np.array([[0.0, -1.2, 1.2, 0.3, 0.9, 0.1], [0.6, -1.0, 1.5, 0.1, 1.3, 0.5]])
     found = follow(robot, pose(robot, q), q[0])
-    dense = follow(robot, between(*pose(robot, q), np.linspace(0, 1, 500)), q[0])
+    dense = follow(robot, poses_between(*pose(robot, q), np.linspace(0, 1, 500)), q[0])
     assert found.complete
     assert dense.complete
     np.testing.assert_allclose(found.q[-1], dense.q[-1], atol=1e-9)

@@ -22,7 +22,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from rankdrop.path.check.tool_line import between
+from rankdrop.path.check.tool_line import poses_between
 from rankdrop.poses.inverse import Aim
 from rankdrop.robot.model import Array
 
@@ -89,7 +89,7 @@ class Move:
         k = min(int(place + 1e-12), len(poses) - 2)
         self.aim, self.start, self.end, self.k, self.place = aim, poses[k], poses[k + 1], k, place
         at = place - k
-        self._ends = between(self.start, self.end, np.array([at - _DELTA, at + _DELTA]))
+        self._ends = poses_between(self.start, self.end, np.array([at - _DELTA, at + _DELTA]))
         self.size = 0.0
 
     def seen_from(self, q: Array) -> Array:
@@ -113,7 +113,7 @@ class Move:
 
     def target(self, w: float) -> Array:
         """(1, 4, 4) pose a way w on; the move is continued beyond its ends."""
-        return between(self.start, self.end, np.array([self.place - self.k + w / self.size]))
+        return poses_between(self.start, self.end, np.array([self.place - self.k + w / self.size]))
 
     def solution_near(self, w: float, guess: Array) -> Array | None:
         """(n,) the solution next to a guess, a way w on."""

@@ -177,7 +177,7 @@ class _Judge:
         if finished:  # a place next to each end, in what is free: a zero at an end has no certain sign on both sides
             width = places[-1] - places[0]
             wide = np.unique(np.clip([places[0] - width, *places, places[-1] + width], 0.0, size + 1.0))
-        samples = self._at(wide)
+        samples = self._configurations(wide)
         brackets = []
         for condition, function in self.functions.items():
             for low, high in self._brackets(wide, function(samples), function):
@@ -185,7 +185,7 @@ class _Judge:
                                            "condition" if condition else "determinant", condition))  # fmt: skip
         parts = self._distinct(brackets)
         if not finished:
-            return self._between(parts, places)
+            return self._crossings_seen(parts, places)
         if parts:
             return self._spread(parts)
         return [self._still(places)]
@@ -197,7 +197,7 @@ class _Judge:
         ends = [self.path.place(self.sliver[0]), *middles, self.path.place(self.sliver[1])]
         return [replace(part, start=ends[k], end=ends[k + 1]) for k, part in enumerate(parts)]
 
-    def _between(self, parts: list[Stretch], places: Array) -> list[Stretch]:
+    def _crossings_seen(self, parts: list[Stretch], places: Array) -> list[Stretch]:
         """The work ended early: crossings that were seen, and the parts between them, undecided."""
         cuts = [float(places[0])]
         for part in parts:
@@ -222,7 +222,7 @@ class _Judge:
         whole = np.clip(np.floor(places), 0, last - first).astype(np.int64)
         return first + whole, places - whole
 
-    def _at(self, places: Array) -> Array:
+    def _configurations(self, places: Array) -> Array:
         return self.path.at(*self._split(places))
 
     def _place(self, place: float) -> Place:
@@ -242,7 +242,7 @@ class _Judge:
             active, middle = active[apart], middle[apart]
             if not len(active):
                 break
-            found = function(self._at(middle))
+            found = function(self._configurations(middle))
             for side, target in ((found == left[active], low), (found == -left[active], high)):
                 target[active[side]] = middle[side]
             active = active[found != 0]  # at the zero itself, as far as rounding tells
@@ -251,7 +251,7 @@ class _Judge:
     def _part(
         self, verdict: Verdict, low: float, high: float, at: float, evidence: Evidence, condition: str = ""
     ) -> Stretch:
-        q = self._at(np.array([at]))[0]
+        q = self._configurations(np.array([at]))[0]
         sigma = singular_values(self.robot, q, self.task)
         rank = generic_rank(self.robot, self.task)
         if verdict == UNDECIDED:
@@ -276,7 +276,7 @@ class _Judge:
 
     def _still(self, places: Array) -> Stretch:
         """No change of sign: the point of least σ."""
-        q = self._at(places)
+        q = self._configurations(places)
         length = float(np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1).sum())
         limit, low, high = self.tolerances.singular, float(places[0]), float(places[-1])
         if length > _LYING and bool((_sigma(self.robot, self.task, q) <= limit).all()):
@@ -290,7 +290,7 @@ class _Judge:
         """The place of least σ, zoomed in around the least sample."""
         best, least = 0.0, np.inf
         for _ in range(13):
-            values = _sigma(self.robot, self.task, self._at(places))
+            values = _sigma(self.robot, self.task, self._configurations(places))
             k = int(values.argmin())
             if values[k] < least:
                 best, least = float(places[k]), float(values[k])
@@ -469,7 +469,7 @@ class Survey:
             start = end
 
     def _free(self, parts: list[tuple[Place, Place, int, int]]) -> Iterator[Stretch]:
-        best = self._zoomed(parts)
+        best = self._closest_places(parts)
         without = sorted((self.profile.sigma[part[3]], k) for k, part in enumerate(parts) if part[2] < 0)
         searched = {k for _, k in without[:_SPOTS]}
         if len(without) > _SPOTS:
@@ -483,13 +483,13 @@ class Survey:
                 distance = float(np.linalg.norm((foot - q) / self._scale))
                 number, name = self._near[family].id, self._near[family].name
             elif k in searched:
-                number, name, foot, distance = self._searched(q)
+                number, name, foot, distance = self._search_nearest(q)
             sigma = float(_sigma(self.robot, self.task, q))
             closest = Closest(place, q, distance, foot, sigma, self._shares(place, q, 0)[0])
             free = Stretch(start, end, (start, end), FREE, closest, "covered", family=number, name=name)
             yield replace(free, **self._speeds(free))
 
-    def _zoomed(self, parts: list[tuple[Place, Place, int, int]]) -> Array:
+    def _closest_places(self, parts: list[tuple[Place, Place, int, int]]) -> Array:
         """Positions of the closest approaches, from 0: grids around the nearest place, finer and finer."""
         at = self.profile.position - 1.0
         starts = np.array([start.position - 1.0 for start, _, _, _ in parts])
@@ -513,7 +513,7 @@ class Survey:
                 low[mine], high[mine] = grid[each, np.maximum(k - 1, 0)], grid[each, np.minimum(k + 1, _NEAR - 1)]
         return best
 
-    def _searched(self, q: Array) -> tuple[str, str, Array, float]:
+    def _search_nearest(self, q: Array) -> tuple[str, str, Array, float]:
         """Id, name, foot and distance of the nearest singular configuration that a search finds."""
         try:
             nearest = nearest_singularity(

@@ -9,7 +9,7 @@ from rankdrop.local.orientation import rotation_vector
 from rankdrop.robot.model import Array
 
 
-def between(start: Array, end: Array, share: Array) -> Array:
+def poses_between(start: Array, end: Array, share: Array) -> Array:
     """(N, 4, 4) poses at shares (N,) 0 … 1 from pose `start` to pose `end`, each (4, 4).
 
     The origin goes straight, the orientation turns about one axis at a constant rate, the shorter way round.
@@ -21,7 +21,8 @@ _HALF_TURN = 1e-4  # a turn so near to half a turn has two shortest ways [rad]: 
 
 
 def half_turns(poses: Array) -> tuple[int, ...]:
-    """Numbers of the poses (P, 4, 4), from 1, that are half a turn from the next one: `between` takes one of two ways.
+    """Numbers of the poses (P, 4, 4), from 1, that are half a turn from the next one: `poses_between` takes one of
+    two ways.
     """
     turns = rotation_vector(poses[1:, :3, :3] @ np.swapaxes(poses[:-1, :3, :3], -1, -2))
     return tuple((np.flatnonzero(np.linalg.norm(turns, axis=-1) >= np.pi - _HALF_TURN) + 1).tolist())

@@ -250,7 +250,7 @@ class Bumper:
                    if stretch.verdict == FREE and stretch.closest.distance < near
                    and stretch.closest.distance > 1e-6]  # fmt: skip
         found = [self._core(first, second, clearance) for first, second in lifted]
-        return _merged(found), [self._core(stretch, stretch, clearance) for stretch in single]
+        return _merge_cores(found), [self._core(stretch, stretch, clearance) for stretch in single]
 
     def _pairs(self, crossings: list[Stretch]) -> tuple[list[tuple[Stretch, Stretch]], list[Stretch]]:
         pairs, single = [], []
@@ -316,14 +316,14 @@ class Bumper:
             if height > self.bound:
                 too_high.append(height)
                 continue
-            off = self._off(q, self._lifted(q, height * way, null=null))
+            off = self._off(q, self._move_joints(q, height * way, null=null))
             alone = np.count_nonzero(way) == 1
             found.append((self._size(off), not alone, Bump(core, way, height, null, off=off)))
         if not found:
             return NoBump(core, Obstacle.HEIGHT, min(too_high, default=np.nan))
         least = min(size for size, _, _ in found)
         near = [candidate for candidate in found if candidate[0] <= _SIMPLER * least]
-        return self._ramped(min(near, key=lambda candidate: (candidate[1], candidate[0]))[2])
+        return self._add_ramps(min(near, key=lambda candidate: (candidate[1], candidate[0]))[2])
 
     def led(self, bump: Bump, clearance: float) -> Bump:
         """A bump with the tool brought back to its path, led aside along the lost direction by the
@@ -334,12 +334,12 @@ class Bumper:
             return bump
         crossing = self.at(np.array([bump.core.stretches[0].closest.place.position - 1.0]))[0]
         for motion in lost_motions(self.aim, self.tool.rank, crossing):
-            led = self._led_along(bump, motion, size, clearance)
+            led = self._lead_along(bump, motion, size, clearance)
             if led is not None and self._size(led.off) < size:
                 return led
         return bump
 
-    def _led_along(self, bump: Bump, motion: Array, most: float, clearance: float) -> Bump | None:
+    def _lead_along(self, bump: Bump, motion: Array, most: float, clearance: float) -> Bump | None:
         """A bump with the tool led aside along a tool motion (m,) of size 1, to either side, by the least that leaves
         room and keeps limits; None where that is not below `most`.
         """
@@ -355,7 +355,7 @@ class Bumper:
             if np.abs((q - before) / self.scale).max() > self.bound:
                 return False
             clear = bool((self.tool.room(q[inner]) >= clearance).all())
-            return clear and self._kept(led)
+            return clear and self._feasible(led)
 
         too_small, size = 0.0, _LEAST * ON_PATH
         while size < most:
@@ -363,7 +363,7 @@ class Bumper:
                 if not good(way, size):
                     continue
                 if size > ON_PATH:
-                    size = _bisected(partial(good, way), too_small, size)
+                    size = _bisect_least(partial(good, way), too_small, size)
                 led = replace(bump, twist=size * way)
                 return replace(led, off=self._window_off(led))
             too_small, size = size, _GROWING * size
@@ -401,7 +401,7 @@ class Bumper:
             if not core.crossed:  # either side will do
                 yield -direction, null_motion
 
-    def _lifted(self, q: Array, move: Array, *, null: bool) -> Array:
+    def _move_joints(self, q: Array, move: Array, *, null: bool) -> Array:
         """(N, n) configurations moved; nan where the tool cannot be brought back to its place."""
         moved = q + move
         if not null or self.aim is None:
@@ -409,7 +409,7 @@ class Bumper:
         solved, arrived = self.aim.solve(pose(self.robot, q), moved)
         return np.where(arrived[:, None], solved, np.nan)
 
-    def _brought(self, q: Array, move: Array, twist: Array) -> Array:
+    def _lead_tool(self, q: Array, move: Array, twist: Array) -> Array:
         """(N, n) configurations moved, the tool then brought to its place moved by twists (N, m); nan where it cannot
         be.
         """
@@ -423,7 +423,7 @@ class Bumper:
         """The least height at which all of a core is clear, on the side of its ends."""
 
         def clear(height: float) -> bool:
-            moved = self._lifted(q, height * way, null=null)
+            moved = self._move_joints(q, height * way, null=null)
             if not np.isfinite(moved).all() or (self.tool.limits and not self.tool.inside(moved).all()):
                 return False
             right = all((side(moved) == at[0]).all() for side, at in sides if (at != 0).all())
@@ -432,7 +432,7 @@ class Bumper:
         too_low = 0.0
         for height in np.geomspace(clearance / 4, _WIDENED * self.bound, _HEIGHTS).tolist():
             if clear(height):
-                return _bisected(clear, too_low, height)
+                return _bisect_least(clear, too_low, height)
             too_low = height
         return None
 
@@ -440,7 +440,7 @@ class Bumper:
         """How far the tool is moved at most [m], [rad]."""
         return tool_off(self.robot, q, moved)
 
-    def _ramped(self, bump: Bump) -> Bump | NoBump:
+    def _add_ramps(self, bump: Bump) -> Bump | NoBump:
         """With the shortest ramps that keep limits."""
         if self.path.times is not None:
             first = _RAMP
@@ -452,13 +452,13 @@ class Bumper:
             length = first * 2.0**k
             ramps = min(length, before), min(length, after)
             wide = replace(bump, ramps=ramps)
-            if self._kept(wide):
+            if self._feasible(wide):
                 return replace(wide, off=self._window_off(wide))
             if length >= max(before, after):
                 break
         return NoBump(bump.core, Obstacle.RATE)
 
-    def _kept(self, bump: Bump) -> bool:
+    def _feasible(self, bump: Bump) -> bool:
         """The tool is brought back wherever it has to be, and rates and accelerations are within their limits, or no
         larger than before.
         """
@@ -547,9 +547,9 @@ class Bumper:
         led = twist.any(axis=1)
         held = pull.any(axis=1) & ~led
         if held.any():
-            kept[held] = self._lifted(kept[held], pull[held], null=True)
+            kept[held] = self._move_joints(kept[held], pull[held], null=True)
         if led.any():
-            kept[led] = self._brought(kept[led], pull[led], twist[led])
+            kept[led] = self._lead_tool(kept[led], pull[led], twist[led])
         return kept
 
     def _shape(self, bump: Bump, time: Array) -> tuple[Array, Array, Array]:
@@ -640,7 +640,7 @@ def step(share: Array) -> tuple[Array, Array, Array]:
     return x**3 * (10 - 15 * x + 6 * x * x), 30 * x**2 * (1 - x) ** 2, 60 * x * (1 - x) * (1 - 2 * x)
 
 
-def _merged(cores: list[Core]) -> list[Core]:
+def _merge_cores(cores: list[Core]) -> list[Core]:
     """Cores that overlap as one."""
     out: list[Core] = []
     for core in sorted(cores, key=lambda core: core.low):
@@ -653,7 +653,7 @@ def _merged(cores: list[Core]) -> list[Core]:
     return out
 
 
-def _bisected(clear: Callable[[float], bool], too_low: float, enough: float) -> float:
+def _bisect_least(clear: Callable[[float], bool], too_low: float, enough: float) -> float:
     """A height that is enough, next to one that is too low."""
     for _ in range(_BISECTIONS):
         middle = (too_low + enough) / 2

@@ -315,7 +315,7 @@ def ranked(starts: Iterable[Start], count: int, report: Progress) -> Ranking:
             ended["start"] += 1
             continue
         look = tool.coarse()
-        run, start = _turned(look, start, pull, look.followed(start, pull))
+        run, start = _begin_turn_away(look, start, pull, look.followed(start, pull))
         if not run.complete:
             ended[run.reason] += 1
             continue
@@ -327,7 +327,7 @@ def ranked(starts: Iterable[Start], count: int, report: Progress) -> Ranking:
     return found, ended
 
 
-def _turned(tool: ToolPath, start: Array, pull: Pull | None, found: Followed) -> tuple[Followed, Array]:
+def _begin_turn_away(tool: ToolPath, start: Array, pull: Pull | None, found: Followed) -> tuple[Followed, Array]:
     """The same branch with a joint that reaches its limit begun a whole turn away, where there is room."""
     robot = tool.robot
     over = np.flatnonzero((found.last > robot.upper - 1e-4) | (found.last < robot.lower + 1e-4))
@@ -491,11 +491,11 @@ def planned(tool: ToolPath, starts: Array, report: Progress, *, around: bool) ->
     layers = tool.spread(int(np.clip(np.ceil(float(tool.lengths[-1]) / _LONG), *_LAYERS)))
     now = _cheapest(layers, starts, np.zeros(len(starts)), np.full(len(starts), -1))
     if around:
-        now = _around(layers, now)
+        now = _self_motion_layer(layers, now)
     made = [now]
     for k in range(1, len(layers.place)):
         report(k, len(layers.place))
-        now = _onward(layers, now, k)
+        now = _next_layer(layers, now, k)
         if not len(now[0]):
             return layers.place[:k], np.empty((0, tool.robot.n)), 0.0
         made.append(now)
@@ -511,7 +511,7 @@ def along(place: Array, plan: Array) -> Run:
     """A plan (K, n) at places (K,) as a joint path at the places of any tool path, polished to the poses there."""
 
     def run(tool: ToolPath) -> Followed:
-        guess = _between(place, plan, tool.place)
+        guess = _interpolate_plan(place, plan, tool.place)
         q, arrived = tool.aim.solve(tool.poses, guess)
         off = np.linalg.norm((q - guess) / tool.aim.joints, axis=1)
         good = arrived & (off <= _OFF) & tool.inside(q)
@@ -523,7 +523,7 @@ def along(place: Array, plan: Array) -> Run:
     return run
 
 
-def _between(place: Array, q: Array, wanted: Array) -> Array:
+def _interpolate_plan(place: Array, q: Array, wanted: Array) -> Array:
     """(N, n) at places (N,) of the cubics through the layers with the slopes of their neighbours (Catmull and Rom)."""
     k = np.clip(np.searchsorted(place, wanted, side="right") - 1, 0, len(place) - 2)
     slope = np.gradient(q, place, axis=0)
@@ -540,9 +540,9 @@ def _room(tool: ToolPath, q: Array) -> Array:
     return np.minimum(_FAR, tool.room(q))
 
 
-def _onward(tool: ToolPath, now: Layer, k: int) -> Layer:
+def _next_layer(tool: ToolPath, now: Layer, k: int) -> Layer:
     aim, (before, paid, _) = tool.aim, now
-    guess, origin = _moved(aim, before)
+    guess, origin = _null_motion_guesses(aim, before)
     q, arrived = aim.solve(np.broadcast_to(tool.poses[k], (len(guess), 4, 4)), guess)
     far = np.linalg.norm((q - before[origin]) / aim.joints, axis=1)
     good = arrived & (far <= _JUMP * _sizes(aim)[0]) & tool.inside(q)
@@ -555,11 +555,11 @@ def _onward(tool: ToolPath, now: Layer, k: int) -> Layer:
     return _cheapest(tool, q, paid[origin] + far**2 / (_sizes(aim)[0] * free**2), origin)
 
 
-def _around(tool: ToolPath, now: Layer) -> Layer:
+def _self_motion_layer(tool: ToolPath, now: Layer) -> Layer:
     """All of the self-motions of the first layer, as far as they are inside the limits and regular."""
     q = fresh = now[0]
     while len(fresh) and len(q) < _WIDEST:
-        guess, _ = _moved(tool.aim, fresh)
+        guess, _ = _null_motion_guesses(tool.aim, fresh)
         moved, arrived = tool.aim.solve(np.broadcast_to(tool.poses[0], (len(guess), 4, 4)), guess)
         moved = moved[arrived & tool.inside(moved)]
         if len(moved):
@@ -615,7 +615,7 @@ def _sizes(aim: Aim) -> tuple[float, float]:
     return (5 * _STEP, 5 * _SPACING)
 
 
-def _moved(aim: Aim, q: Array) -> tuple[Array, Index]:
+def _null_motion_guesses(aim: Aim, q: Array) -> tuple[Array, Index]:
     """Guesses (G, n): each as it is, and a step along every null motion, both ways; and which each is of."""
     _, _, v = _core.svd(np.ascontiguousarray(aim.jacobian(q)))
     null = v[:, :, aim.rank :] * aim.joints[:, None] * _sizes(aim)[0]

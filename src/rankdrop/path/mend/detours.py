@@ -162,7 +162,7 @@ class Detourer:
             out.append(made)
             if isinstance(made, NoDetour):
                 return out
-            last, start = high, None if self._back(made) else made.q[-1]
+            last, start = high, None if self._back_on_path(made) else made.q[-1]
         if start is not None:
             rest, before = self._rest(last, final, start), out[-1]
             assert isinstance(before, Detour)
@@ -172,7 +172,7 @@ class Detourer:
                 out[-1] = replace(before, rest=rest)
         return out
 
-    def _back(self, made: Detour) -> bool:
+    def _back_on_path(self, made: Detour) -> bool:
         """After the window the joints are where they were on the old path."""
         return self._same(made.high, made.q[-1])
 
@@ -218,7 +218,7 @@ class Detourer:
             for way, moved, found in clear:
                 paths = self._smaller(window, way, (before, size), found, clearance)
                 for path in (*reversed(paths), moved):
-                    made = self._made(path, window, clearance)
+                    made = self._refine_detour(path, window, clearance)
                     if made is not None:
                         return made
             before = size
@@ -295,7 +295,7 @@ class Detourer:
             return np.asarray(self.bumper.at(np.array([window.low]))[0])
         return window.start
 
-    def _made(self, moved: MovedTool, window: Window, clearance: float) -> Detour | None:
+    def _refine_detour(self, moved: MovedTool, window: Window, clearance: float) -> Detour | None:
         """A detour at rows so close that the tool stays on its way between them; None where it comes too near."""
         start = self._begin(window)
 
@@ -319,7 +319,7 @@ class Detourer:
         for one in detours:
             start, end = (bumper.path.place(bumper.point(place)) for place in (one.low, one.high))
             moves = one.q - bumper.at(one.place)
-            if self._back(one):
+            if self._back_on_path(one):
                 after = np.zeros_like(moves[-1])
             else:
                 after = moves[-1]

@@ -148,8 +148,8 @@ class PoseDetourer:
             return Blocked(0.0, Hindrance.END)
         place, start, windows = 0.0, tool.q[0], list[Window]()
         for _ in range(_MOST + 1):
-            at = self._from(place)
-            run = self._as_checked(tool) if not windows else self._followed(at, start)
+            at = self._places_from(place)
+            run = self._checked_branch(tool) if not windows else self._follow_branch(at, start)
             end = self._ends(run)
             if end is None:
                 self.rows.append((self._places(at, run), run.q))
@@ -161,16 +161,16 @@ class PoseDetourer:
                 room = self.tool.room(run.q)
                 end = int(room.argmin())
                 if room[end] > _BESIDE * self.clearance:
-                    return self._beyond(Blocked(float(self._places(at, run)[-1]), Hindrance.LIMIT), at, start)
-            made = self._around(at, run, end)
+                    return self._with_excess(Blocked(float(self._places(at, run)[-1]), Hindrance.LIMIT), at, start)
+            made = self._window_around(at, run, end)
             if isinstance(made, Blocked):
-                return self._beyond(made, at, start) if run.reason == "limit" and not made.joint else made
+                return self._with_excess(made, at, start) if run.reason == "limit" and not made.joint else made
             window, place, start = made
             windows.append(window)
             report(len(windows), len(windows) + 1)
         return windows
 
-    def _beyond(self, blocked: Blocked, at: Array, start: Array) -> Blocked:
+    def _with_excess(self, blocked: Blocked, at: Array, start: Array) -> Blocked:
         """With the joint that needs a wider range for the branch to go on, and by how much."""
         free = follow(self.robot, poses_at(self.poses, at), start, self.task, limits=False)
         if not free.complete:
@@ -179,18 +179,18 @@ class PoseDetourer:
         joint = int((excess / self.aim.joints).argmax())
         return replace(blocked, joint=joint + 1, beyond=float(excess[joint]))
 
-    def _as_checked(self, tool: Followed) -> Followed:
+    def _checked_branch(self, tool: Followed) -> Followed:
         """The branch as it was followed already, up to the first singularity that it goes through."""
         if not tool.passed:
             return tool
         kept = tool.place < tool.passed[0].place
         return replace(tool, q=tool.q[kept], place=tool.place[kept], complete=False, reason="singular")
 
-    def _from(self, place: float) -> Array:
+    def _places_from(self, place: float) -> Array:
         """Places from one on: it, and all poses after it."""
         return np.concatenate([[place], np.arange(np.floor(place) + 1.0, len(self.poses))])
 
-    def _followed(self, at: Array, start: Array, moved: Array | None = None) -> Followed:
+    def _follow_branch(self, at: Array, start: Array, moved: Array | None = None) -> Followed:
         """The branch of a configuration along poses at places, moved or not."""
         poses = poses_at(self.poses, at) if moved is None else moved
         whole = at == np.floor(at)
@@ -217,7 +217,7 @@ class PoseDetourer:
             return None
         return len(run.q) - 1
 
-    def _around(self, at: Array, run: Followed, end: int) -> tuple[Window, float, Array] | Blocked:
+    def _window_around(self, at: Array, run: Followed, end: int) -> tuple[Window, float, Array] | Blocked:
         """A window around a row of a run, where the path goes on after it, and the configuration there."""
         if not len(run.q):
             return Blocked(float(at[0]), Hindrance.REST)
@@ -248,14 +248,14 @@ class PoseDetourer:
         sizes = self._sizes()
         looks = self._looks(spans, q, motion, sizes)
         if not looks:
-            return self._limited(place, spans, q, motion, sizes)
+            return self._joint_that_blocks(place, spans, q, motion, sizes)
         least = looks[0].size
         if least > self._largest:
             return Blocked(place, Hindrance.TOOL, least)
         before = max((size for size in sizes if size < least), default=least / _GROWING)
         finer = self._looks([looks[0].span], q, motion, np.geomspace(before, least, _FINER + 1)[1:-1])
         for look in [*finer, *looks][:_CONFIRMED]:
-            confirmed = self._confirmed(look, q)
+            confirmed = self._follow_window(look, q)
             if look.size <= self._largest and confirmed is not None:
                 window, window_places, moved = confirmed
                 kept = look.span.kept
@@ -278,7 +278,7 @@ class PoseDetourer:
                 spans.append(span)
         return spans
 
-    def _limited(self, place: float, spans: list[Span], q: Array, lost: Array, sizes: Array) -> Blocked:
+    def _joint_that_blocks(self, place: float, spans: list[Span], q: Array, lost: Array, sizes: Array) -> Blocked:
         """Why no window does: the joint that would have to go least beyond its limit, where one would do without."""
         unlimited = self._looks(spans, q, lost, sizes, limits=False)
         within = [look for look in unlimited if look.size <= self.bound]
@@ -307,7 +307,7 @@ class PoseDetourer:
         begin, end = (float(x) for x in self._time(np.array([low, high])))
         return Span(kept, low, high, (begin, full, back, end), middle)
 
-    def _moved(self, span: Span, place: Array, twist: Array) -> tuple[Array, Array]:
+    def _moved_poses(self, span: Span, place: Array, twist: Array) -> tuple[Array, Array]:
         """(N, 4, 4) poses at places of a window, as they were and moved."""
         time, (begin, full, back, end) = self._time(place), span.ends
         share = np.where(time <= (full + back) / 2, step((time - begin) / (full - begin))[0],
@@ -329,7 +329,7 @@ class PoseDetourer:
             for size in sizes.tolist():
                 for way in (lost, -lost):
                     looks.append(Look(size, span, way, np.zeros(self.robot.n)))
-                    poses.append(self._moved(span, place, size * way)[1])
+                    poses.append(self._moved_poses(span, place, size * way)[1])
                     times.append(time)
         starts = np.array([q[look.span.kept] for look in looks])
         followed, alive = self._side_by_side(np.stack(poses, axis=1), np.stack(times, axis=1), starts, limits=limits)
@@ -369,7 +369,7 @@ class PoseDetourer:
             jump = np.abs((solved - here) / self.aim.joints).max(axis=1)
             good = arrived & (jump < _JUMP)
             if limits:
-                good &= self._inside(solved)
+                good &= self._inside_limits(solved)
             rows = np.flatnonzero(alive)
             followed[k, rows[good]] = solved[good]
             alive[rows[~good]] = False
@@ -377,18 +377,18 @@ class PoseDetourer:
                 break
         return followed, alive
 
-    def _inside(self, q: Array) -> Mask:
+    def _inside_limits(self, q: Array) -> Mask:
         return np.asarray(((q >= self.robot.lower) & (q <= self.robot.upper)).all(axis=1))
 
-    def _confirmed(self, look: Look, q: Array) -> tuple[Window, Array, Array] | None:
+    def _follow_window(self, look: Look, q: Array) -> tuple[Window, Array, Array] | None:
         """A window followed as any tool path is: its places and rows; None where it is not free."""
         span = look.span
         inner = np.arange(np.floor(span.low) + 1.0, np.ceil(span.high))
         begin, *_, end = span.ends
         fine = self._place(np.linspace(begin, end, _ROWS)).clip(span.low, span.high)
         at = np.unique(np.concatenate([[span.low], inner, fine, [span.high]]))
-        old, moved = self._moved(span, at, look.size * look.way)
-        run = self._followed(at, q[span.kept], moved)
+        old, moved = self._moved_poses(span, at, look.size * look.way)
+        run = self._follow_branch(at, q[span.kept], moved)
         if not run.complete or float(self.tool.room(run.q).min()) < _NEARER * self.clearance:
             return None
         apart = np.linalg.norm(moved[:, :3, 3] - old[:, :3, 3], axis=1)

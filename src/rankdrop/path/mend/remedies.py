@@ -412,9 +412,9 @@ class _Mender:
         yield from self._local(tool, most)
         if most.blend > 0.0 and BLEND in self.kinds:
             yield self._blend(most.blend)
-        yield from self._ranked(tool, most)
+        yield from self._rank_paths(tool, most)
 
-    def _ranked(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+    def _rank_paths(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """Every kind that ranks whole paths of the joints."""
         kinds: dict[str, Callable[[Callable[[int, int], None]], Ranking]] = {
             NULL: partial(null_spaces, tool), FLIP: partial(branches, tool),
@@ -487,7 +487,7 @@ class _Mender:
         if not bumps or not failed:
             return None
         most = sum(len(failure.core.stretches) for failure in failed)
-        for proposal in _bumpings(bumper, bumps, clearance):
+        for proposal in _bump_proposals(bumper, bumps, clearance):
             again = self._again(proposal.made)
             if sum(stretch.verdict != FREE for stretch in again.stretches) <= most:
                 break
@@ -503,7 +503,7 @@ class _Mender:
                     for failure in failed
                 ]
                 return BUMP, (tried - 1, bumper.bound, missing)
-            remedy = self._first(BUMP, _bumpings(bumper, bumps, clearance))
+            remedy = self._first(BUMP, _bump_proposals(bumper, bumps, clearance))
             if remedy is not None:
                 return remedy
             clearance *= _CLEARER
@@ -574,7 +574,7 @@ class _Mender:
             again = took is not None and took.slower > _SLOWER
             if again:
                 made = self._within_limits(made.curve(self.interpolate))
-            remedy = self._checked(kind, replace(proposal, made=made), again=again)
+            remedy = self._as_remedy(kind, replace(proposal, made=made), again=again)
             if remedy.check.clear:
                 return remedy
         return None
@@ -603,7 +603,7 @@ class _Mender:
         changes = tuple(Change(path.place(part.start), path.place(part.end), still, (0.0, 0.0), still, part.longer)
                         for part in made[1])  # fmt: skip
         proposal = Proposal(("slow-down", len(changes)), (), made[0], (0.0, 0.0), changes)
-        remedy = self._checked(SLOW, proposal, again=True)
+        remedy = self._as_remedy(SLOW, proposal, again=True)
         self._report(SLOW, 1, 1)
         return remedy if remedy.check.clear else (SLOW, True)
 
@@ -613,11 +613,11 @@ class _Mender:
         made = retimed(self.found.curve, *self.limits, self.scale)
         if usage(made.curve(self.interpolate), *self.limits).slower > _SLOWER:
             return RETIME, None
-        remedy = self._checked(RETIME, Proposal(("retime", None), (), made, (0.0, 0.0)), again=True)
+        remedy = self._as_remedy(RETIME, Proposal(("retime", None), (), made, (0.0, 0.0)), again=True)
         self._report(RETIME, 1, 1)
         return remedy
 
-    def _checked(self, kind: str, proposal: Proposal, *, again: bool) -> Remedy:
+    def _as_remedy(self, kind: str, proposal: Proposal, *, again: bool) -> Remedy:
         made = proposal.made
         check = self._again(made)
         before, took = self._usage(self.found.curve), self._usage(check.curve)
@@ -641,15 +641,15 @@ class _Mender:
         return check
 
 
-def _bumpings(bumper: Bumper, bumps: list[Bump], clearance: float) -> Iterator[Proposal]:
+def _bump_proposals(bumper: Bumper, bumps: list[Bump], clearance: float) -> Iterator[Proposal]:
     """A path with bumps: the tool brought back to its path where that is better; then as the bumps are."""
     led = [bumper.led(bump, clearance) for bump in bumps]
     if any(bump.twist is not None for bump in led):
-        yield _bumped(bumper, led)
-    yield _bumped(bumper, bumps)
+        yield _bump_proposal(bumper, led)
+    yield _bump_proposal(bumper, bumps)
 
 
-def _bumped(bumper: Bumper, bumps: list[Bump]) -> Proposal:
+def _bump_proposal(bumper: Bumper, bumps: list[Bump]) -> Proposal:
     """A path with bumps."""
     path = bumper.path
     changes = []

@@ -136,14 +136,14 @@ class _Writer:
         """The rows of the file to be written."""
         made = self.remedy.trajectory
         now = pose(self.robot, made.q)
-        given = self._matched(now)
+        given = self._match_poses(now)
         times = made.times if self.poses.times is not None else None
-        kept, now = self._kept(now, given, times)
+        kept, now = self._needed_rows(now, given, times)
         of_file = given >= 0
         now[of_file] = self.poses.matrices[given[of_file]]
         return _Rows(now[kept], None if times is None else times[kept], given[kept], made.q[kept])
 
-    def _matched(self, now: Array) -> Index:
+    def _match_poses(self, now: Array) -> Index:
         """(K,) which pose of the file each of the rows (K, 4, 4) is, increasing; −1: none.
 
         After s new rows the next row of the file is looked for among s poses and some more, as a part that is changed
@@ -189,7 +189,7 @@ class _Writer:
         away, chord = self.aim.missing_between(poses, now)
         return np.asarray(np.maximum(away / self.aim.length, chord) <= _SAME)
 
-    def _kept(self, now: Array, given: Index, times: Array | None) -> tuple[Mask, Array]:
+    def _needed_rows(self, now: Array, given: Index, times: Array | None) -> tuple[Mask, Array]:
         """(K,) rows that are needed, and the poses, those within a move of the file exactly on it."""
         kept = given >= 0
         kept[[0, -1]] = True
@@ -207,7 +207,7 @@ class _Writer:
             begin, end = self.poses.matrices[given[low]], self.poses.matrices[given[high]]
             share = self._share(begin, end, now[inside])
             on_move = poses_at(np.stack([begin, end]), share)
-            if not self._near(on_move, now[inside]):
+            if not self._within_tolerance(on_move, now[inside]):
                 kept[inside] = True
                 continue
             out[inside] = on_move
@@ -227,7 +227,7 @@ class _Writer:
         turned = rotation_vector(now[:, :3, :3] @ begin[:3, :3].T)
         return np.maximum.accumulate(np.clip((moved @ move + turned @ turn) / size, 0.0, 1.0))
 
-    def _near(self, one: Array, other: Array) -> bool:
+    def _within_tolerance(self, one: Array, other: Array) -> bool:
         """Whether all poses (N, 4, 4) are within the tolerance of a tool path of others."""
         away, turned = tip_tolerance(self.check.options, self.robot)
         far = np.linalg.norm(one[:, :3, 3] - other[:, :3, 3], axis=1).max()

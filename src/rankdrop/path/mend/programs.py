@@ -85,12 +85,12 @@ def program_remedies(
     found: list[LineRemedy] = []
     for part in check.parts:
         if part.check is not None:
-            crossed = list(_around(part, part.check, analysis, how))
+            crossed = list(_local_change(part, part.check, analysis, how))
             found += crossed
             moved = [one.move for one in crossed if one.advice in (Advice.BUMP, Advice.DETOUR)]
             found += [one for one in _slower(part, part.check) if one.move not in moved]
         if part.ended is not None:
-            found += _ended(check, part)
+            found += _ways_on(check, part)
     return tuple(found)
 
 
@@ -104,7 +104,7 @@ def remedies_to_dict(remedies: Sequence[LineRemedy], robot: Robot) -> list[dict[
     return [record_of("program_remedies", (one, robot)) for one in remedies]
 
 
-def _ended(check: ProgramCheck, part: Part) -> Iterator[LineRemedy]:
+def _ways_on(check: ProgramCheck, part: Part) -> Iterator[LineRemedy]:
     """What lets the arm go on where a line ends before its target."""
     ended = part.ended
     assert ended is not None
@@ -141,7 +141,7 @@ def _slower(part: Part, check: PathCheck) -> Iterator[LineRemedy]:
             yield LineRemedy(move, Advice.SLOWER, factor=_SPARE / float(of_move.max()))
 
 
-def _around(part: Part, check: PathCheck, analysis: Analysis | None, how: RemedyOptions) -> Iterator[LineRemedy]:
+def _local_change(part: Part, check: PathCheck, analysis: Analysis | None, how: RemedyOptions) -> Iterator[LineRemedy]:
     """The least local change of a part that crosses singularities on its straight lines."""
     met = [one for one in check.stretches if one.verdict != FREE]
     lines = [one for one in met if part.moves[part.move_at(one.closest.place)].kind == "line"]

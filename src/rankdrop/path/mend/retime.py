@@ -122,7 +122,7 @@ def _straight(path: Curve, rates: Array, accelerations: Array, scale: Array) -> 
         y[[0, -1]] = np.minimum(y[[0, -1]], h[[0, -1]] / np.maximum(ends.max(axis=1), 1e-300))
         both = 2 * (h[1:] + h[:-1])[:, None]
         y = fastest((3 * turn[1:] - turn[:-1]) / both, (3 * turn[:-1] - turn[1:]) / both, accelerations, y)
-    return _slowed(_in_time(q, h / np.sqrt(y), path.times), "linear", rates, accelerations)
+    return _slow_whole(_in_time(q, h / np.sqrt(y), path.times), "linear", rates, accelerations)
 
 
 def _smooth(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Trajectory:
@@ -147,7 +147,7 @@ def _smooth(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Tr
     else:
         added = None
     made = _in_time(q, 2 * step / (speed[:-1] + speed[1:]), path.times, slope * speed[:, None], added)
-    return _slowed(made, "cubic" if path.degree == 3 else "quintic", rates, accelerations)
+    return _slow_whole(made, "cubic" if path.degree == 3 else "quintic", rates, accelerations)
 
 
 def derivatives(path: Curve, stretch: NDArray[np.int64], share: Array) -> tuple[Array, Array, Array]:
@@ -159,7 +159,7 @@ def derivatives(path: Curve, stretch: NDArray[np.int64], share: Array) -> tuple[
     return path.at(stretch, share), path.slope(stretch, share) / lasts, second / lasts**2
 
 
-def _slowed(made: Trajectory, how: str, rates: Array, accelerations: Array) -> Trajectory:
+def _slow_whole(made: Trajectory, how: str, rates: Array, accelerations: Array) -> Trajectory:
     """Slowed down until every bound is kept; times that are rounded are longer, not shorter."""
     for _ in range(4):
         slower = usage(made.curve(how), rates, accelerations).slower

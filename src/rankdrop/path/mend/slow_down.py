@@ -65,7 +65,7 @@ def slowed_down(path: Curve, rates: Array, accelerations: Array) -> tuple[Trajec
         return None
     most = np.asarray((path.rates / rates).max(axis=1))
     for k in range(_ROUNDS):
-        made = _slowed(path, most, _BRAKING * _LONGER**k)
+        made = _slow_down(path, most, _BRAKING * _LONGER**k)
         if made is None:
             return None
         share = usage(made[0].curve("linear"), rates, accelerations)
@@ -129,7 +129,7 @@ class _Spans:
         return _Spans(self.stretch[kept], self.part[kept], self.share[kept], self.start[kept])
 
 
-def _slowed(path: Curve, most: Array, braking: float) -> tuple[Trajectory, tuple[Slower, ...]] | None:
+def _slow_down(path: Curve, most: Array, braking: float) -> tuple[Trajectory, tuple[Slower, ...]] | None:
     """With a time L of braking, stretches of which are `most` times too fast."""
     assert path.times is not None
     times, end = path.times, path.times[-1]
@@ -137,8 +137,8 @@ def _slowed(path: Curve, most: Array, braking: float) -> tuple[Trajectory, tuple
     if not too_fast.any():
         return None
     fast = _Fast(times[:-1][too_fast], times[1:][too_fast], 1.0 / (most[too_fast] * _SPARE) ** 2, braking)
-    near = _near(times[:-1], times[1:], fast.first, fast.last, braking)
-    spans = _divided(times, near & ~too_fast, braking / _ROWS)
+    near = _spans_near(times[:-1], times[1:], fast.first, fast.last, braking)
+    spans = _divide_stretches(times, near & ~too_fast, braking / _ROWS)
     y = _squared_speeds(spans, near, fast, end)
     if y is None:
         return None
@@ -151,7 +151,7 @@ def _slowed(path: Curve, most: Array, braking: float) -> tuple[Trajectory, tuple
     return Trajectory("", at, _rows(path, spans), True, ()), _slower_parts(spans, slow, longer, len(times) - 1)
 
 
-def _divided(times: Array, finely: Mask, longest: float) -> _Spans:
+def _divide_stretches(times: Array, finely: Mask, longest: float) -> _Spans:
     """Stretches divided into equal spans no longer than `longest` [s] where they are to be, else as they are."""
     lasts = np.diff(times)
     parts = np.where(finely, np.ceil(lasts / longest), 1.0).astype(np.int64).clip(1)
@@ -195,7 +195,7 @@ def _slower_parts(spans: _Spans, slow: Mask, longer: Array, stretches: int) -> t
     return tuple(parts)
 
 
-def _near(begin: Array, end: Array, first: Array, last: Array, within: float) -> Mask:
+def _spans_near(begin: Array, end: Array, first: Array, last: Array, within: float) -> Mask:
     """(N,) which of the spans are so near to one of some others, both in order."""
     ahead = np.searchsorted(first, end + within, side="right")
     behind = np.searchsorted(last, begin - within, side="left")

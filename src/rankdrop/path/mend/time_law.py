@@ -218,12 +218,12 @@ class _Path:
         values, vectors = np.linalg.eigh(self._quadric / (2.0 * self.outside * self.size))
         if values[0] < -_NOTHING and values[-1] > _NOTHING:
             return self._corner(vectors[:, 0], vectors[:, -1])
-        sigma, s, joints, off = self._followed(vectors[:, np.argmax(np.abs(values))])
+        sigma, s, joints, off = self._follow_kernel(vectors[:, np.argmax(np.abs(values))])
         order = _order(sigma, s, self.size)
-        alone = self._alone(values, vectors)  # else other directions of the kernel may do what this one does not
+        decided = self._second_order_decides(values, vectors)  # else another direction may do what this one does not
         if order is None:
-            return self._through(NOT if alone and self._still(s) else UNDECIDED)
-        if order % 2 == 0 and not alone:
+            return self._through(NOT if decided and self._still(s) else UNDECIDED)
+        if order % 2 == 0 and not decided:
             return self._through(UNDECIDED)
         rate = float(np.abs(np.gradient(joints, sigma, axis=0)).max())
         if order % 2:
@@ -236,7 +236,7 @@ class _Path:
         """The tool stays where it is."""
         return float(np.abs(s).max()) * self.size < _CLOSE * 1e3
 
-    def _alone(self, values: Array, vectors: Array) -> bool:
+    def _second_order_decides(self, values: Array, vectors: Array) -> bool:
         """Whether the terms of second order, or a kernel of one dimension, say how s goes in every direction.
 
         s has there a minimum or maximum, or one along a curve of self-motion (Morse and Bott): a single direction
@@ -245,11 +245,11 @@ class _Path:
         flat = np.flatnonzero(np.abs(values) <= _NOTHING)
         if len(values) == 1 or not len(flat):
             return True
-        return len(flat) == 1 and self._still(self._followed(vectors[:, flat[0]])[1])
+        return len(flat) == 1 and self._still(self._follow_kernel(vectors[:, flat[0]])[1])
 
     def _corner(self, behind: Array, ahead: Array) -> Through:
         """In along one direction of the kernel, out along another; σ = t², so that the joints rest between."""
-        (_, s0, q0, off0), (sigma, s1, q1, off1) = map(self._followed, (behind, ahead))
+        (_, s0, q0, off0), (sigma, s1, q1, off1) = map(self._follow_kernel, (behind, ahead))
         keep = sigma >= 0.0
         t = np.sqrt(sigma[keep])
         s0, q0, s1, q1 = s0[keep], q0[keep], s1[keep], q1[keep]
@@ -285,7 +285,7 @@ class _Path:
         off, rate = self._off(joints, s), float(np.abs(rates).max())
         return self._through(TANGENT, 1, 0, s, s, joints * self.scale, off, rate)
 
-    def _followed(self, e: Array) -> tuple[Array, Array, Array, float]:
+    def _follow_kernel(self, e: Array) -> tuple[Array, Array, Array, float]:
         """σ, s, scaled joints on the curve whose kernel part is σ e, and the deviation from the path; s(0) = 0."""
         rows = np.hstack([self.kernel.T, np.zeros((self.kernel.shape[1], 1))])
         sigma, y, _ = self._curve(_SPAN, rows, e, np.zeros(self.robot.n + 1))
@@ -309,7 +309,7 @@ class _Path:
         for sign in (-1.0, 1.0):
             y, before, last, side = start, sign * slope, 0.0, []
             for step in steps.tolist():
-                missed = partial(self._missed, rows, rows @ start + sign * step * way)
+                missed = partial(self._equations, rows, rows @ start + sign * step * way)
                 made = newton(missed, (y + (step - last) * before)[None], iterations=_MOST, step=np.inf, cut=1e-13)[0]
                 solved = solved and not missed(made[None])[0][0]
                 if slope.any():
@@ -322,7 +322,7 @@ class _Path:
         sigma = np.concatenate([-steps[::-1], [0.0], steps])
         return sigma, np.array([*sides[0][::-1], start, *sides[1]]), solved
 
-    def _missed(self, rows: Array, wanted: Array, guesses: Array) -> tuple[Mask, Array, Array]:
+    def _equations(self, rows: Array, wanted: Array, guesses: Array) -> tuple[Mask, Array, Array]:
         """What is missing at y (1, n + 1): the tool is on the path at s, and C y is as wanted."""
         y = guesses[0]
         q, s = y[:-1] * self.scale, np.array([y[-1] / self.size])

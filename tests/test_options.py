@@ -14,7 +14,7 @@ from cyclopts import App
 
 from rankdrop.cli.command import command
 from rankdrop.errors import OptionError, RobotError
-from rankdrop.options import Options, advised, allowed, hints, on_command_line, option, takes
+from rankdrop.options import Options, advise, allowed_values, hints, on_command_line, option, takes
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def test_the_command_line_refuses_what_the_record_does() -> None:
 
 
 def test_what_is_allowed_is_said_in_words() -> None:
-    words = {name: allowed(hint) for name, hint in hints(Search).items()}
+    words = {name: allowed_values(hint) for name, hint in hints(Search).items()}
     assert words["within"] == "a number, at least 0 [rad]"
     assert words["method"] == "lm, gradient"
 
@@ -145,11 +145,11 @@ def test_advice_is_typed_in_every_thread_of_a_command() -> None:
     """The viewer makes its words in threads of its server."""
     said: list[str] = []
     with on_command_line():
-        thread = Thread(target=lambda: said.append(advised("task", "position")))
+        thread = Thread(target=lambda: said.append(advise("task", "position")))
         thread.start()
         thread.join()
     assert said == ["--task position"]
-    assert advised("task", "position") == "task='position'"
+    assert advise("task", "position") == "task='position'"
 
 
 def test_a_default_out_of_its_bounds_is_noticed_at_the_first_use() -> None:

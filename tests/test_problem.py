@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
-from rankdrop.problem import Problem, whole_turns, wrap, wrapped
+from rankdrop.problem import Problem, whole_turns, wrap, wrap_joints
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
@@ -46,8 +46,8 @@ def test_limits_bind_only_where_they_are_asked_for_and_whole_turns_do_not_count(
     inside = (bound.robot.lower + bound.robot.upper) / 2
     q = np.array([inside, inside + 2 * np.pi, inside])
     q[2, 3] = 0.5  # joint 4 bends one way only
-    assert free.allowed(q).all()
-    assert bound.allowed(q).tolist() == [True, True, False]
+    assert free.within_limits(q).all()
+    assert bound.within_limits(q).tolist() == [True, True, False]
     assert free.walls is None
     assert bound.walls is not None
 
@@ -56,7 +56,7 @@ def test_angles_come_to_the_half_open_turn_and_slides_stay(rng: np.random.Genera
     assert wrap(np.array([np.pi, -np.pi, 0.0, 3 * np.pi])).tolist() == pytest.approx([np.pi, np.pi, 0.0, np.pi])
     robot = open_robot("scara")  # joint 3 slides
     q = rng.uniform(-20, 20, (50, 4))
-    near = wrapped(robot, q)
+    near = wrap_joints(robot, q)
     np.testing.assert_array_equal(near[:, 2], q[:, 2])
     assert (np.abs(near[:, [0, 1, 3]]) <= np.pi).all()
     np.testing.assert_allclose(np.exp(1j * near[:, 0]), np.exp(1j * q[:, 0]), atol=1e-12)

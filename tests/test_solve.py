@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.robot.model import Array
-from rankdrop.solve import iterate, newton, shortest, towards, trace
+from rankdrop.solve import iterate, newton, shortest, steps_towards, trace
 
 RADIUS = 0.5
 
@@ -86,7 +86,7 @@ def test_a_step_leaves_out_what_the_equations_do_not_bind(rng: np.random.Generat
 def test_the_nearest_point_of_a_plane_is_one_step_away(rng: np.random.Generator) -> None:
     normals, offsets = rng.normal(size=(2, 4)), rng.normal(size=2)
     q, target = rng.normal(size=(6, 4)), rng.normal(size=(6, 4))
-    there = q + towards(target - q, q @ normals.T - offsets, np.broadcast_to(normals, (6, 2, 4)))
+    there = q + steps_towards(target - q, q @ normals.T - offsets, np.broadcast_to(normals, (6, 2, 4)))
     np.testing.assert_allclose(there @ normals.T, np.broadcast_to(offsets, (6, 2)), atol=1e-12)
     kept = np.linalg.svd(normals)[2][2:]  # along the plane nothing but the target counts
     np.testing.assert_allclose(there @ kept.T, target @ kept.T, atol=1e-12)

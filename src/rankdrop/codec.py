@@ -104,7 +104,7 @@ def table(name: str, about: str = "", /, *, of: type | None = None, **entries: A
         columns = {**_columns_of(of, columns), **columns}
     columns = {key: column for key, column in columns.items() if column[0] is not None}
     made = msgspec.defstruct(
-        name, [_field(key, *column) for key, column in columns.items()], kw_only=True, rename=_renamed,
+        name, [_field(key, *column) for key, column in columns.items()], kw_only=True, rename=_json_name,
         namespace={"__doc__": about or None},
     )  # fmt: skip
     _GETTERS[made] = {key: column[2] for key, column in columns.items() if len(column) > 2}
@@ -117,7 +117,7 @@ _GETTERS: dict[type, dict[str, Callable[[Any], Any]]] = {}
 _TABLES: dict[type, type[Struct]] = {}  # of record classes
 
 
-def _renamed(key: str) -> str:
+def _json_name(key: str) -> str:
     return key.rstrip("_")
 
 
@@ -287,8 +287,8 @@ def _fields_of(kind: type[Any]) -> tuple[str, ...] | None:
     return None
 
 
-def restored(kind: Any, data: Any) -> Any:
-    """What `plain` made data of, by the types of the fields: `restored(type(x), plain(x))` is equal to x.
+def restore(kind: Any, data: Any) -> Any:
+    """What `plain` made data of, by the types of the fields: `restore(type(x), plain(x))` is equal to x.
 
     Entries that a record does not have are a later version's and left out; those that are missing were not known to an
     earlier one and have their defaults.
@@ -345,7 +345,7 @@ def decode(kind: type[Struct], data: Any) -> Any:
     except msgspec.ValidationError as error:
         what, _, where = str(error).partition(" - at `")
         path = where.removesuffix("`") or "$"
-        raise ResultFileError(what.replace("`", ""), where=path, got=shown(element(data, path))) from None
+        raise ResultFileError(what.replace("`", ""), where=path, got=value_in_error(element(data, path))) from None
 
 
 def element(data: Any, path: str) -> Any:
@@ -358,7 +358,7 @@ def element(data: Any, path: str) -> Any:
     return data
 
 
-def shown(value: Any) -> str:
+def value_in_error(value: Any) -> str:
     """A value in an error: its beginning, or how large it is.
 
     Example:

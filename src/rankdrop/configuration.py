@@ -1,7 +1,8 @@
 """A configuration of an arm for a task, with its Jacobian taken apart: worked out once, for all that is asked there.
 
 A `Configuration` holds the decomposition J = U Σ Vᵀ split at its rank, the screws and frames of the links, and the room
-inside the joint limits; each is computed when it is first read. `at` makes one of what people say, (robot, q, task).
+inside the joint limits; each is computed when it is first read. `configuration_at` makes one of what people say:
+(robot, q, task).
 """
 
 from __future__ import annotations
@@ -202,7 +203,7 @@ class Configuration:
         """The task as the core takes it."""
         return task_view(self.robot, self.task)
 
-    def kept(self) -> Array:
+    def kept_jacobian(self) -> Array:
         """(m, n) the Jacobian without the singular values that count as zero."""
         r = self.rank
         return np.asarray((self.u[:, :r] * self.sigma[:r]) @ self.v[:, :r].T)
@@ -253,7 +254,7 @@ class Configuration:
             raise TaskError("the arm does not move any row of this task", where=f"robot {name!r}", got=self.task.name)
 
 
-def at(
+def configuration_at(
     robot: Robot | Configuration,
     q: ArrayLike | None = None,
     task: Task | str | None = None,

@@ -91,7 +91,7 @@ def _umask() -> int:
 
 
 @contextmanager
-def locked(path: str | Path) -> Iterator[None]:
+def lock_name(path: str | Path) -> Iterator[None]:
     """Hold a lock on a name, for this process alone; it ends with the process, however that ends.
 
     The lock is that of the system on the file `path`.lock, which is removed afterwards. Where the system has no such

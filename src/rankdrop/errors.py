@@ -67,17 +67,17 @@ class RankdropError(Exception):
         return self._line(self.mend if self.typed is None else self.typed, option if option in options else self.where)
 
     def _line(self, mend: str | None, where: str | None) -> str:
-        parts = [f"{_shown(where)}: {_shown(self.what)}" if where else _shown(self.what)]
+        parts = [f"{_error_part(where)}: {_error_part(self.what)}" if where else _error_part(self.what)]
         if self.got is not None:
-            parts.append(f"got {_shown(self.got, _LONGEST_ECHO)}")
+            parts.append(f"got {_error_part(self.got, _LONGEST_ECHO)}")
         if self.allowed is not None:
-            parts.append(f"allowed: {_shown(self.allowed)}")
+            parts.append(f"allowed: {_error_part(self.allowed)}")
         if mend:
-            parts.append(f"fix: {_shown(mend)}")
+            parts.append(f"fix: {_error_part(mend)}")
         return " ".join("; ".join(parts).split())
 
 
-def _shown(part: Any, longest: int = _LONGEST_PART) -> str:
+def _error_part(part: Any, longest: int = _LONGEST_PART) -> str:
     """A part of an error: nothing that steers a terminal, and both ends of what is too long."""
     text = visible(str(part))
     if len(text) <= longest:

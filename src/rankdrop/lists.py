@@ -20,7 +20,7 @@ def flat_map(function: Callable[[From], Iterable[To]], items: Iterable[From]) ->
     return list(chain.from_iterable(map(function, items)))
 
 
-def without(items: Iterable[From], left_out: Iterable[From]) -> list[From]:
+def leave_out(items: Iterable[From], left_out: Iterable[From]) -> list[From]:
     """Items but those that are the same objects as some left out; equal ones stay.
 
     Example:

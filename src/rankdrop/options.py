@@ -56,7 +56,7 @@ _typed = False  # in every thread: the viewer's words are made in threads of its
 
 @contextmanager
 def on_command_line() -> Iterator[None]:
-    """Within it `advised` names options as they are typed on the command line, in every thread of this process."""
+    """Within it `advise` names options as they are typed on the command line, in every thread of this process."""
     global _typed
     before, _typed = _typed, True
     try:
@@ -65,7 +65,7 @@ def on_command_line() -> Iterator[None]:
         _typed = before
 
 
-def advised(name: str, value: str = "", *, python: str = "") -> str:
+def advise(name: str, value: str = "", *, python: str = "") -> str:
     """An option in a sentence of advice, as whoever reads the sentence writes it.
 
     Args:
@@ -134,7 +134,7 @@ class Options:
 def takes(record: type[Options]) -> Callable[[Verb], Verb]:
     """Let `help()` and completion show the fields of the record as keywords of a verb that takes `**given`."""
 
-    def documented(verb: Verb) -> Verb:
+    def document_options(verb: Verb) -> Verb:
         taken = signature(verb).parameters.values()
         own = [parameter for parameter in taken if parameter.kind is not Parameter.VAR_KEYWORD]
         keywords = [
@@ -144,7 +144,7 @@ def takes(record: type[Options]) -> Callable[[Verb], Verb]:
         verb.__signature__ = signature(verb).replace(parameters=[*own, *keywords])  # type: ignore[attr-defined]
         return verb
 
-    return documented
+    return document_options
 
 
 @cache
@@ -187,7 +187,7 @@ def unit_of(hint: Any) -> str:
     return ""
 
 
-def allowed(hint: Any) -> str:
+def allowed_values(hint: Any) -> str:
     """What a field may be, in words.
 
     Example:
@@ -231,6 +231,8 @@ def check_value(name: str, hint: Any, value: Any) -> None:
     try:
         msgspec.convert(value, hint)
     except msgspec.ValidationError as error:
-        raise OptionError("this value is not allowed", where=name, got=repr(value), allowed=allowed(hint)) from error
+        raise OptionError(
+            "this value is not allowed", where=name, got=repr(value), allowed=allowed_values(hint)
+        ) from error
     if isinstance(value, float) and not isfinite(value):
-        raise OptionError("the value is not finite", where=name, got=repr(value), allowed=allowed(hint))
+        raise OptionError("the value is not finite", where=name, got=repr(value), allowed=allowed_values(hint))

@@ -42,7 +42,7 @@ def wrap(angle: Array) -> Array:
     return np.asarray(np.pi - np.mod(np.pi - angle, 2 * np.pi))
 
 
-def wrapped(robot: Robot, q: Array) -> Array:
+def wrap_joints(robot: Robot, q: Array) -> Array:
     """(..., n) the same configurations, turning joints in (−π, π]."""
     return np.asarray(np.where(robot.periodic, wrap(q), q))
 
@@ -161,7 +161,7 @@ class Problem:
         """(count, n) the same from a seed: the starts of a search."""
         return sample(self.robot, self.task, count, seed, limits=self.limits)
 
-    def allowed(self, q: Array) -> Mask:
+    def within_limits(self, q: Array) -> Mask:
         """(N,) whether configurations respect the limits, angles up to whole turns; all True without limits."""
         ok = np.ones(len(q), dtype=np.bool_)
         if not self.limits:

@@ -49,7 +49,7 @@ def shortest(a: Array, f: Array, cut: float = CUT, rank: int | None = None) -> A
     return np.asarray(np.einsum("nrj,nr->nj", vt, inverse * np.einsum("ner,ne->nr", u, f)))
 
 
-def towards(away: Array, f: Array, a: Array) -> Array:
+def steps_towards(away: Array, f: Array, a: Array) -> Array:
     """(N, n) steps to the point of the tangent plane f + A·x = 0 nearest to a target: x = away − A⁺(f + A·away).
 
     Args:
@@ -169,7 +169,7 @@ def trace(
             direction = tangent
         else:
             direction = -tangent
-        arrived = _corrected(linear, x + step * direction, zero)
+        arrived = _correct_to_zero(linear, x + step * direction, zero)
         if arrived is None or np.linalg.norm(arrived[0] - x) > 2 * step:
             break
         x, slope = arrived
@@ -213,7 +213,7 @@ def _tangent(slope: Array) -> Array | None:
     return np.asarray(vt[-1])
 
 
-def _corrected(linear: Linear, x: Array, zero: float) -> tuple[Array, Array] | None:
+def _correct_to_zero(linear: Linear, x: Array, zero: float) -> tuple[Array, Array] | None:
     """x brought back to the zero set, and A there; None where it does not get there."""
     for _ in range(_CORRECTIONS):
         f, slope = linear(x[None])

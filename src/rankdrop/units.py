@@ -79,7 +79,7 @@ def _own(robot: Robot) -> Robot:
 
 
 def _with_exponent(robot: Robot, power: int) -> Robot:
-    return replace(_with_lengths(scaled(robot, -power), _rounded), exponent=power)
+    return replace(_with_lengths(scale_lengths(robot, -power), _round_length), exponent=power)
 
 
 def exponent(robot: Robot) -> int:
@@ -102,11 +102,11 @@ def task_in_units(task: Task, robot: Robot) -> Task:
 def _moved_task(task: Task, power: int) -> Task:
     if not power:
         return task
-    x, y, z = (shifted(part, power) for part in task.frame.point)
+    x, y, z = (shift_decimal(part, power) for part in task.frame.point)
     if task.length_scale is None:
         length = None
     else:
-        length = shifted(task.length_scale, power)
+        length = shift_decimal(task.length_scale, power)
     return replace(task, frame=replace(task.frame, point=(x, y, z)), length_scale=length)
 
 
@@ -136,11 +136,11 @@ def _slid(robot: Robot, q: ArrayLike, power: int) -> Array:
         return array
     slides = [i for i, joint in enumerate(robot.variables) if joint.kind is JointKind.PRISMATIC]
     if slides:
-        array[..., slides] = shifted(array[..., slides], power)
+        array[..., slides] = shift_decimal(array[..., slides], power)
     return array
 
 
-def shifted(length: _Length, power: int) -> _Length:
+def shift_decimal(length: _Length, power: int) -> _Length:
     """A length times 10 to a power, rounded once."""
     if power >= 0:
         return length * 10.0**power
@@ -185,7 +185,7 @@ def out_of_metres(robot: Robot, q: ArrayLike) -> Array:
     return _slid(robot, q, metre_exponent(robot))
 
 
-def counted(robot: Robot) -> float:
+def counted_as_radian(robot: Robot) -> float:
     """The length that counts as 1 rad where a lost motion is told, in the robot's unit of length.
 
     1 m for an arm given in metres, as AM have it. What is told must not depend on the unit, so it is the power of 1000
@@ -205,7 +205,7 @@ def counted_exponent(robot: Robot) -> int:
     return 3 * floor((log10(reach(robot)) + given_exponent(robot)) / 3 + 0.5)
 
 
-def scaled(robot: Robot, power: int) -> Robot:
+def scale_lengths(robot: Robot, power: int) -> Robot:
     """The same arm with all lengths, those of its slides' limits too, times 10 to a power."""
     if not power:
         return robot
@@ -216,11 +216,11 @@ def scaled(robot: Robot, power: int) -> Robot:
         if joint.mimic is None:
             return joint
         own, leader = (power * (kind is JointKind.PRISMATIC) for kind in (joint.kind, kinds[joint.mimic.leader]))
-        multiplier, offset = shifted(joint.mimic.multiplier, own - leader), shifted(joint.mimic.offset, own)
+        multiplier, offset = shift_decimal(joint.mimic.multiplier, own - leader), shift_decimal(joint.mimic.offset, own)
         return replace(joint, mimic=Mimic(joint.mimic.leader, multiplier, offset))
 
-    made = _with_lengths(robot, lambda length: shifted(length, power))
-    lengths = tuple((letter, shifted(value, power)) for letter, value in robot.lengths)
+    made = _with_lengths(robot, lambda length: shift_decimal(length, power))
+    lengths = tuple((letter, shift_decimal(value, power)) for letter, value in robot.lengths)
     return replace(made, joints=tuple(map(followed, made.joints)), lengths=lengths)
 
 
@@ -243,7 +243,7 @@ def _pose(pose: Array, change: Callable[[Any], Any]) -> Array:
     return moved
 
 
-def _rounded(length: Any) -> Any:
+def _round_length(length: Any) -> Any:
     """A length, or an array of them, rounded to `DECIMALS` places."""
     if isinstance(length, float):
         if np.isfinite(length):

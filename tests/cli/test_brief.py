@@ -16,7 +16,7 @@ from rich.cells import cell_len
 import rankdrop
 from rankdrop.cli import analyze as analyzing
 from rankdrop.cli import exits, main
-from rankdrop.cli.terminal import BRIEF, fitted, print_blocks
+from rankdrop.cli.terminal import BRIEF, fit_to_console, print_blocks
 from rankdrop.families.record import Check
 from rankdrop.families.summary import Evidence, FamilySummary, RankSummary
 from rankdrop.named_tasks import WORLD_ALIGNED
@@ -156,10 +156,10 @@ def test_optional_sections_go_first_then_rows_from_the_end(capsys: pytest.Captur
     head, extra = Section("Answer"), Section("Extra", lines=("one", "two"))
     table = Section("", columns=("a",), rows=tuple((str(i),) for i in range(30)))
     shown = partial(lines_of, capsys=capsys)
-    fits = shown(fitted([head, table, extra], optional=[extra], cut=[table]))
+    fits = shown(fit_to_console([head, table, extra], optional=[extra], cut=[table]))
     assert "Extra" in fits
     long = replace(table, rows=table.rows * 3)
-    fits = shown(fitted([head, long, extra], optional=[extra], cut=[long]))
+    fits = shown(fit_to_console([head, long, extra], optional=[extra], cut=[long]))
     assert (len(fits), "Extra" in fits, fits[0], fits[-1]) == (BRIEF, False, "Answer", "  and 55 more: --full")
 
 

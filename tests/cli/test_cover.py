@@ -11,7 +11,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
-from rankdrop.cover.box_matching import FOUND, PROVEN, FamilyBoxes, grouped
+from rankdrop.cover.box_matching import FOUND, PROVEN, FamilyBoxes, touching_groups
 from rankdrop.distance.distance import distances
 from rankdrop.families.points import members
 from rankdrop.families.searching import refine
@@ -89,7 +89,7 @@ def test_explained_means_that_a_point_of_the_family_is_near() -> None:
             continue
         explainer = FamilyBoxes(found, UR5, (family,), scale)
         for cells, _ in found.tree.parts():
-            by = explainer.by(cells[::7])
+            by = explainer.families_of(cells[::7])
             q = np.zeros((len(by), 6))
             q[:, 1:5] = found.boxes(cells[::7])[0]
             near = q[by == 0]
@@ -110,9 +110,9 @@ def test_explained_means_that_a_point_of_the_family_is_near() -> None:
 
 def test_boxes_that_touch_are_one_place_across_the_ends_of_a_turn() -> None:
     cells = np.array([[0, 3], [15, 4], [7, 7], [8, 8], [3, 15], [3, 0]], dtype=np.int32)
-    groups = {tuple(sorted(rows.tolist())) for rows in grouped(cells, (16, 16), (True, False))}
+    groups = {tuple(sorted(rows.tolist())) for rows in touching_groups(cells, (16, 16), (True, False))}
     assert groups == {(0, 1), (2, 3), (4,), (5,)}
-    groups = {tuple(sorted(rows.tolist())) for rows in grouped(cells, (16, 16), (True, True))}
+    groups = {tuple(sorted(rows.tolist())) for rows in touching_groups(cells, (16, 16), (True, True))}
     assert (4, 5) in groups
 
 

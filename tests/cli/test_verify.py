@@ -8,7 +8,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli.main import run
-from rankdrop.proof.record import sealed
+from rankdrop.proof.record import with_hash
 from rankdrop.schema import load_schema
 
 NEAREST = ["nearest", "planar3r", "--q", "0.3,1.2,0.4", "--evaluations", "2000", "--quiet"]
@@ -63,7 +63,7 @@ def test_what_was_changed_does_not(ball, capsys):
     ball.write_text(json.dumps(record))
     assert run(["verify", str(ball)]) == 3
     assert "hash" in capsys.readouterr().out
-    ball.write_text(json.dumps(sealed(record)))
+    ball.write_text(json.dumps(with_hash(record)))
     assert run(["verify", str(ball)]) == 3
     assert "do not reach" in capsys.readouterr().out
     ball.write_text(ball.read_text()[:-200])

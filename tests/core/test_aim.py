@@ -57,7 +57,7 @@ def test_newton_arrives_where_forward_kinematics_is_and_leaves_what_is_out_of_re
     goal = pose(robot, q)
     found, arrived = aim.solve(goal, q + rng.uniform(-0.01, 0.01, q.shape))
     assert arrived.all()
-    assert aim.confirmed(goal, found).all()
+    assert aim.confirms(goal, found).all()
     far = goal.copy()
     far[:, :3, 3] += 100.0
     if min(task.rows) < 3:
@@ -77,7 +77,7 @@ def test_a_row_gets_the_same_bits_alone_and_in_any_batch(rng: np.random.Generato
     q, arrived = aim.descend(goal, starts)
     there = arrived >= 0
     assert there.any()
-    assert aim.confirmed(np.broadcast_to(goal, (600, 4, 4)), q)[there].all()
+    assert aim.confirms(np.broadcast_to(goal, (600, 4, 4)), q)[there].all()
     for row in (0, 299, 599):
         alone, when = aim.descend(goal, starts[row : row + 1])
         assert np.array_equal(alone[0], q[row])

@@ -48,7 +48,7 @@ def rows_of(monitor: Monitor) -> Array:
     """100 rows of q and joint rates: on a family, near one, anywhere."""
     rng, n = np.random.default_rng(7), monitor.robot.n
     rows = rng.uniform(-3.0, 3.0, (100, 2 * n))
-    witnesses = np.array([family.witness for family in monitor.watched])
+    witnesses = np.array([family.witness for family in monitor.watched_families])
     rows[:70, :n] = witnesses[np.arange(70) % len(witnesses)]
     rows[20:70, :n] += rng.normal(size=(50, n)) * 0.05
     return rows
@@ -81,7 +81,9 @@ def test_cpp_and_c_say_what_python_says(built: Path, name: str, program: str) ->
     lines = done.stdout.splitlines()
     assert len(lines) == 100
     n, slowed, proven = monitor.robot.n, 0, 0
-    assert monitor.watched != monitor.families or name == "open_manipulator"  # numbers are not those of the kernels
+    assert (
+        monitor.watched_families != monitor.families or name == "open_manipulator"
+    )  # numbers are not those of the kernels
     for row, line in zip(rows, lines, strict=True):
         words = line.split()
         want, numbers = said_by(monitor, row[:n], row[n:])
@@ -172,7 +174,7 @@ def test_families_are_numbered_as_in_python() -> None:
     text = monitor.header()
     assert entries(text, "ids") == [f'"{one.id}"' for one in families]
     numbers = list(map(int, entries(text, "number")))
-    assert [monitor.families[i] for i in numbers] == list(monitor.watched)
+    assert [monitor.families[i] for i in numbers] == list(monitor.watched_families)
     assert sorted({1, *numbers}) == list(range(len(families)))
     assert len(numbers) == len(families) - 1
 

@@ -26,7 +26,7 @@ from rankdrop.cover.certificates import (
     write_certificate,
 )
 from rankdrop.cover.covering import Covering, write_covering
-from rankdrop.cover.setting import settings_for, settings_for_near_arms, viewed
+from rankdrop.cover.setting import best_setting, settings_for, settings_for_near_arms
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.searching import search
 from rankdrop.kinematics import pose
@@ -34,7 +34,7 @@ from rankdrop.path.check.certificate import path_certificate
 from rankdrop.path.check.check import check_path
 from rankdrop.proof import check, minors
 from rankdrop.proof.boxes import digest, load
-from rankdrop.proof.record import Unproven, claim_of, read_certificate, sealed
+from rankdrop.proof.record import Unproven, claim_of, read_certificate, with_hash
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import JointKind, Mimic
 from rankdrop.robot.open import open_robot
@@ -73,7 +73,7 @@ def judged(records, name, change=None, *, robot=None, seal=True, compared=True):
     if change is not None:
         change(record)
     asked = asked_about(robot, rows=PATHS.get(name) if compared else None)
-    return verify(write_certificate(sealed(record) if seal else record, records[1] / "one.json"), asked)
+    return verify(write_certificate(with_hash(record) if seal else record, records[1] / "one.json"), asked)
 
 
 @pytest.mark.by_hand
@@ -199,7 +199,7 @@ def test_a_distance_is_proven_again_up_to_nine_tenths_of_the_true_one(tmp_path):
         record = path_certificate(check_path(robot, rows, min_distance=0.36))
         record["claim"]["min_distance"] = 0.4 * share
         asked = asked_about(robot, rows=rows)
-        assert verify(write_certificate(sealed(record), tmp_path / "p.json"), asked).holds is holds
+        assert verify(write_certificate(with_hash(record), tmp_path / "p.json"), asked).holds is holds
 
 
 @pytest.mark.slow
@@ -306,7 +306,7 @@ def test_a_covering_lies_beside_its_certificate(records, name):
     place = records[1] / "sub" / "c.json"
     record = copy.deepcopy(records[0]["covering"])
     record["claim"]["file"] = name
-    write_certificate(sealed(record), place)
+    write_certificate(with_hash(record), place)
     with pytest.raises(ResultFileError, match="without a folder"):
         verify(place)
 
@@ -325,7 +325,7 @@ def test_the_covering_of_another_arm_or_task_does_not_hold(tmp_path, tasks):
     for mine, other in (made, made[::-1]):
         swapped = copy.deepcopy(mine)
         swapped["claim"] |= {key: other["claim"][key] for key in ("file", "sha256")}
-        told = verify(write_certificate(sealed(swapped), tmp_path / "c.json"))
+        told = verify(write_certificate(with_hash(swapped), tmp_path / "c.json"))
         assert not told.holds
         assert "another arm or task" in told.reason
 
@@ -344,13 +344,13 @@ def test_a_covering_of_a_higher_corank_holds_for_that_corank_alone(tmp_path):
                                 (2, 3, "at most 3")):  # fmt: skip
         other = copy.deepcopy(record)
         other["claim"]["corank"], other["rank"] = corank, rank
-        assert words in verify(write_certificate(sealed(other), tmp_path / "c.json"), robot).reason
+        assert words in verify(write_certificate(with_hash(other), tmp_path / "c.json"), robot).reason
     ball = ball_certificate(robot, Q["planar3r"])  # of a ball no corank is told: the rank is the one almost everywhere
     ball["rank"] = 2
-    assert "almost everywhere" in verify(write_certificate(sealed(ball), tmp_path / "b.json"), robot).reason
+    assert "almost everywhere" in verify(write_certificate(with_hash(ball), tmp_path / "b.json"), robot).reason
     ball["claim"]["corank"] = 2
     with pytest.raises(ResultFileError, match="no entry 'corank'"):
-        verify(write_certificate(sealed(ball), tmp_path / "b.json"), robot)
+        verify(write_certificate(with_hash(ball), tmp_path / "b.json"), robot)
 
 
 def test_a_sample_of_a_covering_is_no_proof(records):
@@ -405,7 +405,7 @@ def test_a_singular_configuration_of_every_task_exists(tmp_path, name, task):
         found = verify(write_certificate(record, tmp_path / "e.json"), robot)
         held += found.holds
         record["claim"]["q"] = (np.array(q) + 1e-3).tolist()
-        assert not verify(write_certificate(sealed(record), tmp_path / "e.json"), robot).holds
+        assert not verify(write_certificate(with_hash(record), tmp_path / "e.json"), robot).holds
     assert held >= (1 if name == "stanford" else 4)  # there some lie where no single joint, the others kept, leads to
 
 
@@ -418,7 +418,7 @@ def test_jacobians_in_rational_numbers_are_those_of_an_independent_model(tmp_pat
     robot = open_robot(name)
     resolved = resolve_task(task, robot)
     told = read_certificate(write_certificate(record_of(
-        robot, resolved, "existence", replace(viewed(robot, resolve_task("pose", robot)), rank=1),
+        robot, resolved, "existence", replace(best_setting(robot, resolve_task("pose", robot)), rank=1),
         {"q": [0.0] * robot.n, "radius": 0.0}, {}), tmp_path / "e.json"))  # fmt: skip
     arm = minors._Exact(told)
     anywhere = np.random.default_rng(5).uniform(-1.5, 1.5, (3, robot.n))
@@ -449,7 +449,7 @@ def test_where_the_rank_is_lower_wherever_the_arm_stands_nothing_is_said_to_be_l
         robot = open_robot(name)
         record = existence_certificate(robot, search(robot, 1, task=task, starts=12).converged[0], task)
         record["rank"] = rank
-        assert not verify(write_certificate(sealed(record), tmp_path / "e.json"), robot).holds
+        assert not verify(write_certificate(with_hash(record), tmp_path / "e.json"), robot).holds
 
 
 @pytest.mark.slow
@@ -500,7 +500,7 @@ def test_joints_about_axes_through_the_point_of_a_translation_are_free(tmp_path)
     record = ball_certificate(robot, [0.1, 0.9, 0.4, -1.2, 0.7, 1.1], task)
     assert verify(write_certificate(record, tmp_path / "ball.json")).holds
     record["view"]["link"] = 2
-    refused = verify(write_certificate(sealed(record), tmp_path / "forged.json"))
+    refused = verify(write_certificate(with_hash(record), tmp_path / "forged.json"))
     assert (refused.holds, refused.reason) == (False, "the point of the translation does not stand still in link 2")
 
 
@@ -534,7 +534,7 @@ def test_a_point_that_a_joint_moves_does_not_stand_still(kind, tmp_path):
     record = ball_certificate(robot, [0.3, 0.8, 1.1, 0.2][: robot.n], "position")
     assert verify(write_certificate(record, tmp_path / "ball.json")).holds
     record["view"]["link"] = 3
-    forged = verify(write_certificate(sealed(record), tmp_path / "forged.json"))
+    forged = verify(write_certificate(with_hash(record), tmp_path / "forged.json"))
     assert (forged.holds, forged.reason) == (False, "the point of the translation does not stand still in link 3")
 
 
@@ -545,7 +545,7 @@ def test_a_point_seen_from_an_earlier_link_is_not_proven_for_near_arms(tmp_path)
     record = ball_certificate(robot, q, "position", radius=0.02, tolerance=ModelTolerance(1e-4, 1e-4))
     assert verify(write_certificate(record, tmp_path / "ball.json")).holds
     record["view"]["link"] = 3
-    forged = verify(write_certificate(sealed(record), tmp_path / "forged.json"))
+    forged = verify(write_certificate(with_hash(record), tmp_path / "forged.json"))
     assert (forged.holds, forged.reason) == (False, "the point of the translation does not stand still in link 3")
 
 
@@ -554,7 +554,7 @@ def test_a_point_beside_an_axis_by_rounding_is_enclosed_wherever_the_joint_stand
     robot = from_dh([*FOUR[:3], (1e-10, 0, 0.1, 0)], convention="standard", name="four")
     record = ball_certificate(robot, [0.3, 0.8, 1.1, 0.2], "position")
     record["view"]["link"] = 3
-    claim = claim_of(sealed(record), tmp_path)
+    claim = claim_of(with_hash(record), tmp_path)
     seen = check.arm_of(claim)
     home = pose(robot, np.zeros(4))[:3, 3]
     for turned in (0.5, np.pi):

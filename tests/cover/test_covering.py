@@ -343,7 +343,7 @@ def test_no_place_of_an_explained_part_is_farther_from_a_family_than_a_diagonal_
     q[:, explainer.place] = explainer.low + (parts + 0.5) * explainer.width
     far = distances(families, robot, q, task).distance.min(axis=1) + np.linalg.norm(explainer.width) / 2
     whole = 2 * np.linalg.norm(found.boxes(leaves[:1])[1])
-    near = explainer.by(parts) >= 0
+    near = explainer.families_of(parts) >= 0
     assert (far[near] <= whole + 1e-6).all()
     assert far[near].max() > 0.9 * whole
     assert (far[~near] > 0.999 * whole).mean() > 0.95  # of one in forty the walk found no point
@@ -362,7 +362,7 @@ def test_boxes_between_families_that_almost_touch_are_free_when_halved_long_enou
     cells = np.array([*places, *([a, b, c + 64, d] for a, b, c, d in places)], dtype=np.int32)
     judged, by = classify_boxes(
         robot, task, found, cells, threads=1,
-        near=lambda parts, halvings: FamilyBoxes(found, robot, families, scale, halvings).by(parts),
+        near=lambda parts, halvings: FamilyBoxes(found, robot, families, scale, halvings).families_of(parts),
     )  # fmt: skip
     assert set(judged.tolist()) <= {0, 3}
     assert ((by >= 0) == (judged == 3)).all()

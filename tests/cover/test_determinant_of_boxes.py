@@ -107,7 +107,7 @@ def test_rounding_stays_below_what_is_said(name):
                 size = 2 * degree + 1
                 centre = flint.arb(LOW[j]) + (flint.arb(HIGH[j]) - LOW[j]) * (2 * place + 1) / 2 ** (level + 1)
                 form = determinant._bernstein(degree, (made._width(j, level) / 2).tan())
-                matrix = form * determinant._turned(degree, centre)
+                matrix = form * determinant._shifted_waves(degree, centre)
                 entries = (matrix * flint.arb_mat(size, len(entries) // size, entries)).transpose().entries()
             exact = [float(x.mid()) for x in entries]
             worst = max(worst, abs(min(exact) - low[row]), abs(max(exact) - high[row]))
@@ -274,7 +274,7 @@ def test_a_range_halved_forty_times_costs_no_table_of_its_parts(tmp_path, monkey
     assert (tree.leaves, tree.free_boxes) == (2, 2 * (depth - 1))
     write_covering(tmp_path / "deep.cover", Covering(plan, tree, 0, 0))
     file = write_certificate(covering_certificate(arm, plan, digest(plan, tree), "deep.cover", task), tmp_path / "deep")
-    made, calls = determinant._turned, count(1)
+    made, calls = determinant._shifted_waves, count(1)
 
     def turned(*given):
         assert next(calls) < 100_000, "a table of all parts"

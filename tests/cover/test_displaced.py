@@ -18,7 +18,7 @@ from rankdrop.families.searching import search
 from rankdrop.local.block import singular_values
 from rankdrop.path.check.certificate import path_certificate, proven_for_near_arms
 from rankdrop.path.check.check import check_path
-from rankdrop.proof.record import sealed
+from rankdrop.proof.record import with_hash
 from rankdrop.robot.model import JointKind, Mimic
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -159,7 +159,7 @@ def test_near_arms_of_a_certified_ball_keep_their_rank(name, tmp_path):
         least = min(least, float(singular_values(other, at[None], resolve_task("pose", other))[0, -1]))
     assert least > 0.0
     record["tolerance"]["angle"] = 0.1
-    assert not verify(write_certificate(sealed(record), tmp_path / "b.json"), enclosures=500).holds
+    assert not verify(write_certificate(with_hash(record), tmp_path / "b.json"), enclosures=500).holds
 
 
 def test_columns_of_joints_that_follow_one_another_change_together():
@@ -188,7 +188,7 @@ def test_balls_for_near_arms_of_other_joints_and_tasks_are_proven_again(name, ta
     assert found.holds, found.reason
     assert "every arm within 0.0003 m" in found.claim
     record["tolerance"] |= {"angle": 0.1, "length": 0.5}
-    assert not verify(write_certificate(sealed(record), tmp_path / "b.json"), enclosures=500).holds
+    assert not verify(write_certificate(with_hash(record), tmp_path / "b.json"), enclosures=500).holds
 
 
 def planar(count):

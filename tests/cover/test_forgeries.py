@@ -26,7 +26,7 @@ from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.path.check.certificate import path_certificate
 from rankdrop.path.check.check import check_path
 from rankdrop.proof.boxes import BitTree, digest, load, plan_from_entries
-from rankdrop.proof.record import Refused, _certificate, fingerprint, sealed
+from rankdrop.proof.record import Refused, _certificate, fingerprint, with_hash
 from rankdrop.proof.record import _link as link_of
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
@@ -94,7 +94,7 @@ def printed(found: Verified) -> tuple[str, ...]:
 def judged(folder: Path, record: Record, rows: Any = None) -> Verified | None:
     """The verdict on a certificate, of a path compared with the user's rows; None where it is refused as malformed."""
     try:
-        return verify(write_certificate(sealed(record), folder / "one.json"), asked_about(None, rows=rows),
+        return verify(write_certificate(with_hash(record), folder / "one.json"), asked_about(None, rows=rows),
                       enclosures=WORK)  # fmt: skip
     except ResultFileError:
         return None
@@ -262,7 +262,7 @@ def test_a_covering_of_a_small_box_is_none_of_the_joint_space(tmp_path):
         write_covering(tmp_path / "forged.cover", Covering(forged, empty, tested, freed))
         claim = {key: list(value) for key, value in narrow.items()} | {"limits": limits}
         record["claim"] |= claim | {"file": "forged.cover", "sha256": digest(forged, empty)}
-        found = verify(write_certificate(sealed(record), tmp_path / "c.json"), every=True)
+        found = verify(write_certificate(with_hash(record), tmp_path / "c.json"), every=True)
         assert not found.holds
         assert words in found.reason
 
@@ -280,7 +280,7 @@ def test_a_covering_leaves_out_no_joint_that_decides(tmp_path):
     write_covering(tmp_path / "f.cover", Covering(forged, empty, tested, freed))
     record["claim"] |= {key: list(value) for key, value in fewer.items() if key != "depth"}
     record["claim"] |= {"file": "f.cover", "sha256": digest(forged, empty)}
-    found = verify(write_certificate(sealed(record), tmp_path / "c.json"), every=True)
+    found = verify(write_certificate(with_hash(record), tmp_path / "c.json"), every=True)
     assert not found.holds
     assert "leaves out a joint that decides" in found.reason
 
@@ -296,7 +296,7 @@ def test_a_joint_that_others_follow_by_half_turns_has_no_whole_turn(tmp_path):
     write_covering(tmp_path / "f.cover", Covering(forged, tree, tested, freed))
     record["claim"] |= {"turns": [True, True], "lower": list(forged.lower), "upper": list(forged.upper)}
     record["claim"] |= {"file": "f.cover", "sha256": digest(forged, tree)}
-    found = verify(write_certificate(sealed(record), tmp_path / "c.json"), every=True)
+    found = verify(write_certificate(with_hash(record), tmp_path / "c.json"), every=True)
     assert not found.holds
     assert "said to be a turn, and is none" in found.reason
     endless = replace(wide, joints=tuple(replace(one, lower=-np.inf, upper=np.inf) for one in robot.joints))

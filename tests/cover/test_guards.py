@@ -21,7 +21,7 @@ from rankdrop.cover.certificates import (
     write_certificate,
 )
 from rankdrop.cover.covering import write_covering
-from rankdrop.cover.setting import middle_of, viewed
+from rankdrop.cover.setting import best_setting, middle_of
 from rankdrop.proof import covers
 from rankdrop.proof.arm import BITS, Arm, Region
 from rankdrop.proof.boxes import bits, digest
@@ -56,7 +56,7 @@ def test_a_zero_outside_the_box_is_none_in_it(away, inside):
     width = 1e-10
     zero = Linear(away * width)
     start = [flint.arb(0)]
-    assert zero._inside(start, start, flint.arb_mat([[0]]), width) is inside
+    assert zero._krawczyk_inside(start, start, flint.arb_mat([[0]]), width) is inside
 
 
 def test_a_box_next_to_a_singular_configuration_holds_none(tmp_path):
@@ -67,9 +67,9 @@ def test_a_box_next_to_a_singular_configuration_holds_none(tmp_path):
     start = zero._start()
     _, slope = zero._equations(start)
     planes, width = zero._planes(slope), 1e-6
-    assert zero._inside(start, start, planes, width)
+    assert zero._krawczyk_inside(start, start, planes, width)
     beside = [x + 1.5 * width * (place == 0) for place, x in enumerate(start)]
-    assert not zero._inside(beside, start, planes, width)
+    assert not zero._krawczyk_inside(beside, start, planes, width)
 
 
 def region_of(lower: tuple[float, ...], upper: tuple[float, ...], cell: Cell) -> Any:
@@ -111,9 +111,9 @@ def test_a_box_is_enclosed_wider_than_its_rounded_centre_can_be_off():
     robot = open_robot("almarkhi4")
     found = covering(robot, 1.6)
     level = found.plan.shape.levels
-    boxes = covers_of._Boxes(robot, None, covers_of.viewed(robot, covers_task(robot)), found.plan, 1)
+    boxes = covers_of._Boxes(robot, None, covers_of.best_setting(robot, covers_task(robot)), found.plan, 1)
     cells = np.array([[0] * found.plan.shape.variables, [(1 << d) - 1 for d in found.plan.depth]], dtype=np.int32)
-    q, half = boxes._at(cells, level)
+    q, half = boxes._centres_and_halves(cells, level)
     for row, cell in enumerate(cells):
         for place, j in enumerate(found.plan.variables):
             low, high = flint.arb(found.plan.lower[place]), flint.arb(found.plan.upper[place])
@@ -137,7 +137,7 @@ def test_two_signs_need_more_than_rounding(monkeypatch):
     robot = open_robot("planar3r")
     found = covering(robot, 0.4)
     task = covers_task(robot)
-    boxes = covers_of._Boxes(robot, task, covers_of.viewed(robot, task), found.plan, 1)
+    boxes = covers_of._Boxes(robot, task, covers_of.best_setting(robot, task), found.plan, 1)
     cells = found.plan.shape.children(*_last(found), found.plan.shape.levels)[0]
     assert boxes.proven(cells).any()
     sizes = iter(range(100))
@@ -237,7 +237,7 @@ def test_every_joint_that_moves_a_column_decides(link):
     q, zero = np.full(6, 0.3), [flint.arb(0)] * 6
 
     def columns(at: Any) -> Any:
-        return arm.jacobian(arm.seen([flint.arb(float(x)) for x in at], zero)[0])
+        return arm.jacobian(arm.screws_over([flint.arb(float(x)) for x in at], zero)[0])
 
     changing = [j for j in range(6) if np.abs(columns(q + 0.5 * np.eye(6)[j]) - columns(q)).max() > 1e-9]
     assert arm.moving == changing
@@ -315,7 +315,7 @@ def test_a_rank_that_the_arm_never_has_is_not_lost(tmp_path):
     home[:3, 3] = (0.7, 0.4, 0.2)
     robot = Robot("blind", joints, home)
     task = resolve_task("position", robot)
-    setting = replace(viewed(robot, task), rank=3)
+    setting = replace(best_setting(robot, task), rank=3)
     record = record_of(robot, task, "existence", setting, {"q": [0.3, 0.9, 0.2], "radius": 1e-6}, {})
     claim = read_certificate(write_certificate(record, tmp_path / "e.json"))
     assert claim.rank == 3

@@ -82,7 +82,7 @@ def test_every_place_of_a_region_is_in_it(name, wide, along):
         chord = rng.uniform(-1.0, 1.0, robot.n) * wide if along else np.zeros(robot.n)
         numbers = [[arb(float(x)) for x in row] for row in (q, half, chord)]
         place = Region(numbers[0], numbers[1], numbers[2] if along else None)
-        found, u, v = arm.enclosed(place, list(setting.rows), setting.rank)
+        found, u, v = arm.enclose(place, list(setting.rows), setting.rank)
         middle, width = middles(found)
         for k in range(60):
             s = rng.choice([-1.0, 1.0], robot.n) if k % 2 else rng.uniform(-1, 1, robot.n)
@@ -100,7 +100,7 @@ def test_a_region_without_size_is_a_point():
     arm, turn = checker(robot, setting)
     q = np.array([0.3, -0.8, 1.2, 0.4, 0.9, 0.1])
     zero = [flint().arb(0)] * 6
-    found, u, v = arm.enclosed(Region([flint().arb(float(x)) for x in q], zero), list(setting.rows), 6)
+    found, u, v = arm.enclose(Region([flint().arb(float(x)) for x in q], zero), list(setting.rows), 6)
     middle, width = middles(found)
     assert width.max() < 1e-15
     np.testing.assert_allclose(middle, values(robot, q, setting, turn, u, v), atol=1e-12)
@@ -125,7 +125,7 @@ def test_arms_within_a_tolerance_are_in_it_and_the_worst_of_them_reach_its_ends(
         arm, turn = checker(robot, setting)
         q = rng.uniform(-2, 2, robot.n)
         zero = [arb(0)] * robot.n
-        found, u, v = arm.enclosed(Region([arb(float(x)) for x in q], zero), list(setting.rows), setting.rank, told)
+        found, u, v = arm.enclose(Region([arb(float(x)) for x in q], zero), list(setting.rows), setting.rank, told)
         middle, width = middles(found)
 
         def value(turns, moves, tool, setting=setting, turn=turn, u=u, v=v, q=q):
@@ -182,7 +182,7 @@ def one_entry(joints, q, link, row, angle):
     setting = SimpleNamespace(link=link, point=(0.0, 0.0, 0.0), length=1.0, rows=(row,))
     arm, turn = checker(robot, setting)
     place = Region([arb(float(x)) for x in q], [arb(0)] * robot.n)
-    found, u, v = arm.enclosed(place, [row], 1, Tolerance(0.0, angle, points_of(robot)))
+    found, u, v = arm.enclose(place, [row], 1, Tolerance(0.0, angle, points_of(robot)))
     middle, width = middles(found)
     turns = np.tile([angle, 0.0, 0.0], (len(joints), 1))
     other = displaced_arm(robot, turns, np.zeros((len(joints), 3)))

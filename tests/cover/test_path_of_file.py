@@ -24,7 +24,7 @@ from rankdrop.path import check_path, check_poses, path_asked, path_certificate
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import curve
 from rankdrop.proof.curves import AskedPath, ToolPath, control_points
-from rankdrop.proof.record import Unproven, claim_of, sealed
+from rankdrop.proof.record import Unproven, claim_of, with_hash
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 
@@ -56,7 +56,7 @@ def honest(interpolate: str) -> Record:
 
 def verdict(folder: Path, record: Record, path: AskedPath | None, robot: Robot | None = None) -> Any:
     asked = asked_about(robot or open_robot("ur5e"), path=path)
-    return verify(write_certificate(sealed(record), folder / "one.json"), asked)
+    return verify(write_certificate(with_hash(record), folder / "one.json"), asked)
 
 
 @pytest.mark.parametrize("degree", [1, 3, 5])

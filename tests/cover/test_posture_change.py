@@ -17,12 +17,12 @@ from rankdrop.cli.main import run
 from rankdrop.cover import asked_about, verify, write_certificate
 from rankdrop.cover.ball import points_of
 from rankdrop.cover.certificates import Verified, record_of
-from rankdrop.cover.setting import viewed
+from rankdrop.cover.setting import best_setting
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.path import path_asked
 from rankdrop.proof.arm import BITS, flint
 from rankdrop.proof.postures import _Pose
-from rankdrop.proof.record import CHANGE, claim_of, fingerprint, sealed
+from rankdrop.proof.record import CHANGE, claim_of, fingerprint, with_hash
 from rankdrop.proof.record import _certificate as read
 from rankdrop.proof.record import _link as link_of
 from rankdrop.robot.open import open_robot
@@ -40,7 +40,7 @@ def honest() -> dict[str, Record]:
 
 def judged(record: Record, folder: Path, **asked: Any) -> Verified:
     about = asked_about(asked.pop("robot", None), **asked)
-    return verify(write_certificate(sealed(record), folder / "change.json"), about)
+    return verify(write_certificate(with_hash(record), folder / "change.json"), about)
 
 
 def test_what_is_proven_of_a_cuspidal_arm_holds_and_is_said_first(honest: dict[str, Record], tmp_path: Path) -> None:
@@ -139,7 +139,7 @@ def test_a_task_of_some_rows_is_refused(tmp_path: Path) -> None:
     robot = open_robot("planar3r")
     task = resolve_task(None, robot)
     entries = {"degree": 1, "points": [[0.1, 0.9, 0.3], [0.2, 1.0, 0.4]], "radius": 1e-9, "limits": False}
-    found = judged(record_of(robot, task, CHANGE, viewed(robot, task), entries, {}), tmp_path)
+    found = judged(record_of(robot, task, CHANGE, best_setting(robot, task), entries, {}), tmp_path)
     assert not found.holds
     assert "tasks that take all rows" in found.reason
 
@@ -188,7 +188,7 @@ def test_the_equations_have_the_slopes_of_the_arm(joints: str) -> None:
     robot = region.coupled(rng, joints)
     q = rng.uniform(-0.5, 0.5, (2, robot.n))
     task = resolve_task("pose", robot)
-    setting = viewed(robot, task)
+    setting = best_setting(robot, task)
     made = record_of(robot, task, CHANGE, setting, {"degree": 1, "points": q.tolist(), "radius": 1e-9, "limits": False},
                      {})  # fmt: skip
     with flint().ctx.workprec(BITS):

@@ -18,15 +18,15 @@ from rankdrop.cli.main import run
 from rankdrop.cover import asked_about, verify, write_certificate
 from rankdrop.cover.ball import points_of
 from rankdrop.cover.certificates import Verified, record_of
-from rankdrop.cover.setting import viewed
+from rankdrop.cover.setting import best_setting
 from rankdrop.errors import OptionError
 from rankdrop.exact.posture_changes import NO_CUSP, Decision
 from rankdrop.kinematics import pose
 from rankdrop.local.block import sample
-from rankdrop.poses.inverse import apart, solutions
+from rankdrop.poses.inverse import joint_difference, solutions
 from rankdrop.proof.arm import BITS, Arm, flint
 from rankdrop.proof.record import SIGNS as SIGN_PROOF
-from rankdrop.proof.record import STRUCTURES, claim_of, fingerprint, sealed
+from rankdrop.proof.record import STRUCTURES, claim_of, fingerprint, with_hash
 from rankdrop.proof.record import _certificate as read
 from rankdrop.proof.record import _link as link_of
 from rankdrop.proof.signs import _Factors
@@ -54,11 +54,11 @@ def arm(name: str) -> Robot:
 
 def claimed(robot: Robot, structure: str) -> Record:
     task = resolve_task(None, robot)
-    return record_of(robot, task, SIGN_PROOF, viewed(robot, task), {"structure": structure}, {})
+    return record_of(robot, task, SIGN_PROOF, best_setting(robot, task), {"structure": structure}, {})
 
 
 def judged(record: Record, folder: Path) -> Verified:
-    return verify(write_certificate(sealed(record), folder / "signs.json"))
+    return verify(write_certificate(with_hash(record), folder / "signs.json"))
 
 
 def hashed(record: Record) -> Record:
@@ -92,7 +92,7 @@ def test_solutions_of_one_pose_differ_in_a_sign(name: str) -> None:
             signs = [tuple(value > 0 for value in factors.values(base, [f.arb(float(x)) for x in one]))
                      for one in found]  # fmt: skip
             assert len(set(signs)) == len(signs)
-            assert all(np.abs(apart(robot, one, found)).max(axis=1).min() < 1e-9 for one in found)
+            assert all(np.abs(joint_difference(robot, one, found)).max(axis=1).min() < 1e-9 for one in found)
             most = max(most, len(found))
     assert most >= 2
 

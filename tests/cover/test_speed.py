@@ -19,7 +19,7 @@ from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.units import scaled
+from rankdrop.units import scale_lengths
 
 WRISTS = [("irb120", 5, (0.0,)), ("ur5e", 5, (0.0, np.pi)), ("kr6r900", 5, (0.0,))]
 FEW = np.radians(8.0)
@@ -205,7 +205,7 @@ def test_the_slowest_motion_of_a_spare_joint_is_that_of_a_linear_programme() -> 
 @pytest.mark.slow
 def test_an_arm_in_millimetres_has_the_same_distances() -> None:
     arm = open_robot("irb120")
-    larger = scaled(arm, 3)
+    larger = scale_lengths(arm, 3)
     one, other = (SpeedRegion(x, resolve_task(None, x), 0.25, span=0.05) for x in (arm, larger))
     assert one.distance("", 5, (0.0,)).kept_from == pytest.approx(other.distance("", 5, (0.0,)).kept_from, abs=2e-3)
 

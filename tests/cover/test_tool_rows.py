@@ -20,7 +20,7 @@ from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian
 from rankdrop.path.check.certificate import path_certificate
 from rankdrop.path.check.check import check_path
-from rankdrop.proof.record import sealed
+from rankdrop.proof.record import with_hash
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BODY, Frame, resolve_task
@@ -142,8 +142,8 @@ def test_forged_axes_are_not_confirmed(tmp_path: Path) -> None:
     forged["claim"]["q"][4] = 0.01
     for view in ({}, {"link": 2}, {"link": 0}):
         forged["view"] |= view
-        assert not _checked(sealed(forged), tmp_path).holds
+        assert not _checked(with_hash(forged), tmp_path).holds
     turned = copy.deepcopy(record)
     turned["arm"]["home"] = tilted(robot).home.tolist()
     asked = asked_about(robot, task="tool-axis-free")
-    assert not verify(write_certificate(sealed(turned), tmp_path / "one.json"), asked).holds
+    assert not verify(write_certificate(with_hash(turned), tmp_path / "one.json"), asked).holds

@@ -10,7 +10,7 @@ import pytest
 
 import rankdrop
 from rankdrop.cover.setting import enclose, setting_at_tip
-from rankdrop.designs.postures import poses_at, reached, slow_poses, targets_of
+from rankdrop.designs.postures import best_postures, poses_at, slow_poses, targets_of
 from rankdrop.designs.ranking import rank
 from rankdrop.designs.region import RegionBounds, _Proof, region_bounds
 from rankdrop.designs.spec import spec_of
@@ -41,7 +41,7 @@ def sigma_of_two_links(forearm: float, scale: float, distance: np.ndarray) -> np
 def bounds(problem: Problem, low: np.ndarray, high: np.ndarray, rpy: np.ndarray | None, seed: int,
            budget: int = 5000) -> RegionBounds:  # fmt: skip
     targets = targets_of(low, high, rpy, 10, seed)
-    sigma, q, _ = reached(problem, targets, oriented=rpy is not None, starts=12, seed=seed)
+    sigma, q, _ = best_postures(problem, targets, oriented=rpy is not None, starts=12, seed=seed)
     found = np.isfinite(sigma)
     return region_bounds(problem, low, high, rpy, (sigma[found], targets[found, :3, 3], q[found]), starts=12,
                          seed=seed, budget=budget)  # fmt: skip
@@ -92,7 +92,7 @@ def test_what_is_left_out_and_proven_holds_at_random(name: str, task: str | None
     assert own == pytest.approx(singular_values(arm, postures, problem.task)[:, : setting.rank], abs=1e-10)
     # a posture that reaches the pose is never lost, nor is its σ bounded too low
     at = rankdrop.kinematics.pose(arm, postures)[:, :3, 3]
-    q, sigma = proof.postures.found(poses_at(at, turned), postures)
+    q, sigma = proof.postures.solve(poses_at(at, turned), postures)
     good = np.isfinite(sigma)
     assert good.sum() >= 3
     q, sigma, at = q[good], sigma[good], at[good]
@@ -101,7 +101,7 @@ def test_what_is_left_out_and_proven_holds_at_random(name: str, task: str | None
         half = np.where(idle, 0.0, size)[None]
         for one, value, place in zip(q, sigma, at, strict=True):
             centre = np.where(idle, 0.0, one + rng.uniform(-size, size, arm.n))[None]
-            c, h = proof._left(poses_at(place[None], turned)[0], centre, half)
+            c, h = proof._boxes_left(poses_at(place[None], turned)[0], centre, half)
             assert len(c) == 1
             assert (np.abs(c[0] - np.where(idle, 0.0, one)) <= h[0] + 1e-7).all()
             assert proof._most(centre, half)[0] >= value - 1e-9
@@ -112,7 +112,7 @@ def test_what_is_left_out_and_proven_holds_at_random(name: str, task: str | None
     assert len(rows)
     for i in rows[:5]:
         corner = at[i] + cells[i] * rng.choice([-1.0, 1.0], 3)
-        _, value = proof.postures.found(poses_at(corner[None], turned), q[i : i + 1])
+        _, value = proof.postures.solve(poses_at(corner[None], turned), q[i : i + 1])
         assert value[0] >= low[i] - 1e-9
         assert low[i] > 0.3 * value[0]
 

@@ -19,7 +19,7 @@ from rankdrop.cli import main
 from rankdrop.cli.design import CompareOptions
 from rankdrop.codec import json_text
 from rankdrop.designs import Designs, compare, write_tables
-from rankdrop.designs.measure import families_of, measured, nominal_conditions, with_lengths_of
+from rankdrop.designs.measure import families_of, measure_arm, nominal_conditions, with_lengths_of
 from rankdrop.designs.ranking import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours, rank
 from rankdrop.designs.spec import question_of, spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
@@ -473,7 +473,7 @@ def test_the_note_of_an_arm_without_rate_limits_says_what_is_missing() -> None:
     others = ("families", "aspects", "near", "region", "paths", "certified")
     asks = {"slow": {"speed": 0.25, "turn_speed": 0.0, "samples": 100}} | dict.fromkeys(others)
     arms = [rankdrop.open_robot(name) for name in ("planar3r", "irb120")]
-    records = [measured(arm, resolve_task(None, arm), asks, None, limits=False, seed=0) for arm in arms]
+    records = [measure_arm(arm, resolve_task(None, arm), asks, None, limits=False, seed=0) for arm in arms]
     assert [one["measures"]["slow"] is None for one in records] == [True, False]
     assert "–: too few joints have a rate limit, state `velocity`" in error_text(records, "slow")
     assert "rate limit" not in error_text(records[1:], "slow")
@@ -485,7 +485,7 @@ def test_the_share_of_slow_configurations_is_that_of_analyze_with_its_interval()
     task = resolve_task(None, arm)
     others = ("families", "aspects", "near", "region", "paths", "certified")
     asks = {"slow": {"speed": 0.25, "turn_speed": 0.0, "samples": 300}} | dict.fromkeys(others)
-    record = measured(arm, task, asks, None, limits=False, seed=5)
+    record = measure_arm(arm, task, asks, None, limits=False, seed=5)
     expected = slower_than(Problem(arm, task), 0.25, samples=300, seed=5)
     assert expected is not None
     slow = record["slow"]

@@ -10,7 +10,7 @@ from known.members import members
 from reference import arms
 
 from rankdrop.distance.distance import distances
-from rankdrop.distance.monitor import Monitor, compiled
+from rankdrop.distance.monitor import Monitor, compile_families
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.record import Family
 from rankdrop.formula.equation import Equation, Term
@@ -259,7 +259,7 @@ def test_broken_input_is_refused():
     assert monitor.look(np.zeros((0, 7))).u.shape == (0, 6, 6)
     ur5 = shipped("ur5")
     with pytest.raises(OptionError, match="another number of joints"):
-        compiled(found.families, ur5.robot, ur5.task)
+        compile_families(found.families, ur5.robot, ur5.task)
 
 
 def test_the_nearest_family_of_an_arm_of_pinned_joints_is_the_nearest_there_is(rng: np.random.Generator) -> None:

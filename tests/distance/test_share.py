@@ -14,7 +14,7 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text
 from rankdrop.distance.distance import family_distances
-from rankdrop.distance.share import _walked, near_shares, slow_share, slower_than
+from rankdrop.distance.share import _reaches_zero, near_shares, slow_share, slower_than
 from rankdrop.errors import OptionError
 from rankdrop.families.points import near_family
 from rankdrop.kinematics import jacobian
@@ -59,7 +59,7 @@ def test_being_near_is_what_walking_there_says(name):
     for i, at in enumerate(q):
         distances = {one.family.id: one.distance for one in family_distances(rows, robot, at, found.task)}
         walked[:, i] = [distances[row.id] <= delta for row in rows]
-    walks = [partial(_walked, row, scale, np.random.default_rng(0)) for row in rows]
+    walks = [partial(_reaches_zero, row, scale, np.random.default_rng(0)) for row in rows]
     pairs = zip(rows, walks, strict=True)
     ours = np.array([near_family(row, q, delta, scale, robot.periodic, walk) for row, walk in pairs])
     assert np.array_equal(ours, walked)

@@ -268,5 +268,6 @@ def test_a_finished_job_is_read_without_a_lock(
     truth: list[tuple[int, bytes]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made(job(), folder=tmp_path)
-    monkeypatch.setattr("rankdrop.jobs.running.locked", lambda _: pytest.fail("a lock is made in a folder of results"))
+    refuse = "a lock is made in a folder of results"
+    monkeypatch.setattr("rankdrop.jobs.running.lock_name", lambda _: pytest.fail(refuse))
     assert made(job(), folder=tmp_path) == truth

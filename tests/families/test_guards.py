@@ -13,7 +13,7 @@ from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.inspection import Signature, inspect, verify_points
 from rankdrop.families.row import Linear, Row, membership, on_row, solve_at_special_values, soundness, verify_values
 from rankdrop.families.searching import search, unseen
-from rankdrop.formula.equation import Equation, System, Term, normalised
+from rankdrop.formula.equation import Equation, System, Term, normalised_equation
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
 from rankdrop.results.known import shipped
@@ -102,7 +102,7 @@ def widened(joints: tuple[int, ...] = (1, 3, 5)) -> Equation:
     for joint in joints:  # sin a cos b = (sin(a + b) + sin(a − b))/2
         for sign in (4, -4):
             terms.append(Term(0.5, "sin", tuple(sign * (i == joint) + h for i, h in enumerate(wrist)), zero))
-    return normalised(terms)
+    return normalised_equation(terms)
 
 
 def test_regular_solutions_count_against_a_row(rng) -> None:
@@ -156,4 +156,4 @@ def wrist_times(joint: int, value: float) -> Equation:
         turned = tuple(2 * (i == 4) + sign * 2 * (i == joint) for i in range(6))
         terms.append(Term(-sign * cos(value) / 2, "cos", turned, (0,) * 6))
         terms.append(Term(-np.sin(value) / 2, "sin", turned, (0,) * 6))
-    return normalised(terms)
+    return normalised_equation(terms)

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rankdrop.distance.workspaces import _across, section_of, workspace
+from rankdrop.distance.workspaces import _normals_to, section_of, workspace
 from rankdrop.families.points import general_member, members
 from rankdrop.families.slices import (
     Slice,
@@ -217,7 +217,7 @@ def test_the_same_seed_gives_the_same_pictures() -> None:
 
 @pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.6, 0.0, 0.8), (-0.95, 0.3122498999199199, 0.0)])
 def test_a_section_has_two_unit_vectors_across_its_axis(axis: tuple[float, float, float]) -> None:
-    x, y = _across(np.array(axis))
+    x, y = _normals_to(np.array(axis))
     frame = np.array([x, y, axis])
     np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-15)
     assert np.linalg.det(frame) == pytest.approx(1.0)

@@ -11,7 +11,7 @@ import pytest
 from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.row import vanishing_on
-from rankdrop.formula.equation import Equation, System, Term, normalised, pretty_angle
+from rankdrop.formula.equation import Equation, System, Term, normalised_equation, pretty_angle
 
 N = 4
 
@@ -147,7 +147,7 @@ def test_pretty_is_short():
     zero = (0,) * 3
     terms = [Term(0.4318, "cos", (0, 2, 0), zero), Term(-1.0, "sin", (0, 2, 2), zero), Term(2.0, "cos", zero, zero)]
     assert Equation(tuple(terms)).pretty() == "0.4318 cos θ2 − sin(θ2+θ3) + 2"
-    assert normalised(terms).pretty() == "0.2159 cos θ2 − 0.5 sin(θ2+θ3) + 1"
+    assert normalised_equation(terms).pretty() == "0.2159 cos θ2 − 0.5 sin(θ2+θ3) + 1"
     noise = Term(1e-14, "cos", (2, 2, 0), (0, 0, 0))
     assert Equation((noise, *terms)).pretty() == "0.4318 cos θ2 − sin(θ2+θ3) + 2"
     angles = [pretty_angle(x) for x in (0, pi, -pi / 2, 2 * pi / 3, pi / 12, 0.5)]

@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.formula.notation import Text
-from rankdrop.formula.shortest import gathered, length, shortest
+from rankdrop.formula.shortest import factor_out, length, shortest
 from rankdrop.formula.sums import Product, Sum, Symbol, Wave, fourier, half_of, product, total, wave
 
 
@@ -44,7 +44,7 @@ def test_every_form_of_a_random_polynomial_is_equal_to_it(seed):
     f = random_polynomial(ring, rng, 5, 1 + seed % 3)
     plain = fourier(ring.form(f))
     assert same(plain, f, ring)
-    assert same(gathered(plain), f, ring)
+    assert same(factor_out(plain), f, ring)
     short = shortest(f, ring)
     assert same(short, f, ring)
     assert length(short) <= length(plain)

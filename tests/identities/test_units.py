@@ -25,7 +25,7 @@ from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.text.lost import lost_sentences
-from rankdrop.units import in_units, out_of_units, scaled
+from rankdrop.units import in_units, out_of_units, scale_lengths
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
 from rankdrop.verbs.explain import explain
@@ -47,7 +47,7 @@ def arm(name: str) -> Robot:
 
 @cache
 def analysed(name: str, unit: str, starts: int) -> Analysis:
-    return analyze(scaled(arm(name), UNITS.get(unit, 0)), starts=starts, exact="on" if name in FAST else "auto")
+    return analyze(scale_lengths(arm(name), UNITS.get(unit, 0)), starts=starts, exact="on" if name in FAST else "auto")
 
 
 _LENGTH = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m/rad|m)\b")
@@ -122,7 +122,7 @@ def test_other_kinds_of_arms_do_not_depend_on_the_unit(name: str, unit: str) -> 
 
 @cache
 def derived(name: str, unit: str) -> Conditions:
-    return conditions(scaled(arm(name), UNITS.get(unit, 0)), points=100)
+    return conditions(scale_lengths(arm(name), UNITS.get(unit, 0)), points=100)
 
 
 def check_exact(name: str, unit: str) -> None:
@@ -175,12 +175,12 @@ def test_an_arm_in_its_own_unit_is_the_same_to_the_last_bit(unit: str) -> None:
     """Of every arm of the catalogue; everything else rests on this."""
     other_bits, other_reach, off, long, other_limits = [], [], [], [], []
     for name in known_names():
-        one, other = in_units(arm(name)), in_units(scaled(arm(name), UNITS[unit]))
+        one, other = in_units(arm(name)), in_units(scale_lengths(arm(name), UNITS[unit]))
         if (geometry(one) != geometry(other)).any():
             other_bits.append(name)
         if reach(one) != reach(other):
             other_reach.append(name)
-        if not np.abs(geometry(one) - geometry(scaled(arm(name), -one.exponent))).max() < 1e-14:
+        if not np.abs(geometry(one) - geometry(scale_lengths(arm(name), -one.exponent))).max() < 1e-14:
             off.append(name)
         if not 10**-0.5 <= reach(one) <= 10**0.5:
             long.append(name)
@@ -225,7 +225,7 @@ def test_slides_without_limits_are_sampled_by_the_reach_of_the_links(travel: flo
     """±1e6 m, as a mobile base has it, hid every family that the exact side has."""
     base = arm("planar2r")
     rail = Joint("rail", JointKind.PRISMATIC, np.array([1.0, 0, 0, 0, 0, 0]), -travel, travel)
-    robot = scaled(replace(base, name="rail", joints=(rail, *base.joints)), UNITS.get(unit, 0))
+    robot = scale_lengths(replace(base, name="rail", joints=(rail, *base.joints)), UNITS.get(unit, 0))
     assert reach(robot) == pytest.approx(reach(base) * 10.0 ** UNITS.get(unit, 0))
     found = analyze(robot, starts=200, exact="on")
     rows = [(one.corank, one.dimension, [pin.number for pin in one.pinned]) for one in found.families]
@@ -286,7 +286,7 @@ def explained(robot: Robot, q: np.ndarray, power: int) -> list[Any]:
 @pytest.mark.parametrize("name", ["stanford", "puma560", "scara"])
 def test_what_is_said_of_a_configuration_does_not_depend_on_the_unit(name: str, unit: str) -> None:
     power = UNITS[unit]
-    robot = scaled(arm(name), power)
+    robot = scale_lengths(arm(name), power)
     slides = [joint.kind is JointKind.PRISMATIC for joint in robot.variables]
     for q in asked(name):
         there = np.where(slides, q * 10.0**power, q)
@@ -298,7 +298,7 @@ def test_what_is_said_of_a_configuration_does_not_depend_on_the_unit(name: str, 
 def test_slices_of_joint_space_do_not_depend_on_the_unit(unit: str) -> None:
     drawn = []
     for power in (0, UNITS[unit]):
-        robot = scaled(arm("stanford"), power)
+        robot = scale_lengths(arm("stanford"), power)
         task = resolve_task(None, robot)
         known = known_analysis(robot, task)
         assert known is not None
@@ -317,7 +317,7 @@ def test_slices_of_joint_space_do_not_depend_on_the_unit(unit: str) -> None:
 def test_signs_of_lengths_do_not_depend_on_the_unit(power: int) -> None:
     """a2² of an arm of 1 µm is 2e-13, and not zero."""
     pytest.importorskip("flint")
-    chain = exact_chain(scaled(arm("puma560"), power))
+    chain = exact_chain(scale_lengths(arm("puma560"), power))
     letter = chain.ring.letter_half
     assert sign_of(chain, letter["a2"] ** 2) == 1
     assert sign_of(chain, letter["a3"] ** 2 - letter["d3"] ** 2) == -1

@@ -84,4 +84,4 @@ def test_what_lines_have_in_common_is_seen() -> None:
     assert not s.common_point((0, 1))[1].any(), "one line has no single point"
     assert s.coplanar((0, 1, 2)).all()
     assert not s.coplanar((0, 2, 3)).any()
-    assert not s.moved(0, pi / 3).meeting(2, 3).all()
+    assert not s.after_motion(0, pi / 3).meeting(2, 3).all()

@@ -19,7 +19,7 @@ from rankdrop.robot.open import open_robot
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.task import TIP, Frame
 from rankdrop.text import lost_text
-from rankdrop.units import scaled
+from rankdrop.units import scale_lengths
 from rankdrop.verbs.explain import explain
 
 TOOL = ((0.03, -0.05, 0.12), (0.3, -0.4, 0.5))
@@ -133,7 +133,7 @@ def test_a_tool_moves_no_singularity_and_families_keep_their_names():
 
 def test_it_is_the_same_in_millimetres():
     plain, q = open_robot("ur5e"), np.radians([0, -60, 0, 40, 50, 0])
-    small = scaled(plain, 3)
+    small = scale_lengths(plain, 3)
     one, other = (explain(arm, q, frame="base", evaluations=0) for arm in (plain, small))
     assert other.rates.lost_shares == pytest.approx(one.rates.lost_shares, abs=1e-9)
     assert constraint([0, 1, 0, 0, 0, 0.1]) == "vy + 0.1 m·ωz = 0"

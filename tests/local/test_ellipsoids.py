@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rankdrop.codec import encode
-from rankdrop.configuration import at
+from rankdrop.configuration import configuration_at
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.local.ellipsoids import ellipsoids
@@ -58,7 +58,7 @@ def test_indices_are_those_of_the_verdict_and_the_determinant(name: str) -> None
     task = resolve_task(None, robot)
     for q in sample(robot, task, 5, 8):
         part = ellipsoids(robot, q).unit_rates.task
-        sigma = at(robot, q, task).measured.sigma
+        sigma = configuration_at(robot, q, task).measured.sigma
         assert part.sigma_min.value == pytest.approx(sigma[-1], rel=1e-12)
         assert part.condition.value == pytest.approx(sigma[0] / sigma[-1], rel=1e-12)
         rows = jacobian(robot, q)[list(task.rows)]

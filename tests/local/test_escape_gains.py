@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from reference import arms
 
-from rankdrop.configuration import Configuration, at
+from rankdrop.configuration import Configuration, configuration_at
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.local.block import singular_values
@@ -40,7 +40,7 @@ def compare(robots: dict[str, Robot], count: int) -> tuple[Counter[str], list[st
                 continue
             seen[f"corank {corank}"] += len(points)
             for q in points:
-                place = at(robot, q, task, DEFAULT)
+                place = configuration_at(robot, q, task, DEFAULT)
                 measured = measured_gains(place, np.eye(robot.n))
                 found = departures(place, np.eye(robot.n))
                 for number, ((made, order, _, _), gain) in enumerate(zip(found, measured, strict=True), 1):
@@ -86,7 +86,7 @@ def test_orders_and_rates_are_those_of_a_short_motion(name: str, q: list[float])
     task = resolve_task(None, robot)
     rng = np.random.default_rng(2)
     directions = np.concatenate([np.eye(robot.n), np.linalg.qr(rng.normal(size=(robot.n, robot.n)))[0]])
-    place = at(robot, q, task, DEFAULT)
+    place = configuration_at(robot, q, task, DEFAULT)
     assert place.corank
     for (_, order, rate, _), direction in zip(departures(place, directions), directions, strict=True):
         t = np.array([2e-3, 1e-3])
@@ -102,7 +102,7 @@ def test_second_order_cases_are_among_the_known_ones() -> None:
     orders: Counter[int | None] = Counter()
     for name, q in ORDERS:
         robot = open_robot(name)
-        place = at(robot, q, resolve_task(None, robot), DEFAULT)
+        place = configuration_at(robot, q, resolve_task(None, robot), DEFAULT)
         measured = measured_gains(place, np.eye(robot.n))
         for (made, order, _, _), gain in zip(departures(place, np.eye(robot.n)), measured, strict=True):
             assert made == gain
@@ -119,7 +119,7 @@ def test_mixed_orders_are_reported_by_the_slowest() -> None:
     points = search(robot, 2, starts=60, seed=1).converged
     met = 0
     for q in points:
-        place = at(robot, q, task, DEFAULT)
+        place = configuration_at(robot, q, task, DEFAULT)
         low, high = rng.normal(size=(2, 6))
 
         def measure(direction: np.ndarray, place: Configuration = place) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reference import arms
 
-from rankdrop.configuration import at
+from rankdrop.configuration import configuration_at
 from rankdrop.families.searching import search
 from rankdrop.kinematics import jacobian, pose, task_jacobian
 from rankdrop.local import ways_out as still
@@ -124,7 +124,7 @@ def test_the_form_is_twice_the_second_order_displacement() -> None:
     robot = open_robot("anthropomorphic")
     q, task = np.array([0.1, 0.5, 0, 0.3, 0.4, 0.4]), resolve_task(None, robot)
     lost = escape(robot, q).types[0]
-    delta = null_basis(at(robot, q, task, DEFAULT))[:, 0]
+    delta = null_basis(configuration_at(robot, q, task, DEFAULT))[:, 0]
     u = np.array(lost.direction) * np.r_[np.full(3, task.scale(robot)), np.ones(3)]
     u /= np.linalg.norm(u)
     t = 1e-3
@@ -154,7 +154,7 @@ def test_traced_self_motions_are_self_motions(kinds: str, rng: np.random.Generat
     task = resolve_task(None, robot)
     seen = {True: 0, False: 0, None: 0}
     for q in search(robot, 1, starts=40, seed=2).converged[:30]:
-        place = at(robot, q, task, DEFAULT)
+        place = configuration_at(robot, q, task, DEFAULT)
         basis = null_basis(place)
         each = forms(place, basis)
         vectors, _ = vanishing(each, 0)
@@ -188,7 +188,7 @@ def test_self_motions_of_smaller_tasks_keep_the_task(words: str, rng: np.random.
     robot = arms.random_chain(rng, "rrrrrr")
     task = resolve_task(words, robot)
     q = rng.uniform(-1, 1, 6)
-    place = at(robot, q, task, DEFAULT)
+    place = configuration_at(robot, q, task, DEFAULT)
     assert place.corank == 0
     assert determined_by_pose(place.task)
     basis = null_basis(place)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from reference.measure import central_differences
 
-from rankdrop.configuration import at
+from rankdrop.configuration import configuration_at
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.kinematics import jacobian, pose, task_jacobian
 from rankdrop.local.block import joint_scale, sample
@@ -204,4 +204,4 @@ def test_a_configuration_carries_its_tolerances() -> None:
     """At 1e-6 of the stretched elbow the PA-10 counts as singular with a wider tolerance only."""
     arm, q = open_robot("pa10"), [0.1, 0.5, 0.7, 1e-6, 0.9, 0.4, 0.2]
     assert self_motion(arm, q, length=0.1).corank == 0
-    assert self_motion(at(arm, q, None, Tolerances(singular=1e-4)), length=0.1).corank == 1
+    assert self_motion(configuration_at(arm, q, None, Tolerances(singular=1e-4)), length=0.1).corank == 1

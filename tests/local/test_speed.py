@@ -14,7 +14,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, revolute
 from rankdrop.task import resolve_task
-from rankdrop.units import scaled
+from rankdrop.units import scale_lengths
 from rankdrop.verbs.explain import explain
 
 SLOW = {"gen3": 0.04, "panda": 0.02, "rizon4": 0.005, "ur5e": 0.04}
@@ -88,7 +88,7 @@ def test_speed_does_not_depend_on_the_unit_of_length() -> None:
     arm = open_robot("ur5e")
     q = drawn(arm, 5, seed=3)
     ours = slowest_motions(arm, q, resolve_task(None, arm))
-    mm = scaled(arm, 3)
+    mm = scale_lengths(arm, 3)
     theirs = slowest_motions(mm, q, resolve_task(None, mm))
     for one, other in zip(ours, theirs, strict=True):
         assert one.speed == pytest.approx(other.speed, rel=1e-9)

@@ -96,8 +96,8 @@ def test_a_crease_is_no_minimum_and_a_minimum_is_none_of_its_slopes():
         return values, tensor
 
     at = np.zeros((1, 2))
-    assert minimax.promised(*falls(at), np.ones(1))[1] == pytest.approx([1.0])
-    assert minimax.promised(*rests(at), np.ones(1))[2] == pytest.approx([0.0], abs=1e-12)
+    assert minimax.promised_step(*falls(at), np.ones(1))[1] == pytest.approx([1.0])
+    assert minimax.promised_step(*rests(at), np.ones(1))[2] == pytest.approx([0.0], abs=1e-12)
     found = minimax.descend(rests, np.array([[0.7, -0.4], [-0.2, 0.9]]))
     assert np.abs(found.q).max() < 1e-5
     assert found.value == pytest.approx([0.0, 0.0], abs=1e-9)
@@ -112,7 +112,7 @@ def test_a_mixture_of_tied_vectors_counts_too():
         tensor[:, 0, 0, 1, 1] = tensor[:, 0, 1, 0, 1] = 1.0
         return np.zeros((len(q), 1, 2)), tensor
 
-    move, _, most, _ = minimax.promised(*cone(np.zeros((1, 2))), np.ones(1))
+    move, _, most, _ = minimax.promised_step(*cone(np.zeros((1, 2))), np.ones(1))
     assert np.abs(move).max() < 1e-9
     assert most == pytest.approx([0.0], abs=1e-9)
 

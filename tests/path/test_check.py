@@ -19,7 +19,7 @@ from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 from rankdrop.text.paths import free_words
-from rankdrop.units import scaled
+from rankdrop.units import scale_lengths
 from rankdrop.verbs.analyze import analyze
 
 THROUGH = np.array([[0.3, 0.4, 0.1], [0.5, -0.2, 0.3], [0.5, -0.9, 0.3]])  # planar3r, singular at θ2 = 0
@@ -130,7 +130,7 @@ def test_the_rates_of_a_cubic_are_not_below_those_it_has() -> None:
 @pytest.mark.slow
 def test_an_arm_in_millimetres_gives_the_same_answer() -> None:
     robot = open_robot("stanford")
-    other = scaled(robot, 3)
+    other = scale_lengths(robot, 3)
     slide = [joint.unit for joint in robot.variables].index("m")
     rng = np.random.default_rng(6)
     q = np.cumsum(rng.normal(size=(40, 6)) * 0.2, axis=0)

@@ -15,7 +15,7 @@ from rankdrop.path.check.tool_line import poses_between
 from rankdrop.poses.inverse import Aim, rotation
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task
-from rankdrop.units import scaled
+from rankdrop.units import scale_lengths
 
 ARMS = ("ur5", "puma560", "stanford", "panda", "planar3r", "scara")
 
@@ -155,7 +155,7 @@ def test_bad_input_is_refused() -> None:
 def test_an_arm_in_millimetres_goes_the_same_way() -> None:
     robot = open_robot("stanford")
     q = smooth(robot, np.random.default_rng(5))
-    other = scaled(robot, 3)
+    other = scale_lengths(robot, 3)
     there = q.copy()
     slide = [joint.unit for joint in robot.variables].index("m")
     there[:, slide] *= 1000

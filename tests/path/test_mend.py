@@ -18,7 +18,7 @@ from rankdrop.path.mend.remedies import KINDS, LOCAL, Mending, mend_path
 from rankdrop.path.read.files import WRITTEN, read_trajectory, trajectory_bytes
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task
-from rankdrop.units import scaled
+from rankdrop.units import scale_lengths
 
 WRIST = np.linspace([0.0, 0.7, -0.2, 0.3, 0.4, 0.1], [0.2, 0.8, -0.1, 0.2, -0.4, 0.3], 41)  # puma560, through θ5 = 0
 CORNER = np.array([[0.3, 0.4, 0.1], [0.5, -0.2, 0.3], [0.9, 0.5, 0.3]])  # planar3r, through θ2 = 0 and back
@@ -288,7 +288,7 @@ def test_a_file_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:
 @pytest.mark.by_hand
 def test_an_arm_in_millimetres_is_mended_alike() -> None:
     robot = open_robot("planar3r")
-    other = scaled(robot, 3)
+    other = scale_lengths(robot, 3)
     mended = [
         mend_path(rankdrop.check_path(arm, CORNER), kinds=WHOLE, base_shift=size * 0.05, blend=size * 0.01)
         for arm, size in ((robot, 1.0), (other, 1000.0))

@@ -97,7 +97,7 @@ def crossing_paths(robot: Robot, task: Task, count: int, seed: int) -> list[Arra
         there = (there + np.pi) % (2 * np.pi) - np.pi
         there = there[((there > low) & (there < high)).all(axis=1)]
         for middle in there[:2]:
-            others = aim.reached(pose(robot, middle), rng.uniform(low, high, (60, robot.n)))
+            others = aim.solve_from(pose(robot, middle), rng.uniform(low, high, (60, robot.n)))
             others = others[((others > robot.lower) & (others < robot.upper)).all(axis=1)]
             if not len(others) or singular_values(robot, others, task)[:, 5].max() < 2 * WIDE:
                 continue

@@ -72,8 +72,8 @@ def test_an_error_of_half_a_turn_is_never_zero(task: str) -> None:
     axis = here[0, :3, 0] if aim.with_tip else np.eye(3)[0]
     turned[0, :3, :3] = (2 * np.outer(axis, axis) - np.eye(3)) @ here[0, :3, :3]
     assert np.linalg.norm(aim.error(turned, q)) == pytest.approx(np.pi, abs=1e-6)
-    assert not aim.confirmed(turned, q)[0]
-    assert aim.confirmed(here, q)[0]
+    assert not aim.confirms(turned, q)[0]
+    assert aim.confirms(here, q)[0]
 
 
 def test_a_planar_tool_turned_over_has_no_heading() -> None:
@@ -82,7 +82,7 @@ def test_a_planar_tool_turned_over_has_no_heading() -> None:
     q = np.array([[0.3, 0.4, 0.2]])
     goal = pose(robot, q)
     goal[0, :3, :3] = np.diag([1.0, -1.0, -1.0])
-    assert len(aim.reached(goal[0], q)) == 0
+    assert len(aim.solve_from(goal[0], q)) == 0
 
 
 @pytest.mark.slow
@@ -112,7 +112,7 @@ def check_arm(name: str, poses: int, starts: int) -> None:
     for goal in axis_parallel_poses(robot, poses, 5):
         begin = rng.uniform(-np.pi, np.pi, (starts, 6))
         begin[::2, 0] = 0.0  # in the plane of the arm, where the error of half a turn is symmetric
-        found = aim.reached(goal, begin)
+        found = aim.solve_from(goal, begin)
         assert off_by(robot, found, goal) <= 1e-9, name
 
 

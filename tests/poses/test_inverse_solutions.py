@@ -10,7 +10,7 @@ import pytest
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
 from rankdrop.poses.branches import JOINTS, ORIENTATION, POSITION, inverse, matrix_of
-from rankdrop.poses.inverse import Aim, apart, rotation
+from rankdrop.poses.inverse import Aim, joint_difference, rotation
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -62,9 +62,9 @@ def test_dense_starts_find_nothing_that_was_missed(name: str) -> None:
     solved = np.array([one.q for one in found.branches])
     task = resolve_task(None, robot)
     begin = np.random.default_rng(77).uniform(-np.pi, np.pi, (2000, robot.n))
-    for q in Aim(robot, task).reached(goal, begin):
-        assert np.abs(apart(robot, q, solved)).max(axis=1).min() < 1e-5
-    assert np.abs(apart(robot, np.array(GENERIC[name]), solved)).max(axis=1).min() < 1e-9
+    for q in Aim(robot, task).solve_from(goal, begin):
+        assert np.abs(joint_difference(robot, q, solved)).max(axis=1).min() < 1e-5
+    assert np.abs(joint_difference(robot, np.array(GENERIC[name]), solved)).max(axis=1).min() < 1e-9
     assert len(solved) <= 16
 
 
@@ -260,7 +260,7 @@ def test_limits_are_named() -> None:
     robot = open_robot("irb120")
     q = np.array([3.1, 0.3, -0.4, 0.5, 0.9, -0.3])  # joint 1 ends at 165 degrees
     found = inverse(robot, pose(robot, q))
-    mine = min(found.branches, key=lambda one: float(np.abs(apart(robot, q, one.q[None])).max()))
+    mine = min(found.branches, key=lambda one: float(np.abs(joint_difference(robot, q, one.q[None])).max()))
     assert [number for number, _ in mine.beyond] == [1]
     assert mine.beyond[0][1] == pytest.approx(3.1 - robot.upper[0], abs=1e-6)
 

@@ -9,7 +9,7 @@ from rankdrop.kinematics import pose
 from rankdrop.local.posture import fault, spine
 from rankdrop.path.check.check import check_poses, within_limits
 from rankdrop.path.check.tool_line import poses_at
-from rankdrop.poses.inverse import apart
+from rankdrop.poses.inverse import joint_difference
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.task import resolve_task
@@ -72,8 +72,8 @@ def test_a_start_near_the_first_pose_is_enough() -> None:
             way = rng.normal(size=6)
             start = known[row] + size * way / np.linalg.norm(way)
             found = check_poses(arm, goal[None], start=start, branches=False)
-            nearest = np.linalg.norm(apart(arm, start, known), axis=1).min()
-            taken = np.linalg.norm(apart(arm, start, np.asarray(found.tool.start)[None]), axis=1)[0]
+            nearest = np.linalg.norm(joint_difference(arm, start, known), axis=1).min()
+            taken = np.linalg.norm(joint_difference(arm, start, np.asarray(found.tool.start)[None]), axis=1)[0]
             assert taken == pytest.approx(nearest, abs=1e-6)
             assert found.tool.moved == pytest.approx(taken, abs=1e-6)
 

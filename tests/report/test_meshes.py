@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from rankdrop.cli import main
-from rankdrop.report.content import MOST, meshes_data, simplified
+from rankdrop.report.content import MOST, meshes_data, simplify_meshes
 
 trimesh = pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
 
@@ -38,7 +38,7 @@ def sphere(subdivisions: int, radius: float = 0.3, link: int = 1) -> Mesh:
 @pytest.mark.slow
 def test_large_meshes_become_few_triangles_near_the_shape() -> None:
     given = (sphere(7), sphere(6, 0.1, 2))  # 327,680 and 81,920 triangles
-    few = simplified(given)
+    few = simplify_meshes(given)
     assert MOST / 2 < sum(len(one.faces) for one in few) <= MOST
     assert [one.link for one in few] == [1, 2]
     for one, radius in zip(few, (0.3, 0.1), strict=True):
@@ -48,16 +48,16 @@ def test_large_meshes_become_few_triangles_near_the_shape() -> None:
 
 
 def test_small_meshes_keep_every_triangle() -> None:
-    (one,) = simplified((sphere(2),))
+    (one,) = simplify_meshes((sphere(2),))
     assert len(one.faces) == 320
-    assert simplified(()) == ()
+    assert simplify_meshes(()) == ()
     empty = replace(sphere(2), vertices=np.zeros((0, 3)), faces=np.zeros((0, 3), dtype=np.uint32))
-    assert simplified((empty,)) == ()
-    assert len(simplified((empty, sphere(2)))) == 1
+    assert simplify_meshes((empty,)) == ()
+    assert len(simplify_meshes((empty, sphere(2)))) == 1
 
 
 def test_whole_numbers_of_the_page_are_the_vertices_again() -> None:
-    (one,) = simplified((sphere(4),))
+    (one,) = simplify_meshes((sphere(4),))
     (data,) = meshes_data((one,))
     again = np.array(data["low"]) + data["step"] * np.array(data["points"]).reshape(-1, 3)
     assert np.abs(again - one.vertices).max() < 1e-4

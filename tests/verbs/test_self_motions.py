@@ -19,7 +19,7 @@ from rankdrop.schema import load_schema
 from rankdrop.sections import text
 from rankdrop.task import Task, resolve_task
 from rankdrop.text.words import tolerant_lines, tolerant_sections
-from rankdrop.verbs.self_motions import merged, self_motions
+from rankdrop.verbs.self_motions import self_motions, union_of_ranges
 from rankdrop.verbs.tolerant import most_tolerant
 
 Q = np.array([0.3, 0.8, 0.9])
@@ -104,7 +104,7 @@ def test_another_seed_finds_the_same_values_of_seven_joints() -> None:
 
 
 def test_ranges_are_joined_where_they_overlap() -> None:
-    assert merged([(2.0, 3.0), (0.0, 1.0), (0.5, 1.5), (0.6, 0.7)]) == ((0.0, 1.5), (2.0, 3.0))
+    assert union_of_ranges([(2.0, 3.0), (0.0, 1.0), (0.5, 1.5), (0.6, 0.7)]) == ((0.0, 1.5), (2.0, 3.0))
 
 
 @pytest.mark.slow

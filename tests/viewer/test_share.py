@@ -24,7 +24,7 @@ from rankdrop.task import Frame, resolve_task
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 
 from rankdrop.path.read.trajectory import parse_trajectory
-from rankdrop.viewer.controls import pulled
+from rankdrop.viewer.controls import pull_towards
 from rankdrop.viewer.scene import Now
 from rankdrop.viewer.server import Viewer, Wishes
 from rankdrop.viewer.tab_families import sentence_of, stops_of
@@ -126,7 +126,7 @@ def test_what_is_no_robot_file_is_refused_under_its_own_name(viewer: Viewer, nam
 def test_the_tip_follows_the_hand() -> None:
     target = pose(ARM, START)
     target[:3, 3] += [0.03, -0.02, 0.04]
-    q, missing = pulled(ARM, TASK, START, target)
+    q, missing = pull_towards(ARM, TASK, START, target)
     assert missing < 1e-5
     assert pose(ARM, q) == pytest.approx(target, abs=1e-4)
 
@@ -139,7 +139,7 @@ def test_out_of_reach_the_arm_goes_as_far_as_it_can_and_no_limit_is_crossed() ->
     target[:3, 3] = [-0.6, 0.0, -1.5]
     missing = np.inf
     for _ in range(40):
-        q, left = pulled(arm, task, q, target)
+        q, left = pull_towards(arm, task, q, target)
         assert left <= missing
         missing = left
     assert missing > 0.3

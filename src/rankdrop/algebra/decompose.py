@@ -40,7 +40,7 @@ from rankdrop.algebra.solving import (
 )
 from rankdrop.algebra.work import Work, tick
 from rankdrop.algebra.zeroset import ZeroSet, independent
-from rankdrop.lists import without
+from rankdrop.lists import leave_out
 
 
 class Done(NamedTuple):
@@ -309,7 +309,7 @@ def _variables(ring: Ring, conditions: Sequence[Polynomial]) -> set[int]:
 
 def _zeros_where(ring: Ring, pins: dict[int, str], system: list[Polynomial], held: list[Polynomial]) -> ZeroSet:
     """The zeros of some of the conditions at which the others vanish as well."""
-    others = without(system, held)
+    others = leave_out(system, held)
     zero = tuple(map(ring.trig_zero_set, others))
     return ZeroSet(ring, pins, rest=tuple(held), zero=zero, equations=tuple(system))
 
@@ -334,7 +334,7 @@ def _from_two(
             continue
         found = _zeros_where(ring, pins, system, held)
         if found.samples:
-            others = without(system, held)
+            others = leave_out(system, held)
             return [*_free_on_top(ring, pins, [f, g], tops, others, most, work), found]
         if size == 2:
             break  # every zero of all is one of these two: those of another two need not be looked for
@@ -375,7 +375,7 @@ def _curves_alone(ring: Ring, pins: dict[int, str], system: list[Polynomial], wo
 def _tops(ring: Ring, base: list[Polynomial], system: list[Polynomial], count: int) -> list[Polynomial]:
     """Up to so many conditions, short ones first, each in one variable that the ones before it are not in."""
     held, tops = used_by(base), list[Polynomial]()
-    waiting = without(sorted(system, key=len), base)
+    waiting = leave_out(sorted(system, key=len), base)
     while len(tops) < count:
         own = [(h, {p for p in variables_in(h) if p < ring.moving} - held) for h in waiting]
         top = next(((h, new) for h, new in own if len(new) == 1), None)

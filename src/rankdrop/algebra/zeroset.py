@@ -37,7 +37,7 @@ from rankdrop.algebra.polynomial import TANGENT, Atom, Polynomial, used_by, vari
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.roots import FURTHER, ROOTS, Number, primes_with
 from rankdrop.algebra.solving import Solved
-from rankdrop.lists import without
+from rankdrop.lists import leave_out
 
 _TRIES = 80
 _FIRST = 16  # of them modulo the first prime; then modulo each of the others in turn, which have other roots
@@ -216,7 +216,7 @@ class ZeroSet:
             return self.rest
         for pair in combinations(sorted(self.rest, key=len), 2):
             ordered = list(pair)
-            waiting = without(sorted(self.rest, key=len), pair)
+            waiting = leave_out(sorted(self.rest, key=len), pair)
             while waiting:
                 top = next((f for f in waiting if self._own([*ordered, f], len(ordered)) is not None), None)
                 if top is None:

@@ -70,11 +70,11 @@ class Positive:
 
     def over(self, middles: Mapping[int, Array], radius: float) -> Interval:
         """Enclosures of h."""
-        return self.f.over(middles, radius).scaled(self.sign)
+        return self.f.over(middles, radius).times(self.sign)
 
     def slopes_over(self, middles: Mapping[int, Array], radius: float) -> dict[int, Interval]:
         """Enclosures of its derivatives."""
-        return {joint: slope.scaled(self.sign) for joint, slope in self.f.slopes_over(middles, radius).items()}
+        return {joint: slope.times(self.sign) for joint, slope in self.f.slopes_over(middles, radius).items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +95,7 @@ class Shadow:
         """Enclosures of h."""
         b, c = (wave.over(middles, radius).size() for wave in (self.b, self.c))
         root = Interval(np.hypot(b.low, c.low), np.hypot(b.high, c.high))
-        return self.a.over(middles, radius).scaled(self.sign) + root
+        return self.a.over(middles, radius).times(self.sign) + root
 
     def slopes_over(self, middles: Mapping[int, Array], radius: float) -> dict[int, Interval]:
         """Enclosures of its derivatives: s A_j + (B B_j + C C_j)/√(B² + C²); without bounds where B = C = 0 may be."""
@@ -114,7 +114,7 @@ class Shadow:
                 root = (b * b_j + c * c_j) * inverse
             unknown = ~np.isfinite(root.low) | ~np.isfinite(root.high)
             root = Interval(np.where(unknown, -np.inf, root.low), np.where(unknown, np.inf, root.high))
-            found[joint] = a_j.scaled(self.sign) + root
+            found[joint] = a_j.times(self.sign) + root
         return found
 
 
@@ -263,7 +263,7 @@ def count_parts(conditions: Sequence[Condition], work: Work | None = None, box: 
     for grid in _grids(conditions, box or {}):
         if work is not None:
             work.check()
-        found = _at(conditions, grid)
+        found = _classify_cells(conditions, grid)
         if best is None:
             best = found
         else:
@@ -294,7 +294,7 @@ def _better(one: Parts, other: Parts) -> Parts:
     return Parts(at_least, max(upper.at_most, at_least), upper.proven)
 
 
-def _at(conditions: Sequence[Condition], grid: Grid) -> Parts:
+def _classify_cells(conditions: Sequence[Condition], grid: Grid) -> Parts:
     """By one grid."""
     inside, outside = np.ones(grid.cells, dtype=bool), np.zeros(grid.cells, dtype=bool)
     tick(_TICKS * inside.size * len(conditions))
@@ -330,7 +330,7 @@ def _mark_behind_limits(condition: Condition, grid: Grid, outside: Mask) -> None
     cells = np.moveaxis(outside.reshape(grid.shape), axis, 0)
     for k, limit, outward in ((0, low, -1), (count - 1, low + count * step, 1)):
         there = condition.over({joint: np.array([limit])}, 0.0)
-        slope = condition.slopes_over({joint: np.array([low + (k + 0.5) * step])}, 0.5 * step)[joint].scaled(outward)
+        slope = condition.slopes_over({joint: np.array([low + (k + 0.5) * step])}, 0.5 * step)[joint].times(outward)
         if there.high[0] < 0 and slope.low[0] > 0:
             cells[k] = True
 
@@ -351,7 +351,7 @@ def _no_maximum(conditions: Sequence[Condition], grid: Grid, places: Labels) -> 
     lowest = reduce(np.minimum, [value.high for value in values])
     active = [value.low <= lowest for value in values]
     slopes = [condition.slopes_over(middles, radius) for condition in conditions]
-    direction = _summed(slopes, active, grid.joints)
+    direction = _sum_gradients(slopes, active, grid.joints)
     grows = _all_grow(slopes, active, grid.inward(places, direction))
     for steps in product((-1.0, 0.0, 1.0), repeat=len(grid.joints)):
         if grows.all():
@@ -361,7 +361,7 @@ def _no_maximum(conditions: Sequence[Condition], grid: Grid, places: Labels) -> 
     return grows
 
 
-def _summed(
+def _sum_gradients(
     slopes: Sequence[Mapping[int, Interval]], active: Sequence[Mask], joints: Sequence[int]
 ) -> dict[int, Array]:
     """The sum of the middles of the gradients of active conditions."""
@@ -408,10 +408,10 @@ def clusters(mask: Mask, wraps: Sequence[bool]) -> Labels:
         edges = np.concatenate(pairs, axis=1)
     else:
         edges = np.zeros((2, 0), dtype=np.int64)
-    return np.where(flat, joined(flat.size, edges), -1).reshape(mask.shape)
+    return np.where(flat, connected_components(flat.size, edges), -1).reshape(mask.shape)
 
 
-def joined(count: int, edges: Labels) -> Labels:
+def connected_components(count: int, edges: Labels) -> Labels:
     """(count,) a number for each node of a graph, the same for those that edges (2, E) join: the least node there."""
     label = np.arange(count)
     while True:

@@ -8,7 +8,7 @@ import numpy as np
 
 from rankdrop.aspects.posture_paths import Postures
 from rankdrop.cover.certificates import record_of
-from rankdrop.cover.setting import settings_for, viewed
+from rankdrop.cover.setting import best_setting, settings_for
 from rankdrop.errors import OptionError
 from rankdrop.exact.posture_changes import SIGNS as DECIDED_BY_SIGNS
 from rankdrop.kinematics import pose, task_jacobian
@@ -38,7 +38,7 @@ def posture_certificate(found: Postures) -> Record:
         return change_certificate(found)
     if decision.kind != DECIDED_BY_SIGNS or decision.why not in STRUCTURES:
         raise OptionError(no_certificate(found), where="certificate", got=found.verdict)
-    record = record_of(robot, task, SIGNS, viewed(robot, task), {"structure": decision.why}, {})
+    record = record_of(robot, task, SIGNS, best_setting(robot, task), {"structure": decision.why}, {})
     try:
         verify_signs(claim_of(record, Path()))
     except Unproven as error:

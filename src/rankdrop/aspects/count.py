@@ -290,7 +290,7 @@ class Peeling:
         self._waves: dict[int, tuple[Wave, ...]] = {}
         while self._peel_one():
             pass
-        self.groups = self._grouped()
+        self.groups = self._touching_groups()
 
     @property
     def left(self) -> Left | None:
@@ -397,7 +397,7 @@ class Peeling:
         cut_once = len(set(cut)) == len(cut)
         return all(atom.is_pin for atom in new) and cut_once and not (held | self.box.keys()) & set(cut)
 
-    def _grouped(self) -> list[tuple[int, ...]]:
+    def _touching_groups(self) -> list[tuple[int, ...]]:
         return sharing({i: self._joints(i) for i in self._alive()})
 
 

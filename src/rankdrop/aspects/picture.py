@@ -122,7 +122,7 @@ def _map_of(
         parts = _parts(count, group, signs, whole=whole)
         apart: list[NDArray[np.bool_]] = []
         if not slices:
-            apart = _apart(here, parts)
+            apart = _clusters(here, parts)
         for number, mask in enumerate(apart, start=1):
             cells[mask] = len(regions)
             regions.append(Region(signs, number, 1))
@@ -132,7 +132,7 @@ def _map_of(
     return AspectMap(group, drawn, held, slices, cells, tuple(regions))
 
 
-def _apart(here: NDArray[np.bool_], parts: int) -> list[NDArray[np.bool_]]:
+def _clusters(here: NDArray[np.bool_], parts: int) -> list[NDArray[np.bool_]]:
     """The clusters of the cells of one sign vector where these are several, as many as regions are counted."""
     if parts < 2:
         return []

@@ -38,8 +38,8 @@ from rankdrop.options import takes
 from rankdrop.path.check.prove import prove
 from rankdrop.path.curve import Index, curve
 from rankdrop.path.read.trajectory import csv_text
-from rankdrop.poses.inverse import apart, check_square, determinants, near_and_within, regular, solutions
-from rankdrop.poses.postures import decided
+from rankdrop.poses.inverse import check_square, determinants, joint_difference, near_and_within, regular, solutions
+from rankdrop.poses.postures import decide_exactly
 from rankdrop.problem import Mask
 from rankdrop.questions import AspectsOptions
 from rankdrop.results.aspect_summary import CUSPIDAL as CUSPIDAL
@@ -227,7 +227,7 @@ def aspects_of(
     resolved = resolve_task(task, robot)
     if robot.n != resolved.m and q is None:
         count, numeric = count_of_arm(robot, resolved)
-        within = _within(robot, numeric, how)
+        within = _limited_count(robot, numeric, how)
         return Postures(robot, resolved, how, count, Decision(OPEN, "joints"), (), None, None, True, within)
     check_square(robot, resolved)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
@@ -236,7 +236,7 @@ def aspects_of(
     start = None
     if q is not None:
         start = _regular_start(robot, there, there_task, q)
-    decision, signs, chain = decided(robot, resolved)
+    decision, signs, chain = decide_exactly(robot, resolved)
     count, numeric = count_of_arm(robot, resolved)
     if start is None:
         how = replace(how, most=max(how.poses, how.most))
@@ -249,7 +249,7 @@ def aspects_of(
     try:
         roadmap = Roadmap(there, there_task, how.seed, how.limits)
         by_signs = count.signs_decide and not how.limits
-        for one, best in _searched(roadmap, places, how, decision, progress, by_signs=by_signs):
+        for one, best in _solve_poses(roadmap, places, how, decision, progress, by_signs=by_signs):
             named = _name_solutions(robot, one, signs)
             solved.append(_by_signs(named, count, numeric, limits=how.limits))
             change = best
@@ -257,7 +257,7 @@ def aspects_of(
         complete = False
     if change is not None:
         change = replace(change, q=out_of_metres(robot, change.q))
-    within = _within(robot, numeric, how)
+    within = _limited_count(robot, numeric, how)
     return Postures(robot, resolved, how, count, decision, tuple(solved), change, chain, complete, within)
 
 
@@ -298,14 +298,14 @@ def _places(
     return places
 
 
-def _within(robot: Robot, signs: Signs | None, how: AspectsOptions) -> AspectCount | None:
+def _limited_count(robot: Robot, signs: Signs | None, how: AspectsOptions) -> AspectCount | None:
     """The regions within the joint limits, where they are asked for."""
     if not how.limits or signs is None:
         return None
     return count_within_limits(robot, signs)
 
 
-def _searched(
+def _solve_poses(
     roadmap: Roadmap, places: list[tuple[Array, bool]], how: AspectsOptions, decision: Decision,
     progress: Callable[[int, int], None] | None, *, by_signs: bool,
 ) -> Iterator[tuple[Solved, Change | None]]:  # fmt: skip
@@ -315,7 +315,7 @@ def _searched(
     """
     change: Change | None = None
     for number, (place, near_cusp) in enumerate(places, start=1):
-        if number > how.poses and _settled(decision, change):
+        if number > how.poses and _is_settled(decision, change):
             break
         needless = decision.impossible or (by_signs and change is not None)
         one, ways = _solve(roadmap, place, how, near_cusp, ways_wanted=not needless)
@@ -323,10 +323,10 @@ def _searched(
         if change is not None or not near_cusp:
             yield one, change
         if progress is not None:
-            progress(number, how.poses if _settled(decision, change) else len(places))
+            progress(number, how.poses if _is_settled(decision, change) else len(places))
 
 
-def _settled(decision: Decision, change: Change | None) -> bool:
+def _is_settled(decision: Decision, change: Change | None) -> bool:
     """Whether the question for a path is answered: there is one, or it is proven that there is none."""
     return change is not None or decision.impossible
 
@@ -357,19 +357,19 @@ def _solve(
     robot, task = roadmap.robot, roadmap.task
     q = solutions(robot, task, pose(robot, place), starts=options.starts, seed=options.seed, also=place)
     q = near_and_within(robot, q, q, limits=options.limits)
-    other = np.abs(apart(robot, place, q)).max(axis=1, initial=0.0) > 1e-6
+    other = np.abs(joint_difference(robot, place, q)).max(axis=1, initial=0.0) > 1e-6
     q = np.concatenate([place[None], q[other]])
     if ways_wanted and len(q) > 1:
         ways = roadmap.ways(q)
     else:
         ways = {}
-    numbers = list(dict.fromkeys(groups := _grouped(len(q), ways)))
+    numbers = list(dict.fromkeys(groups := _connected_numbers(len(q), ways)))
     aspect = tuple(numbers.index(group) + 1 for group in groups)
     sign = tuple(int(x) for x in np.sign(determinants(robot, task, q)))
     return Solved(q, aspect, sign, (), near_cusp), [replace(way, own=i == 0) for (i, _), way in ways.items()]
 
 
-def _grouped(count: int, joined: Iterable[tuple[int, int]]) -> list[int]:
+def _connected_numbers(count: int, joined: Iterable[tuple[int, int]]) -> list[int]:
     """A number for each of so many, the same for those that pairs join."""
     group = list(range(count))
     for i, j in joined:
@@ -456,9 +456,9 @@ class Roadmap:
         signs, usual = np.sign(values), float(np.median(np.abs(values)))
         joined: list[tuple[int, int]] = []
         for i in range(count):
-            joined += [(i, j) for j in self._near(nodes[i], signs[i], nodes, signs, skip=i)]
+            joined += [(i, j) for j in self._nearest_of_sign(nodes[i], signs[i], nodes, signs, skip=i)]
         edges = np.unique(np.sort(np.array(joined, dtype=np.int64).reshape(-1, 2), axis=1), axis=0)
-        return nodes, usual, *self._kept(nodes, edges, usual)
+        return nodes, usual, *self._edges_of_sign(nodes, edges, usual)
 
     def ways(self, q: Array) -> dict[tuple[int, int], Change]:
         """Ways between some configurations: enough of them that all that are joined are joined through these.
@@ -476,14 +476,14 @@ class Roadmap:
         signs = np.sign(self._determinants(nodes))
         new: list[tuple[int, int]] = []
         for i in range(k):
-            new += [(i, j) for j in self._near(nodes[i], signs[i], old, signs[k:], skip=-1) + k]
+            new += [(i, j) for j in self._nearest_of_sign(nodes[i], signs[i], old, signs[k:], skip=-1) + k]
         for i in range(k):
             new += [(i, j) for j in range(i) if signs[i] == signs[j]]
-        edges, weights = self._kept(nodes, np.array(new, dtype=np.int64).reshape(-1, 2), usual)
+        edges, weights = self._edges_of_sign(nodes, np.array(new, dtype=np.int64).reshape(-1, 2), usual)
         edges, weights = np.concatenate([edges, old_edges + k]), np.concatenate([weights, old_weights])
         found: dict[tuple[int, int], Change] = {}
         for i, j in combinations(range(k), 2):
-            groups = _grouped(k, found)
+            groups = _connected_numbers(k, found)
             if groups[i] != groups[j] and signs[i] == signs[j]:
                 way = self._way(nodes, edges, weights, (i, j), q)
                 if way is not None:
@@ -499,7 +499,7 @@ class Roadmap:
             corners = nodes[chain]  # one after another, each the short way from the one before
             steps = self._difference(corners[:-1], corners[1:])
             unwound = np.concatenate([corners[:1], corners[0] + np.cumsum(steps, axis=0)])
-            for corners in (self._shortened(unwound), unwound):
+            for corners in (self._shorten(unwound), unwound):
                 way = self._proven(corners, q[ends[0]], q[ends[1]])
                 if way is not None:
                     return way
@@ -523,7 +523,7 @@ class Roadmap:
         clearance = self._least(q[:-1] / self.scale, q[1:] / self.scale, self.graph[1]).min()
         return Change(q, float(clearance), found.evaluations)
 
-    def _shortened(self, corners: Array) -> Array:
+    def _shorten(self, corners: Array) -> Array:
         """Fewer corners, where the smallest |det J| is not halved."""
         usual = self.graph[1]
         least = _SHORTER * float(self._least(corners[:-1], corners[1:], usual).min())
@@ -538,7 +538,7 @@ class Roadmap:
             kept.append(at)
         return corners[kept]
 
-    def _near(self, q: Array, sign: float, others: Array, signs: Array, *, skip: int) -> Index:
+    def _nearest_of_sign(self, q: Array, sign: float, others: Array, signs: Array, *, skip: int) -> Index:
         """Indices of the nearest configurations of the same sign."""
         gap = np.linalg.norm(self._difference(q, others)[:, self.matters], axis=1)
         gap[signs != sign] = np.inf
@@ -547,7 +547,7 @@ class Roadmap:
         near = np.argpartition(gap, min(_NEIGHBOURS, len(gap) - 1))[:_NEIGHBOURS]
         return np.asarray(near[np.isfinite(gap[near])], dtype=np.int64)
 
-    def _kept(self, nodes: Array, edges: Index, usual: float) -> tuple[Index, Array]:
+    def _edges_of_sign(self, nodes: Array, edges: Index, usual: float) -> tuple[Index, Array]:
         """The edges on which the sign is kept, and their smallest |det J|."""
         start = nodes[edges[:, 0]]
         weights = self._least(start, start + self._difference(start, nodes[edges[:, 1]]), usual)
@@ -555,13 +555,13 @@ class Roadmap:
 
     def _least(self, start: Array, end: Array, usual: float) -> Array:
         """(E,) the smallest |det J| on straight ways; negative where the sign changes. `usual`: its median."""
-        least = self._sampled(start, end, 1)
+        least = self._sample_edges(start, end, 1)
         for share, finer in _FINER:
             small = (least > 0.0) & (least < share * usual)
-            least[small] = self._sampled(start[small], end[small], finer)
+            least[small] = self._sample_edges(start[small], end[small], finer)
         return least
 
-    def _sampled(self, start: Array, end: Array, finer: int) -> Array:
+    def _sample_edges(self, start: Array, end: Array, finer: int) -> Array:
         least = np.full(len(start), np.inf)
         if not len(start):
             return least
@@ -581,7 +581,7 @@ class Roadmap:
     def _difference(self, one: Array, other: Array) -> Array:
         if self.limits:
             return other - one
-        return apart(self.robot, one, other)
+        return joint_difference(self.robot, one, other)
 
 
 def _widest(count: int, edges: Index, weights: Array, start: int, end: int) -> list[int]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from rankdrop.aspects.arm import count_of_arm, summary_of
 from rankdrop.aspects.posture_paths import aspects_of
 from rankdrop.errors import RankdropError
-from rankdrop.poses.postures import decided
+from rankdrop.poses.postures import decide_exactly
 from rankdrop.results.aspect_summary import NOT_ASKED, NOT_CUSPIDAL, POSES, AspectSummary
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
@@ -41,7 +41,7 @@ def judged_summary(robot: Robot, task: Task) -> AspectSummary:
 def _verdict(robot: Robot, task: Task) -> str | None:
     if robot.n != task.m:
         return NOT_ASKED
-    decision, _, _ = decided(robot, task)
+    decision, _, _ = decide_exactly(robot, task)
     if decision.impossible:
         return NOT_CUSPIDAL
     try:

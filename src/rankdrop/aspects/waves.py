@@ -41,7 +41,7 @@ class Interval:
         products = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
         return Interval(np.minimum.reduce(products), np.maximum.reduce(products))
 
-    def scaled(self, factor: float) -> Interval:
+    def times(self, factor: float) -> Interval:
         """Times a number."""
         ends = factor * self.low, factor * self.high
         if factor >= 0:

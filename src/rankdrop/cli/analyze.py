@@ -37,7 +37,7 @@ from rankdrop.cli.command import (
     starts_line,
     subject,
 )
-from rankdrop.cli.terminal import BAD, answer_lines, fitted, screen
+from rankdrop.cli.terminal import BAD, answer_lines, fit_to_console, screen
 from rankdrop.options import option
 from rankdrop.questions import AnalyzeOptions
 from rankdrop.sections import Section
@@ -166,7 +166,7 @@ def _brief(
         blocks.append([f"The arm with the file's own numbers ({OWN}): {own.answer}"])
     blocks += _speed_and_aspects(analysis)
     blocks.append([text.more_line(seconds)])
-    return fitted(blocks, optional=[lost] if lost is not None else [], cut=[table] if table.rows else [])
+    return fit_to_console(blocks, optional=[lost] if lost is not None else [], cut=[table] if table.rows else [])
 
 
 def _blocks(

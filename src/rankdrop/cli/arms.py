@@ -24,7 +24,7 @@ from rankdrop.cli.command import (
     open_arm,
     parse_configuration,
 )
-from rankdrop.cli.terminal import check_target, fitted, write_text
+from rankdrop.cli.terminal import check_target, fit_to_console, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 
@@ -59,10 +59,10 @@ def robots(
     """
     entries = catalogue.search_catalog(text)
     files = {"json": lambda: [asdict(entry) for entry in entries]}
-    return Done(lambda: [_listed(entries, text)], files, holds=bool(entries))
+    return Done(lambda: [_list_entries(entries, text)], files, holds=bool(entries))
 
 
-def _listed(entries: Sequence[catalogue.CatalogEntry], text: str) -> Iterator[RenderableType]:
+def _list_entries(entries: Sequence[catalogue.CatalogEntry], text: str) -> Iterator[RenderableType]:
     from rich import box
     from rich.table import Table
     from rich.text import Text
@@ -207,7 +207,7 @@ def jacobian(
         sections = found.sections()
         if options.full:
             return sections
-        return fitted(sections, cut=[section for section in sections if len(section.lines) > _FEW])
+        return fit_to_console(sections, cut=[section for section in sections if len(section.lines) > _FEW])
 
     return Done(blocks, {"latex": found.latex, "json": found.to_dict}, holds=found.holds and not missing)
 

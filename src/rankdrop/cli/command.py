@@ -112,7 +112,7 @@ def _derive_records(function: Callable[..., Any]) -> None:
     """Replace the records among the types of a function's parameters by those that cyclopts reads."""
     for name, hint in get_type_hints(function, include_extras=True).items():
         if isinstance(hint, type) and issubclass(hint, Options) and is_dataclass(hint):
-            function.__annotations__[name] = derived(hint)
+            function.__annotations__[name] = options_class(hint)
 
 
 def _targets_of(record: Options) -> Iterator[tuple[str, str, str | None, tuple[str, ...]]]:
@@ -185,7 +185,7 @@ def whole(_type: Any, tokens: Sequence[Token]) -> int:
 
 
 @cache
-def derived(record: type[Options]) -> type[Options]:
+def options_class(record: type[Options]) -> type[Options]:
     """A class with fields that carry what cyclopts needs and that makes instances of the record.
 
     `TITLE` of the record groups its options in the help.
@@ -193,7 +193,9 @@ def derived(record: type[Options]) -> type[Options]:
     every = hints(record)  # type: ignore[arg-type]  # a class is hashable
     declared = fields(record)  # type: ignore[arg-type]  # records of options are dataclasses
     kept = {option.name: option.default for option in declared if option.default is not MISSING}
-    own = {name: Annotated[_typed(hint), _parameter(hint, kept.get(name, MISSING))] for name, hint in every.items()}
+    own = {
+        name: Annotated[_typed_text(hint), _parameter(hint, kept.get(name, MISSING))] for name, hint in every.items()
+    }
 
     def make(_: type, **given: Any) -> Options:
         for name, value in given.items():
@@ -209,7 +211,7 @@ def derived(record: type[Options]) -> type[Options]:
     return flat(made)
 
 
-def _typed(hint: Any) -> Any:
+def _typed_text(hint: Any) -> Any:
     """The typed text of a field: of a text or something else the text, which the verb reads."""
     if plain_type(hint) is not str:
         return hint
@@ -314,7 +316,7 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
         raise ConfigurationError(
             f"{len(joints)} joint values are needed", where=option, got=f"{len(words)} in {text!r}",
             allowed=joint_units(robot, deg=deg),
-            mend=_pointed(text, len(joints)) or f'write them as {option}="0,0.5,…"',
+            mend=_decimal_comma_fix(text, len(joints)) or f'write them as {option}="0,0.5,…"',
         )  # fmt: skip
     values = [
         value_of(word, joint.unit, f"{option}, joint {joint.name}", deg=deg)
@@ -332,7 +334,7 @@ def joint_units(robot: arms.Robot, *, deg: bool) -> str:
     return ", ".join(f"{joint.name} [{units.get(joint.unit, joint.unit)}]" for joint in robot.variables)
 
 
-def _pointed(text: str, count: int) -> str | None:
+def _decimal_comma_fix(text: str, count: int) -> str | None:
     """The fix of a list with decimal commas, 0,5; 1,2 …; None for any other list."""
     words = re.split(r"\s*;\s*|\s+", text.strip())
     commas = all(re.fullmatch(r"[-+−]?\d+(,\d+)?\D*", word) for word in words)

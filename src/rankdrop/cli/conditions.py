@@ -28,7 +28,7 @@ from rankdrop.cli.command import (
     parse_configuration,
     subject,
 )
-from rankdrop.cli.terminal import answer_lines, fitted
+from rankdrop.cli.terminal import answer_lines, fit_to_console
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.options import option
 from rankdrop.questions import ConditionsOptions
@@ -95,7 +95,7 @@ class Question(Output):
         record: results.Record = {"test": None, "flags": None, "between": None}
         tested, robot = "exact", conditions.robot
         if self.test is not None:
-            section, record["test"], tested = _tested(conditions, self.test)
+            section, record["test"], tested = _test_condition(conditions, self.test)
             sections.append(section)
         if self.flags is not None:
             flags = conditions.flags(self._q(robot, self.flags))
@@ -215,10 +215,10 @@ def _brief(
     notes = [text.assumed_line(found), text.more_line(None if found.anew else found.seconds)]
     blocks.append([note for note in notes if note])
     long = [section for section in cut if section.rows or section.lines]
-    return fitted(blocks, optional=[] if lost is None else [lost], cut=long)
+    return fit_to_console(blocks, optional=[] if lost is None else [lost], cut=long)
 
 
-def _tested(conditions: results.Conditions, condition: str) -> tuple[Section, results.Record | None, str]:
+def _test_condition(conditions: results.Conditions, condition: str) -> tuple[Section, results.Record | None, str]:
     try:
         result = conditions.test(condition)
     except RankdropError as error:  # the derivation ended early: what it has is shown all the same

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from rankdrop import designs, jobs
 from rankdrop.cli import exits
 from rankdrop.cli.command import DRAWN, OUTPUT, PAGES, PROGRESS, TASKS, Done, Output, command
-from rankdrop.cli.terminal import STDOUT, fitted, kept, say, write_text
+from rankdrop.cli.terminal import STDOUT, fit_to_console, kept_work, say, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 
@@ -90,20 +90,20 @@ def sweep(
         return exits.FINE
     if options.example is not None:
         return _example(spec, options.example, quiet=output.quiet)
-    name = _checked(spec, options)
+    name = _check_options(spec, options)
     try:
         found = run(name, out=options.out, workers=options.workers, scheduler=options.scheduler,
                     precision=options.precision, report=report)  # fmt: skip
     except KeyboardInterrupt:
-        say(f"interrupted: {kept(options.out)}")
+        say(f"interrupted: {kept_work(options.out)}")
         return exits.INTERRUPTED
 
     def figure() -> bytes:
         from rankdrop.report.design_page import design_figure
-        from rankdrop.report.figures import rendered
+        from rankdrop.report.figures import render
 
         assert options.figure is not None
-        return rendered(design_figure(found, options.axes), options.figure.rpartition(".")[2].lower())
+        return render(design_figure(found, options.axes), options.figure.rpartition(".")[2].lower())
 
     def page() -> str:
         from rankdrop.report.design_page import design_page
@@ -133,7 +133,7 @@ def _example(spec: str | None, target: str, *, quiet: bool) -> int:
     return exits.FINE
 
 
-def _checked(spec: str | None, options: SweepOptions) -> str:
+def _check_options(spec: str | None, options: SweepOptions) -> str:
     """The specification, where the options agree.
 
     Raises:
@@ -244,7 +244,7 @@ def compare(
         sections = list(found.sections(full=options.full))
         if options.full:
             return sections
-        return fitted(sections, cut=[sections[-1]])
+        return fit_to_console(sections, cut=[sections[-1]])
 
     return Done(blocks, {"json": found.to_dict}, holds=found.holds)
 

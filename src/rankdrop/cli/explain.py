@@ -29,7 +29,7 @@ from rankdrop.cli.command import (
     parse_pose,
 )
 from rankdrop.cli.proof import in_words, model_tolerance, of_place
-from rankdrop.cli.terminal import fitted, say
+from rankdrop.cli.terminal import fit_to_console, say
 from rankdrop.errors import OptionError
 from rankdrop.options import option
 from rankdrop.questions import ExplainOptions
@@ -204,7 +204,7 @@ def _sections(
         if output.full:
             return found.sections(parts=("summary", "nearest", "numbers"), full=True)
         short = found.sections(parts=("summary", "nearest"))
-        return fitted(short, cut=[section for section in short if section.rows])
+        return fit_to_console(short, cut=[section for section in short if section.rows])
     if output.only == "escape":
         rest = ("lost", "blame", "numbers") if output.full else ("lost", "more")
         return found.sections(parts=("summary", "escape", *rest), full=output.full)

@@ -289,7 +289,7 @@ def _system_words(error: OSError) -> str | None:
 def _in_our_words(error: CycloptsError) -> str:
     text = " ".join(str(error).split())
     if isinstance(error, UnusedCliTokensError):
-        text = _unexpected(error.unused_tokens or [])
+        text = _unexpected_words(error.unused_tokens or [])
     if isinstance(error, UnknownCommandError) and error.unused_tokens and (arm := _arm(error.unused_tokens[0])):
         return f"{arm} is an arm; a command comes first: rankdrop analyze {arm}. See `rankdrop --help`."
     if isinstance(error, MissingArgumentError) and error.argument is not None:
@@ -303,7 +303,7 @@ def _in_our_words(error: CycloptsError) -> str:
     return f"{text} See `{' '.join(['rankdrop', command]).strip()} --help`."
 
 
-def _unexpected(words: Sequence[str]) -> str:
+def _unexpected_words(words: Sequence[str]) -> str:
     """Words that no option takes, with advice where they are numbers."""
     text = f"unexpected argument {', '.join(words)}."
     if words and all(re.match(r"[-+−]?[\d.]", word) for word in words):

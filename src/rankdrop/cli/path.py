@@ -28,7 +28,7 @@ from rankdrop.cli.command import (
     parse_configuration,
 )
 from rankdrop.cli.proof import model_tolerance
-from rankdrop.cli.terminal import STDOUT, Report, kept, reporter, say, write_bytes, write_text
+from rankdrop.cli.terminal import STDOUT, Report, kept_work, reporter, say, write_bytes, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 from rankdrop.questions import PathOptions, RemedyOptions
@@ -457,10 +457,10 @@ def _record(check: paths.PathCheck, mending: paths.Mending | None) -> dict[str, 
 
 def _figure(check: paths.PathCheck, target: str | None) -> bytes:
     """The figure of a path in the format of the file's ending."""
-    from rankdrop.report.figures import rendered
+    from rankdrop.report.figures import render
     from rankdrop.report.path_page import path_figure
 
-    return rendered(path_figure(check), Path(target or "").suffix.lower()[1:])
+    return render(path_figure(check), Path(target or "").suffix.lower()[1:])
 
 
 def _page(check: paths.PathCheck) -> str:
@@ -513,7 +513,7 @@ def _of_several(model: Any, checked: list[dict[str, Any]], files: int, out: str 
         for line in record["said"]:
             say(line)
     verdicts, complete = {record["verdict"] for record in checked}, len(checked) == files
-    note = f"interrupted: {len(checked)} of {files} files were checked; {kept(out)}"
+    note = f"interrupted: {len(checked)} of {files} files were checked; {kept_work(out)}"
     return Done(
         lambda: [text.many_section(checked)], {"json": lambda: paths.paths_to_dict(model, checked)},
         holds=verdicts == {"free"}, complete=complete, last=None if complete else partial(say, note),

@@ -25,7 +25,7 @@ from rankdrop.cli.command import (
     open_arm,
     parse_configuration,
 )
-from rankdrop.cli.terminal import STDOUT, kept, say, write_text
+from rankdrop.cli.terminal import STDOUT, kept_work, say, write_text
 from rankdrop.errors import OptionError
 from rankdrop.options import option
 from rankdrop.questions import CoverOptions, PathOptions
@@ -104,7 +104,7 @@ def cover(
     return Done(
         found.sections, {"json": found.to_dict, "certificate": proven},
         holds=found.complete and found.holds, complete=not stopped,
-        last=partial(say, f"interrupted: {kept(f'{out}.parts' if out else None)}") if stopped else None,
+        last=partial(say, f"interrupted: {kept_work(f'{out}.parts' if out else None)}") if stopped else None,
     )  # fmt: skip
 
 

@@ -177,7 +177,7 @@ def _write(shown: Content, page: ReportOptions, target: Path) -> list[Path]:
 
 def _meshes(analysis: results.Analysis, arm: IdealOptions, *, quiet: bool) -> tuple[arms.Mesh, ...]:
     """The shapes of the links that the arm's file has; what cannot be drawn is reported unless it is to be `quiet`."""
-    from rankdrop.report.content import simplified
+    from rankdrop.report.content import simplify_meshes
 
     visuals, left_out = arms.visuals_of(analysis.robot, arm.packages, arm.arguments)
     try:
@@ -186,4 +186,4 @@ def _meshes(analysis: results.Analysis, arm: IdealOptions, *, quiet: bool) -> tu
         meshes, unread = (), (str(error),)
     for note in () if quiet else (*left_out, *unread):
         say(f"not drawn: {note}")
-    return simplified(meshes)
+    return simplify_meshes(meshes)

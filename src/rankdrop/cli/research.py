@@ -102,14 +102,14 @@ def find(
     begun = monotonic()
     model, task = open_arm(robot, arm)
     if where.store is not None:
-        return _stored(model, task, where.store, options, where, output, report)
+        return _store_rows(model, task, where.store, options, where, output, report)
     found = _search(model, task, options, where, report)
     seconds = monotonic() - begun
 
     def blocks() -> Iterator[Block]:
         yield [_answer(found)]
         yield arm_section(model, task, found.rank + found.corank, _starts(found, where.start) | _method(found))
-        yield _outcome(found, seconds) if found.stratum is None else _drawn(found, seconds)
+        yield _outcome(found, seconds) if found.stratum is None else _draws_section(found, seconds)
 
     return Done(
         blocks,
@@ -142,7 +142,7 @@ def _search(robot: Robot, task: Task, options: SearchOptions, where: Where, repo
     return families.refine(robot, [q0], where.corank, options, first=number, **rest)
 
 
-def _stored(
+def _store_rows(
     robot: Robot, task: Task, store: str, options: SearchOptions, where: Where, output: Output, report: Any
 ) -> int:
     if options.method != "lm":
@@ -249,7 +249,7 @@ def _outcome(search: families.Search, seconds: float) -> Section:
     return _table(search, f"{title}{converged}", [*lines, f"{rest} Time taken: {seconds:.1f} s."])
 
 
-def _drawn(search: families.Search, seconds: float) -> Section:
+def _draws_section(search: families.Search, seconds: float) -> Section:
     ratio = (search.sigma[:, search.rank] / search.sigma[:, 0]).max(initial=0.0)
     counts = Counter(search.strata[k] for k in (() if search.stratum is None else search.stratum.tolist()))
     rest = "Families that none of these lies on are missing: this is no covering."
@@ -265,14 +265,14 @@ def _table(search: families.Search, title: str, lines: list[str]) -> Section:
     slides = [kind == "prismatic" for kind in kinds]
     rows: list[tuple[str, ...]] = []
     for q in search.converged[:_SHOWN]:
-        rows.append(("rad, m" if any(slides) else "rad", *(_fixed(value, 4) for value in q)))
-        in_degrees = ("" if slide else _fixed(degrees(x), 2) for x, slide in zip(q, slides, strict=True))
+        rows.append(("rad, m" if any(slides) else "rad", *(_fixed_digits(value, 4) for value in q)))
+        in_degrees = ("" if slide else _fixed_digits(degrees(x), 2) for x, slide in zip(q, slides, strict=True))
         rows.append(("deg", *in_degrees))
     columns = ("", *(text.joint_symbol(number, kind) for number, kind in enumerate(kinds, start=1)))
     return Section(title, columns=columns, rows=tuple(rows), after=tuple(lines))
 
 
-def _fixed(value: float, digits: int) -> str:
+def _fixed_digits(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
@@ -369,24 +369,24 @@ def aspects(
         record = postures.posture_certificate(found)
     except OptionError as error:
         refused = partial(say, f"{output.certificate} is not written: {error.what}")
-        return replace(done, holds=False, last=partial(_both, done.last, refused))
+        return replace(done, holds=False, last=partial(_run_both, done.last, refused))
     return replace(done, files={**done.files, "certificate": lambda: record})
 
 
 def _with_figure(found: postures.Postures, done: Done, path: str) -> Done:
     """Finished work with a picture of the aspects, or why there is none."""
     from rankdrop.report.aspects_figure import aspects_figure
-    from rankdrop.report.figures import rendered
+    from rankdrop.report.figures import render
 
     try:
         drawn = aspects_figure(found)
     except OptionError as error:
         refused = partial(say, f"{path} is not written: {error.what}")
-        return replace(done, holds=False, last=partial(_both, done.last, refused))
-    return replace(done, files={**done.files, "figure": lambda: rendered(drawn, path.rpartition(".")[2].lower())})
+        return replace(done, holds=False, last=partial(_run_both, done.last, refused))
+    return replace(done, files={**done.files, "figure": lambda: render(drawn, path.rpartition(".")[2].lower())})
 
 
-def _both(first: Callable[[], object] | None, second: Callable[[], object]) -> None:
+def _run_both(first: Callable[[], object] | None, second: Callable[[], object]) -> None:
     if first is not None:
         first()
     second()

@@ -112,11 +112,11 @@ def _console(*, stderr: bool) -> Console:
     console = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
     whole = console.render
 
-    def guarded(renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+    def guard_lines(renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
         for text, style, control in whole(renderable, options):
             yield Segment(text if control else text.translate(HIDDEN), style, control)
 
-    console.render = guarded  # type: ignore[method-assign]  # all that is printed passes through it
+    console.render = guard_lines  # type: ignore[method-assign]  # all that is printed passes through it
     return console
 
 
@@ -215,7 +215,9 @@ BRIEF = 40
 """Lines of an output without --full."""
 
 
-def fitted(blocks: Sequence[Block], optional: Sequence[Section] = (), cut: Sequence[Section] = ()) -> list[Block]:
+def fit_to_console(
+    blocks: Sequence[Block], optional: Sequence[Section] = (), cut: Sequence[Section] = ()
+) -> list[Block]:
     """Blocks in at most `BRIEF` lines of the console, as far as what may be left out allows.
 
     Args:
@@ -278,11 +280,11 @@ def section_parts(section: Section, width: int) -> Iterable[RenderableType]:
     if section.title or section.summary:
         yield Text.assemble((section.title, TONES[section.tone]), f"  {section.summary}" if section.summary else "")
     for line in section.lines:
-        yield from map(_indented, formula(line, width - INDENT) if isinstance(line, Formula) else [line])
+        yield from map(_indent, formula(line, width - INDENT) if isinstance(line, Formula) else [line])
     for columns in _pieces(section, width - INDENT):
         yield Padding(_table(section, columns), (0, 0, 0, INDENT))
     for line in section.after:
-        yield _indented(line)
+        yield _indent(line)
     for note in section.notes:
         yield Padding(Text(note, style="dim"), (0, 0, 0, INDENT))
 
@@ -335,7 +337,7 @@ def _kind_of_break(before: str, after: str) -> int:
     return (before in ",;", sign, after[:1] == "(" or after == "= 0", True).index(True)
 
 
-def _indented(line: str) -> RenderableType:
+def _indent(line: str) -> RenderableType:
     """A sentence; blanks before it stay before its second line too."""
     from rich.padding import Padding
     from rich.text import Text
@@ -454,7 +456,7 @@ def check_different(targets: Mapping[str, str | None]) -> None:
         first.setdefault(path, option)
 
 
-def kept(folder: str | None) -> str:
+def kept_work(folder: str | None) -> str:
     """What becomes of finished work after an interruption."""
     if folder:
         return f"finished work is kept in {folder}; run the same command to continue"

@@ -89,7 +89,7 @@ class Certificate:
 @once
 def _views(robot: Robot, task: Task) -> tuple[tuple[_core.View, _core.EnclosureSettings], ...]:
     """What the core gets of each setting."""
-    return tuple((setting.view(robot), setting.told(LARGEST)) for setting in settings_for(robot, task))
+    return tuple((setting.view(robot), setting.core_settings(LARGEST)) for setting in settings_for(robot, task))
 
 
 def certified_radius(
@@ -147,7 +147,7 @@ def certified_radius(
     if evaluations and single < min(at_most, enough):
         smallest = min(_SMALLEST, single / 8) if single > 0.0 else _SMALLEST  # a small ball needs boxes smaller still
         radius, count, stopped, _, _ = _core.ball(
-            chain, setting.view(robot), centre, setting.matters, setting.told(at_most),
+            chain, setting.view(robot), centre, setting.matters, setting.core_settings(at_most),
             inner=single, enough=float(enough), smallest=smallest, budget=int(evaluations), keep=False,
         )  # fmt: skip
         used, complete = used + count, not stopped

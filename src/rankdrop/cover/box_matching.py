@@ -71,12 +71,12 @@ def spots(covering: Covering, robot: Robot, task: Task, cells: Cells, proven: Fl
     """
     if not len(cells):
         return ()
-    groups = grouped(cells, covering.tree.shape.cells(covering.tree.shape.levels), covering.plan.turns)
+    groups = touching_groups(cells, covering.tree.shape.cells(covering.tree.shape.levels), covering.plan.turns)
     order = sorted(groups, key=lambda rows: (-len(rows), int(rows[0])))
-    return _descended(covering, robot, task, cells, proven, order)
+    return _descend_in_groups(covering, robot, task, cells, proven, order)
 
 
-def grouped(cells: Cells, counts: Sequence[int], turns: Sequence[bool]) -> list[NDArray[np.int64]]:
+def touching_groups(cells: Cells, counts: Sequence[int], turns: Sequence[bool]) -> list[NDArray[np.int64]]:
     """Rows of boxes (M, d) that touch each other, at corners too; across the ends of whole turns."""
     shift = 0
     while len(coarse := np.unique(cells >> shift, axis=0)) > _MOST_CELLS:
@@ -103,7 +103,7 @@ def grouped(cells: Cells, counts: Sequence[int], turns: Sequence[bool]) -> list[
     return np.split(rows, np.flatnonzero(np.diff(mine[rows])) + 1)
 
 
-def _descended(
+def _descend_in_groups(
     covering: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags, order: list[NDArray[np.int64]]
 ) -> tuple[Spot, ...]:
     place = np.array(covering.plan.variables) - 1
@@ -116,7 +116,7 @@ def _descended(
         owner += [number] * len(chosen)
     begun, whose = np.concatenate(starts), np.array(owner)
     ends = refine(robot, begun, covering.plan.corank, task=task, limits=covering.plan.limits)
-    rank = covering.plan.kept
+    rank = covering.plan.kept_rank
     width = 2 * covering.boxes(cells[:1])[1]
     away = np.abs(ends.q - begun)[:, place]
     away = np.where(np.array(covering.plan.turns), np.abs(wrap(away)), away)
@@ -188,7 +188,7 @@ class FamilyBoxes:
         joints = {number for equation in family.equations for number in equation.joints}
         return family.named and bool(family.equations) and joints <= {int(j) + 1 for j in self.place}
 
-    def all(self, progress: Progress | None = None) -> tuple[NDArray[np.int64], Cells, Flags]:
+    def families_of_all(self, progress: Progress | None = None) -> tuple[NDArray[np.int64], Cells, Flags]:
         """(F,) leaves of the covering that each family explains, the first that does; (M, d) leaves that none explains,
         and (M,) which of these are proven to hold a singularity.
         """
@@ -197,7 +197,7 @@ class FamilyBoxes:
         proven: list[Flags] = []
         leaves = 0
         for cells, sure in self.found.tree.parts():
-            by = self.by(cells)
+            by = self.families_of(cells)
             families += np.bincount(by[by >= 0], minlength=len(families))
             left.append(cells[by < 0])
             proven.append(sure[by < 0])
@@ -207,23 +207,23 @@ class FamilyBoxes:
         none = np.zeros((0, len(self.place)), np.int32)
         return families, np.concatenate([none, *left]), np.concatenate([none[:, 0] > 0, *proven])
 
-    def by(self, cells: Cells) -> NDArray[np.int64]:
+    def families_of(self, cells: Cells) -> NDArray[np.int64]:
         """(M,) index of the family that explains each leaf (M, d), the first that does; −1 where none does."""
         found = np.full(len(cells), -1)
         for i in self._order:
             left = np.flatnonzero(found < 0)
             if not len(left):
                 break
-            found[left[self._near(self.families[i], cells[left])]] = i
+            found[left[self._is_near(self.families[i], cells[left])]] = i
         return found
 
-    def _near(self, family: Family, cells: Cells) -> Flags:
+    def _is_near(self, family: Family, cells: Cells) -> Flags:
         """(M,) whether a point of a family was found near enough to the centre of each leaf, or part."""
         q, scale = np.zeros((len(cells), self.n)), np.ones(self.n)
         q[:, self.place], scale[self.place] = self.low + (cells + 0.5) * self.width, self.unit
-        return near_family(family, q, self.radius, scale, self.turns, partial(self._coupled, family, cells))
+        return near_family(family, q, self.radius, scale, self.turns, partial(self._is_near_coupled, family, cells))
 
-    def _coupled(self, family: Family, cells: Cells, rows: Rows, q: Array, radius: Array) -> Flags:
+    def _is_near_coupled(self, family: Family, cells: Cells, rows: Rows, q: Array, radius: Array) -> Flags:
         """The same, pinned joints at one value each; once for all leaves that differ in other joints only."""
         pinned = {pin.number for pin in family.pinned}
         joints = pinned.union(*(equation.joints for equation in family.equations))
@@ -236,15 +236,15 @@ class FamilyBoxes:
         scale[self.place[bound]] = self.unit[bound]
         others = tuple(equation for equation in family.equations if not pinned.issuperset(equation.joints))
         if len(others) == 1:
-            near = _between(others[0], q, radius, scale)
+            near = _zero_between(others[0], q, radius, scale)
         else:
             near = np.zeros(len(q), dtype=np.bool_)
         left = np.flatnonzero(~near)
-        near[left] = _walked(others, self.n - family.dimension - len(pinned), q[left], radius[left], scale)
+        near[left] = _walk_to_zero(others, self.n - family.dimension - len(pinned), q[left], radius[left], scale)
         return np.asarray(near[back.reshape(-1)])
 
 
-def _between(equation: Equation, q: Array, radius: Array, scale: Array) -> Flags:
+def _zero_between(equation: Equation, q: Array, radius: Array, scale: Array) -> Flags:
     """(M,) whether there is a zero between two points along the gradient, by a change of sign."""
     f, slope = equation.with_gradient(q)
     way = slope * scale
@@ -255,7 +255,7 @@ def _between(equation: Equation, q: Array, radius: Array, scale: Array) -> Flags
     return np.asarray((length[:, 0] > 0.0) & ((np.abs(f) <= sure) | ((f * other < 0.0) & (np.abs(other) > sure))))
 
 
-def _walked(equations: tuple[Equation, ...], conditions: int, q: Array, radius: Array, scale: Array) -> Flags:
+def _walk_to_zero(equations: tuple[Equation, ...], conditions: int, q: Array, radius: Array, scale: Array) -> Flags:
     """(M,) whether a zero at the end of Newton's walk is near enough.
 
     Where equations are more than conditions, they pull apart off the family, or one that has double zeros leads

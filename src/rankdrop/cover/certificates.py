@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.codec import Result
 from rankdrop.cover.ball import LARGEST, ModelTolerance, certified_radius, displaced_jacobian, points_of
-from rankdrop.cover.setting import Setting, enclose, regular, settings_for_near_arms, viewed
+from rankdrop.cover.setting import Setting, best_setting, enclose, regular, settings_for_near_arms
 from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, OptionError, ResultFileError
 from rankdrop.kinematics import one_configuration, task_jacobian
@@ -25,7 +25,7 @@ from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.proof.boxes import Plan
 from rankdrop.proof.check import Asked, Verdict, check_certificate
 from rankdrop.proof.curves import AskedPath
-from rankdrop.proof.record import BALL, COVERING, EXISTENCE, SCHEMA, Record, Refused, Work, sealed
+from rankdrop.proof.record import BALL, COVERING, EXISTENCE, SCHEMA, Record, Refused, Work, with_hash
 from rankdrop.proof.regions import FREE, LETTERS, OUTSIDE
 from rankdrop.robot.model import Array, Robot, fingerprint
 from rankdrop.robot.transform import unmasked
@@ -79,7 +79,7 @@ def record_of(
     near = None
     if tolerance is not None:
         near = {"length": tolerance.length, "angle": tolerance.angle, "points": points_of(robot).tolist()}
-    return sealed({
+    return with_hash({
         **heading(SCHEMA), "kind": kind, "version": VERSION, "arm": arm_record(robot), "task": task_record(task),
         "rank": setting.rank,
         "view": {"link": min(setting.link, len(robot.joints)), "point": point.tolist(), "length": setting.length},
@@ -372,7 +372,7 @@ def free_radius(test: _Test, at_most: float, evaluations: int) -> float:
         left = now[~test.free(centre[now], half[now])]
         narrow = half[left].max(axis=1) < _NARROW
         stuck = min(stuck, *gap[left[narrow]].tolist(), np.inf)
-        middle, width = _halved(centre[left[~narrow]], half[left[~narrow]])
+        middle, width = _halve_boxes(centre[left[~narrow]], half[left[~narrow]])
         centre, half = np.concatenate([centre[later], middle]), np.concatenate([half[later], width])
         gap = np.linalg.norm(np.maximum(0.0, np.abs(centre) - half), axis=1)
         inside = gap < stuck
@@ -380,7 +380,7 @@ def free_radius(test: _Test, at_most: float, evaluations: int) -> float:
     return max(least, stuck)
 
 
-def _halved(centre: Array, half: Array) -> tuple[Array, Array]:
+def _halve_boxes(centre: Array, half: Array) -> tuple[Array, Array]:
     """Both halves of boxes along their widest variable, the first of them where several are."""
     axis = np.argmax(half, axis=1)
     rows = np.arange(len(centre))
@@ -422,7 +422,7 @@ def tree_of(test: _Test, radius: float, boxes: int) -> str | None:
             else:
                 joined[-1] += after
         pieces = joined
-        parts = _halved(centre[left], half[left])
+        parts = _halve_boxes(centre[left], half[left])
         centre, half = (both.reshape(2, -1, d).swapaxes(0, 1).reshape(-1, d) for both in parts)  # halves side by side
     return "".join(pieces)
 
@@ -441,7 +441,7 @@ def covering_certificate(robot: Robot, plan: Plan, sha256: str, file: str, task:
         "file": file, "sha256": sha256, "variables": list(plan.variables), "lower": list(plan.lower),
         "upper": list(plan.upper), "turns": list(plan.turns), "limits": plan.limits, "corank": plan.corank,
     }  # fmt: skip
-    return record_of(robot, task, COVERING, viewed(robot, task, plan.corank), claim, {})
+    return record_of(robot, task, COVERING, best_setting(robot, task, plan.corank), claim, {})
 
 
 def existence_certificate(
@@ -479,7 +479,7 @@ def _setting_of(robot: Robot, task: Task) -> Setting:
     rank = generic_rank(robot, task)
     some = any(0 < len(set(block) & set(task.rows)) < 3 for block in ((0, 1, 2), (3, 4, 5)))
     try:
-        return viewed(robot, task)
+        return best_setting(robot, task)
     except OptionError:
         if not (some and rank):
             raise

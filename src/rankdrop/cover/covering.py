@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from rankdrop import _core
 from rankdrop.cover.certificates import refused_as_result
-from rankdrop.cover.setting import Setting, enclose, viewed
+from rankdrop.cover.setting import Setting, best_setting, enclose
 from rankdrop.cover.split import split_of
 from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError, ResultFileError
@@ -43,13 +43,13 @@ from rankdrop.proof.boxes import (
     Masks,
     Plan,
     Shape,
-    allowed,
+    allowed_children,
     bits,
     counts,
     covering_bytes,
     load,
     load_plan,
-    packed,
+    pack_bits,
 )
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, fingerprint, screw_of
 from rankdrop.task import Task, resolve_task
@@ -222,7 +222,7 @@ def estimate(robot: Robot, task: Task, plan: Plan, *, ways: int = 512, seed: int
     stands_for = np.full(ways, shape.trees / ways)
     total = 0.0
     for level in range(shape.top + 1, shape.levels + 1):
-        every = np.full(len(cells), allowed(shape, level), shape.kind)
+        every = np.full(len(cells), allowed_children(shape, level), shape.kind)
         children, parent = shape.children(cells, every, level)
         total += float(stands_for @ np.bincount(parent, minlength=len(cells)))
         left = np.flatnonzero(~boxes.free(children, level))
@@ -356,7 +356,7 @@ def plan_of(
     resolved = resolve_task(task, robot)
     if not NARROWEST <= width <= WIDEST:
         raise OptionError("no such width of boxes", where="width", got=width, allowed=f"{NARROWEST:.4f} … π [rad]")
-    setting = viewed(robot, resolved)
+    setting = best_setting(robot, resolved)
     if not 1 <= corank <= setting.rank:
         raise OptionError("there is no such corank for this arm and task", where="corank", got=corank,
                           allowed=f"1 … {setting.rank}")  # fmt: skip
@@ -462,7 +462,7 @@ def classify_boxes(
         return _core.judge_leaves(
             tables_of(robot, found.plan), leaves, _CLOSER, parts=parts, threads=threads
         ), nothing  # fmt: skip
-    return closer(robot, task, viewed(robot, task, found.plan.corank), found.plan, cells, threads, near)
+    return closer(robot, task, best_setting(robot, task, found.plan.corank), found.plan, cells, threads, near)
 
 
 @lru_cache(1)
@@ -472,7 +472,7 @@ def _kept_tables(robot: Robot, plan: Plan) -> _core.Split:
 
 @lru_cache(1)
 def _kept_view(robot: Robot, task: Task, plan: Plan) -> Setting:
-    return viewed(robot, task, plan.corank)
+    return best_setting(robot, task, plan.corank)
 
 
 def enclosed_trees(
@@ -525,7 +525,7 @@ class _Halving:
             the proven leaves, of boxes of which something is left only.
         """
         shape = self.shape
-        every = np.full(len(cells), allowed(shape, level), shape.kind)
+        every = np.full(len(cells), allowed_children(shape, level), shape.kind)
         children, parent = shape.children(cells, every, level)
         self.tested += len(children)
         if self.tested > self.budget:
@@ -536,29 +536,29 @@ class _Halving:
 
         if level == shape.levels:
             flags[flags] = left
-            masks = packed(flags, shape.kind)
+            masks = pack_bits(flags, shape.kind)
             proven = np.zeros_like(flags)
             proven[flags] = self.boxes.proven(kept)
             there = masks != 0
-            return [_Level(masks, tree), _Level(packed(proven, shape.kind)[there], tree[there])]
+            return [_Level(masks, tree), _Level(pack_bits(proven, shape.kind)[there], tree[there])]
 
         parts = [
             self.below(kept[at : at + _AT_ONCE], owner[at : at + _AT_ONCE], level + 1)
             for at in range(0, len(kept), _AT_ONCE)
         ] or [self._nothing(level + 1)]
-        deeper = [_joined(pieces) for pieces in zip(*parts, strict=True)]
+        deeper = [_join_levels(pieces) for pieces in zip(*parts, strict=True)]
         first = deeper[0]
         there = first.masks != 0
         left[left] = there
         flags[flags] = left
-        return [_Level(packed(flags, shape.kind), tree), _Level(first.masks[there], first.tree[there]), *deeper[1:]]
+        return [_Level(pack_bits(flags, shape.kind), tree), _Level(first.masks[there], first.tree[there]), *deeper[1:]]
 
     def _nothing(self, level: int) -> list[_Level]:
         empty = _Level(np.zeros(0, self.shape.kind), np.zeros(0, np.int32))
         return [empty] * (self.shape.levels - level + 2)
 
 
-def _joined(pieces: tuple[_Level, ...]) -> _Level:
+def _join_levels(pieces: tuple[_Level, ...]) -> _Level:
     return _Level(np.concatenate([level.masks for level in pieces]), np.concatenate([level.tree for level in pieces]))
 
 
@@ -600,7 +600,7 @@ class _Boxes:
         self.low, self.high = np.array(plan.lower), np.array(plan.upper)
         self.place = np.array(plan.variables) - 1
 
-    def _at(self, cells: Cells, level: int) -> tuple[Array, Array]:
+    def _centres_and_halves(self, cells: Cells, level: int) -> tuple[Array, Array]:
         """(M, n) centres, and (M, n) half-widths in units of motion, rounded outwards."""
         deepest = self.plan.shape.levels
         width = (self.high - self.low) / self.plan.shape.cells(level) / (1 << max(0, level - deepest))
@@ -616,7 +616,7 @@ class _Boxes:
         found = np.zeros(len(cells), dtype=np.bool_)
         for begin in range(0, len(cells), _PART):
             part = slice(begin, begin + _PART)
-            q, half = self._at(cells[part], level)
+            q, half = self._centres_and_halves(cells[part], level)
             found[part] = enclose(self.robot, self.setting, q, half, threads=self.threads)[0] != 0
         return found
 
@@ -626,11 +626,11 @@ class _Boxes:
         False where the Jacobian is not square, and for coranks above 1, which no sign tells.
         """
         found = np.zeros(len(cells), dtype=np.bool_)
-        if not self.task.m == self.robot.n == self.plan.kept:
+        if not self.task.m == self.robot.n == self.plan.kept_rank:
             return found
         for begin in range(0, len(cells), _PART):
             part = slice(begin, begin + _PART)
-            q, half = self._at(cells[part], self.plan.shape.levels)
+            q, half = self._centres_and_halves(cells[part], self.plan.shape.levels)
             half = half * np.asarray(self.setting.scale)
             plus, minus = np.zeros(len(q), dtype=np.bool_), np.zeros(len(q), dtype=np.bool_)
             for corner in [(0,) * len(self.place), *product((-1, 1), repeat=len(self.place))]:

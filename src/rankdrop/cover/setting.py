@@ -65,7 +65,7 @@ class Setting:
     repeats: float
     tool: bool = False
 
-    def seen(self, robot: Robot) -> Robot:
+    def with_tip_frame(self, robot: Robot) -> Robot:
         """The arm whose link frames the view is in: with `tool`, the frame of its last link is that of the tip."""
         if self.tool:
             return _with_tip_in_last_link(robot)
@@ -73,7 +73,7 @@ class Setting:
 
     def chain(self, robot: Robot) -> _core.Chain:
         """The chain that the view belongs to."""
-        return chain_of(self.seen(robot))
+        return chain_of(self.with_tip_frame(robot))
 
     def view(self, robot: Robot) -> _core.View:
         """The view the core works in."""
@@ -85,10 +85,10 @@ class Setting:
 
     def home_point(self, robot: Robot) -> Array:
         """(3,) the point at q = 0 in base coordinates [m]."""
-        frame = frames_of(self.seen(robot))[self.link]
+        frame = frames_of(self.with_tip_frame(robot))[self.link]
         return np.asarray(frame[:3, :3] @ np.array(self.point) + frame[:3, 3])
 
-    def told(self, radius: float) -> _core.EnclosureSettings:
+    def core_settings(self, radius: float) -> _core.EnclosureSettings:
         """What the core is told besides, balls up to `radius` (scaled)."""
         return _core.EnclosureSettings(
             rank=self.rank, length=self.length, radius=radius, repeats=self.repeats, scale=self.scale, arm=self.arm
@@ -132,9 +132,9 @@ def _settings(robot: Robot, task: Task, *, near: bool) -> tuple[Setting, ...]:
         point = frame[:3, :3].T @ (home - frame[:3, 3])
         arm = _arms(robot, link, home)
         if rows == (0, 1, 2):  # joints behind the link have no columns
-            moved, repeats = _moved(robot, link, link)
+            moved, repeats = _moving_variables(robot, link, link)
         else:
-            moved, repeats = _moved(robot, link, len(robot.joints))
+            moved, repeats = _moving_variables(robot, link, len(robot.joints))
         for share in _LENGTHS if len(rows) == 6 else (1.0,):
             found.append(
                 Setting(
@@ -158,7 +158,7 @@ def setting_at_tip(robot: Robot, task: Task) -> Setting:
     if task.frame.origin not in (TIP, link + 1):
         raise OptionError("the reference point of the task is not carried by the tip", got=task.frame,
                           allowed="a point of the tip")  # fmt: skip
-    matters, repeats = _moved(robot, link, link)
+    matters, repeats = _moving_variables(robot, link, link)
     tip = robot.home[:3, 3] + robot.home[:3, :3] @ np.array(task.frame.point)
     return Setting(
         link, task.frame.point, task.scale(robot), task.rows if rows is None else rows, rank, _arms(robot, link, tip),
@@ -183,7 +183,7 @@ def _check(robot: Robot, task: Task, rank: int) -> None:
 def _of_tool_rows(robot: Robot, task: Task, rank: int) -> tuple[Setting, ...]:
     """Settings of rows in tool axes: at the task's point, lengths differ."""
     link = len(robot.joints)
-    matters, repeats = _moved(robot, link, link)
+    matters, repeats = _moving_variables(robot, link, link)
     scale, point = joint_scale(robot, task), task.frame.point
     tip = robot.home[:3, 3] + robot.home[:3, :3] @ np.array(point)
     mixed = min(task.rows) < 3 <= max(task.rows)
@@ -341,7 +341,7 @@ def _arms(robot: Robot, link: int, home: Array) -> Array:
     return arm
 
 
-def _moved(robot: Robot, link: int, count: int) -> tuple[NDArray[np.bool_], float]:
+def _moving_variables(robot: Robot, link: int, count: int) -> tuple[NDArray[np.bool_], float]:
     """(n,) whether any column depends on a variable; and √ of the largest number of joints driven by one.
 
     Columns are those of the first `count` joints.
@@ -360,10 +360,11 @@ def enclose(
     Returns:
         free (B,), radius (B,), bound B (B, r, r), Σ (B, r), U₁ (B, m, r), V₁ (B, n, r), M (B, N); see enclosure.hpp.
     """
-    return _core.enclose(setting.chain(robot), setting.view(robot), q, half, setting.told(radius), threads=threads)
+    settings = setting.core_settings(radius)
+    return _core.enclose(setting.chain(robot), setting.view(robot), q, half, settings, threads=threads)
 
 
-def viewed(robot: Robot, task: Task, corank: int = 1) -> Setting:
+def best_setting(robot: Robot, task: Task, corank: int = 1) -> Setting:
     """The setting that certifies the largest balls at random configurations.
 
     Args:

@@ -27,7 +27,7 @@ from math import radians
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.cover.setting import Setting, enclose, regular, viewed
+from rankdrop.cover.setting import Setting, best_setting, enclose, regular
 from rankdrop.cover.speed_measures import AtValues, Residual, at_values, nearest_root, residual
 from rankdrop.errors import OptionError
 from rankdrop.families.record import Family, SpeedDistance
@@ -103,7 +103,7 @@ class SpeedRegion:
             middle = into_metres(robot, rows)[0]
         self.around = np.asarray(middle, dtype=np.float64)
         self.given = out_of_metres(robot, self.around)
-        self.setting: Setting = viewed(self.robot, self.task)
+        self.setting: Setting = best_setting(self.robot, self.task)
         self.matters = np.asarray(self.setting.matters)
         bound = float(self.least(self.around[None], np.zeros((1, robot.n)))[0])
         slowest = float(self.slowest(self.around[None])[0])
@@ -140,7 +140,7 @@ class SpeedRegion:
             beyond = self._search(j, gap, -side, self.span - abs(gap))
             searches.append(beyond)
             if kept is not None:
-                kept = max(kept, beyond.kept)
+                kept = max(kept, beyond.kept_distance)
         slowest = max(searches, key=lambda search: search.slower or 0.0)
         return SpeedDistance(
             family, number, self.robot.variables[j].name, values[nearest], near.end, kept, slowest.slower,
@@ -240,7 +240,7 @@ class SpeedRegion:
         """(M, n, r, r) derivatives G_k of U₁ᵀ J V₁ by each scaled variable at centres (M, n)."""
         setting, scale = self.setting, np.asarray(self.setting.scale)
         frame = Frame(setting.link, setting.link, setting.point)
-        change = jacobian_derivative(setting.seen(self.robot), centre, frame)[:, list(setting.rows)]
+        change = jacobian_derivative(setting.with_tip_frame(self.robot), centre, frame)[:, list(setting.rows)]
         factors = np.where(np.array(setting.rows) < _ROWS_OF_TRANSLATION, 1.0 / setting.length, 1.0)
         change = change * factors[:, None, None] * scale
         return np.asarray(np.einsum("mij,mink,mns->mkjs", u, change, v, optimize=True))
@@ -294,7 +294,7 @@ class _Search:
             self.distance = None
 
     @property
-    def kept(self) -> float:
+    def kept_distance(self) -> float:
         """From which distance the speed is kept in the region: nothing of it lies beyond its end."""
         if self.distance is None:
             return self.end
@@ -326,7 +326,7 @@ class _Search:
         slow = np.flatnonzero(speed < self.region.speed)
         if not len(slow):
             return
-        away = self._away(tried[slow])
+        away = self._distances(tried[slow])
         farthest = slow[int(away.argmax())]
         distance = min(float(away.max()), self.end)
         if self.slower is None or distance > self.slower:
@@ -338,7 +338,7 @@ class _Search:
         ends[:, self.j] += half[:, self.j]
         return ends
 
-    def _away(self, rows: Array) -> Array:
+    def _distances(self, rows: Array) -> Array:
         """(N,) distances of rows."""
         return np.asarray(rows[:, self.j])
 
@@ -366,7 +366,7 @@ class _MeasureSearch(_Search):
     def _ends(self, centre: Array, half: Array) -> Array:
         return self.measure.far_corner(centre, half)
 
-    def _away(self, rows: Array) -> Array:
+    def _distances(self, rows: Array) -> Array:
         return self.measure.at(rows)
 
     def _joints(self, rows: Array) -> Array:

@@ -196,7 +196,7 @@ def nearest_root(
         rows[:, j] = values
         signs = np.sign(condition(rows))
         for k in np.flatnonzero(signs[1:] != signs[:-1]).tolist():
-            root = _bisected(condition, rows[k], rows[k + 1], signs[k])[j]
+            root = _bisect_zero(condition, rows[k], rows[k + 1], signs[k])[j]
             found.append((abs(float(root) - float(around[j])), j, float(root)))
     if not found:
         return None
@@ -204,7 +204,7 @@ def nearest_root(
     return joint, value
 
 
-def _bisected(condition: Equation, start: Array, end: Array, sign: float) -> Array:
+def _bisect_zero(condition: Equation, start: Array, end: Array, sign: float) -> Array:
     """(n,) a zero between two configurations, of which the first has the sign."""
     for _ in range(_HALVINGS):
         middle = (start + end) / 2

@@ -70,12 +70,12 @@ def _coefficients(robot: Robot) -> tuple[Array, Array]:
 
     def minors(turned: _Exact, other: _Exact, about: _Exact, sign: int, pairs: _Exact) -> _Exact:
         """(6, 15) minors of a column (3, 6) turned by its outer variable and another (6,), both about an inner axis."""
-        first, second = (_turned(column, about, sign) @ quotient.T for column in (turned, other))
+        first, second = (_adjoint_coefficients(column, about, sign) @ quotient.T for column in (turned, other))
         return _minors(first, second, pairs)
 
-    a = minors(_turned(s1, s2, -1), s2, s3, -1, _PAIRS)
-    b = -minors(_turned(s6, s5, 1), s5, s4, 1, _OTHERS)  # columns 5 and 6 change places
-    return _rounded(a), _rounded(b * _SIGNS[:, None])
+    a = minors(_adjoint_coefficients(s1, s2, -1), s2, s3, -1, _PAIRS)
+    b = -minors(_adjoint_coefficients(s6, s5, 1), s5, s4, 1, _OTHERS)  # columns 5 and 6 change places
+    return _to_doubles(a), _to_doubles(b * _SIGNS[:, None])
 
 
 def _exact(numbers: Array) -> _Exact:
@@ -89,7 +89,7 @@ def _screw(numbers: Array, point: _Exact) -> _Exact:
     return np.concatenate([v - v @ w / (w @ w) * w + np.cross(w, point), w])
 
 
-def _turned(screws: _Exact, axis: _Exact, sign: int) -> _Exact:
+def _adjoint_coefficients(screws: _Exact, axis: _Exact, sign: int) -> _Exact:
     """(…, 3, 6) coefficients of 1, cos q, sin q of Ad(exp(± axis q)) screws (…, 6), 1 + sin q ad + (1 − cos q) ad²."""
     v, w = axis[:3], axis[3:]
 
@@ -134,7 +134,7 @@ def _minors(x: _Exact, y: _Exact, pairs: _Exact) -> _Exact:
     return np.asarray(found.reshape(len(pairs), 15))
 
 
-def _rounded(values: _Exact) -> Array:
+def _to_doubles(values: _Exact) -> Array:
     """As doubles of size one, divided by a power of two: no digit depends on the unit of length."""
     power = Fraction(2) ** frexp(float(abs(values).max()))[1]
     return np.asarray(values / power, dtype=np.float64)

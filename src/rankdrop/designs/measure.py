@@ -24,9 +24,9 @@ from typing import Any
 import numpy as np
 
 from rankdrop.aspects.verdict import judged_summary
-from rankdrop.codec import encode, plain, restored
+from rankdrop.codec import encode, plain, restore
 from rankdrop.cover.covering import plan_of
-from rankdrop.designs.postures import reached, slow_poses, targets_of
+from rankdrop.designs.postures import best_postures, slow_poses, targets_of
 from rankdrop.designs.ranking import bits_to_text, form_of, key_of
 from rankdrop.designs.region import region_bounds
 from rankdrop.designs.spec import finite
@@ -118,7 +118,7 @@ def families_of(
     sampling = _Sampling(own, inner, starts, fresh, limits, seed)
     coranks: list[CorankFamilies] = []
     while len(coranks) < rank and (not coranks or coranks[-1].summary.converged):
-        coranks.append(_settled(sampling, len(coranks) + 1, known))
+        coranks.append(_settle_families(sampling, len(coranks) + 1, known))
     rows: list[Family] = []
     for corank_rows in coranks:
         rows += [family_out_of_units(family, robot) for family in corank_rows.families]
@@ -143,20 +143,20 @@ class _Sampling:
     seed: int
 
 
-def _settled(sampling: _Sampling, corank: int, known: Sequence[Family] | None) -> CorankFamilies:
+def _settle_families(sampling: _Sampling, corank: int, known: Sequence[Family] | None) -> CorankFamilies:
     """Families of one corank: with the nominal conditions, or fitted where these leave something open."""
     tries: list[tuple[int, Sequence[Family] | None]] = [(1, None)]
     if known is not None:
         here = [family for family in known if family.corank == corank]
         tries = [(1, here), (MORE[0], here)]
     for times, given in [*tries, *((times, None) for times in MORE)]:
-        found = _sampled(sampling, corank, times, given)
+        found = _sample_families(sampling, corank, times, given)
         if holds(found.summary, found.families):
             break
     return found
 
 
-def _sampled(sampling: _Sampling, corank: int, times: int, given: Sequence[Family] | None) -> CorankFamilies:
+def _sample_families(sampling: _Sampling, corank: int, times: int, given: Sequence[Family] | None) -> CorankFamilies:
     """Families of one corank from `times` times the starts, without nominal ones that these lengths make unreal."""
     seed = sampling.seed
     cloud = search(
@@ -182,7 +182,7 @@ STARTS, FRESH = 300, 300
 """Of families that are needed but were not asked for."""
 
 
-def measured(
+def measure_arm(
     robot: Robot,
     task: Task,
     asks: Mapping[str, Any],
@@ -263,7 +263,7 @@ def _aspects(problem: Problem, _: Any, _asked: Any, _seed: int) -> Measured:
     return {"aspects": encode(ASPECTS_SUMMARY, summary)}, {"aspects": summary.number}
 
 
-def _near(problem: Problem, known: Analysis, asked: Mapping[str, Any], seed: int) -> Measured:
+def _measure_near(problem: Problem, known: Analysis, asked: Mapping[str, Any], seed: int) -> Measured:
     near = near_shares(known.families, problem, asked["within"], samples=asked["samples"], seed=seed)
     entry = {"any": encode(NEAR_SHARE, near.any), "families": [encode(NEAR_SHARE, share) for share in near.families],
              "samples": near.samples, "hits": bits_to_text(near.hits)}  # fmt: skip
@@ -287,7 +287,7 @@ def _region(problem: Problem, _: Any, asked: Mapping[str, Any], seed: int) -> Me
     else:
         rpy = np.array(asked["rpy"])
     targets = targets_of(np.array(asked["lower"]), np.array(asked["upper"]), rpy, asked["points"], seed)
-    sigma, q, lowest = reached(problem, targets, oriented=rpy is not None, starts=asked["starts"], seed=seed)
+    sigma, q, lowest = best_postures(problem, targets, oriented=rpy is not None, starts=asked["starts"], seed=seed)
     there = np.isfinite(sigma)
     entry: Record = {
         "poses": len(targets), "reached": int(there.sum()), "each": [finite(value) for value in sigma],
@@ -357,7 +357,7 @@ def _path(known: Analysis, name: str, given: Mapping[str, Any], *, limits: bool)
     }
 
 
-def _certified(problem: Problem, _: Any, width: float, _seed: int) -> Measured:
+def _measure_certified(problem: Problem, _: Any, width: float, _seed: int) -> Measured:
     robot, task = problem.robot, problem.task
     proven = covering(robot, task, plan_of(robot, width, task, limits=problem.limits))
     entry = {"free": proven.free_share, "boxes": proven.tree.leaves, "complete": proven.complete}
@@ -365,8 +365,8 @@ def _certified(problem: Problem, _: Any, width: float, _seed: int) -> Measured:
 
 
 _MEASURES: dict[str, Callable[..., Measured]] = {
-    "families": _families, "aspects": _aspects, "near": _near, "slow": _slow, "region": _region, "paths": _paths,
-    "certified": _certified,
+    "families": _families, "aspects": _aspects, "near": _measure_near, "slow": _slow, "region": _region,
+    "paths": _paths, "certified": _measure_certified,
 }  # fmt: skip
 """What is measured -> measure(problem, analysis, what is asked, seed): entries of the record, and its measures."""
 NEED_FAMILIES = ("families", "near", "paths")
@@ -377,7 +377,7 @@ def variants(plan: Record, chunk: int) -> bytes:
 
     The families of the nominal arm are derived once in each process.
     """
-    drawing, task = Drawing(**plan["drawing"]), restored(Task, plan["task"])
+    drawing, task = Drawing(**plan["drawing"]), restore(Task, plan["task"])
     places = [[Place(*place) for place in parameter] for parameter in plan["places"]]
     searched = any(plan["asks"][ask] is not None for ask in NEED_FAMILIES)
     if searched:
@@ -392,7 +392,7 @@ def variants(plan: Record, chunk: int) -> bytes:
             given.update(dict.fromkeys(group, value))
         try:
             robot = drawing.robot(given, f"{drawing.nominal.name} {number + 1}")
-            record = measured(robot, task, plan["asks"], nominal, limits=plan["limits"], seed=plan["seed"])
+            record = measure_arm(robot, task, plan["asks"], nominal, limits=plan["limits"], seed=plan["seed"])
         except RankdropError as error:  # the numbers make no arm
             record = {"measures": {}, "error": str(error)}
         lines.append(line_of({"number": number, "values": values, **record}))
@@ -402,9 +402,9 @@ def variants(plan: Record, chunk: int) -> bytes:
 def arms(plan: Record, chunk: int) -> bytes:
     """The record of one arm of a comparison; an arm of the catalogue has the families that it has there."""
     entry = plan["arms"][chunk]
-    robot, task = Drawing(**entry["drawing"]).nominal, restored(Task, entry["task"])
+    robot, task = Drawing(**entry["drawing"]).nominal, restore(Task, entry["task"])
     known = None if plan["limits"] else known_analysis(robot, task)  # what `analyze` says of it
-    record = measured(robot, task, plan["asks"], None, limits=plan["limits"], seed=plan["seed"], known=known)
+    record = measure_arm(robot, task, plan["asks"], None, limits=plan["limits"], seed=plan["seed"], known=known)
     return line_of({"number": chunk, "values": [], **record})
 
 
@@ -416,4 +416,4 @@ def line_of(record: Record) -> bytes:
 @lru_cache(maxsize=1)
 def _nominal(key: str) -> Conditions | None:
     drawing, task = json.loads(key)
-    return nominal_conditions(Drawing(**drawing).nominal, restored(Task, task))
+    return nominal_conditions(Drawing(**drawing).nominal, restore(Task, task))

@@ -57,7 +57,7 @@ class Postures:
         """(N,) σ_r of the task at q (N, n)."""
         return np.asarray(singular_values(self.robot, q, self.problem.task)[:, self.problem.generic_rank - 1])
 
-    def found(self, targets: Array, starts: Array) -> tuple[Array, Array]:
+    def solve(self, targets: Array, starts: Array) -> tuple[Array, Array]:
         """(N, n) where Newton's method ends, one start for each of the poses (N, 4, 4); (N,) σ_r, −inf: not reached."""
         q, step = self.aim.descend(targets, starts, close=CLOSE, rounds=_ITERATIONS)
         good = step >= 0
@@ -69,10 +69,10 @@ class Postures:
     def sought(self, targets: Array, starts: int, seed: int) -> tuple[Array, Array]:
         """(P, starts, n) postures from random starts at poses (P, 4, 4), and (P, starts) their σ_r, −inf: none."""
         begin = sample(self.robot, self.problem.task, len(targets) * starts, seed, limits=self.problem.limits)
-        q, sigma = self.found(np.repeat(targets, starts, axis=0), begin)
+        q, sigma = self.solve(np.repeat(targets, starts, axis=0), begin)
         return q.reshape(-1, starts, self.robot.n), sigma.reshape(-1, starts)
 
-    def climbed(self, targets: Array, q: Array, sigma: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+    def climb(self, targets: Array, q: Array, sigma: Array, rng: np.random.Generator) -> tuple[Array, Array]:
         """Postures (P, K, n) moved along self-motions to a larger σ (P, K); as they are for an arm without any."""
         if self.robot.n == self.aim.rank:
             return q, sigma
@@ -86,13 +86,15 @@ class Postures:
             way = (rng.normal(size=(len(rows), 1, null.shape[1])) @ null)[:, 0]
             way *= length / np.maximum(np.linalg.norm(way, axis=1), 1e-300)[:, None]
             for sign in (1.0, -1.0):
-                there, value = self.found(goals[rows], flat[rows] + sign * way * self.aim.joints)
+                there, value = self.solve(goals[rows], flat[rows] + sign * way * self.aim.joints)
                 better = value > best[rows]
                 flat[rows[better]], best[rows[better]] = there[better], value[better]
         return flat.reshape(shape), best.reshape(shape[:2])
 
 
-def reached(problem: Problem, targets: Array, *, oriented: bool, starts: int, seed: int) -> tuple[Array, Array, float]:
+def best_postures(
+    problem: Problem, targets: Array, *, oriented: bool, starts: int, seed: int
+) -> tuple[Array, Array, float]:
     """The best posture found at every pose.
 
     Args:

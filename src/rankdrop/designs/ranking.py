@@ -320,7 +320,7 @@ def rank(records: Sequence[Record], goals: Mapping[str, str]) -> Ranking:
     numbers = [number for number, record in enumerate(records) if goals and _is_complete(record, goals)]
     compared = _Compared([records[number] for number in numbers], goals)
     every = np.arange(len(numbers))
-    kept = np.concatenate([every[:0], *(rows[~compared.dominated(rows, every)] for rows in _blocks(every))])
+    kept = np.concatenate([every[:0], *(rows[~compared.is_dominated(rows, every)] for rows in _blocks(every))])
     return Ranking([numbers[i] for i in kept], compared.differ(kept))
 
 
@@ -334,7 +334,7 @@ class _Compared:
 
     def __init__(self, records: Sequence[Record], goals: Mapping[str, str]) -> None:
         self.records, self.goals = records, goals
-        self.spreads = {name: _stacked([deviations(record, name) for record in records]) for name in goals}
+        self.spreads = {name: _stack_rows([deviations(record, name) for record in records]) for name in goals}
         self.beyond = threshold(len(records), sum(bool(spread.shape[1]) for spread in self.spreads.values()))
 
     def better(self, name: str, rows: Rows, columns: Rows) -> NDArray[np.bool_]:
@@ -346,7 +346,7 @@ class _Compared:
             low, high = (-upper, -lower)
         return _smaller(low, high, self.spreads[name], self.beyond, rows, columns)
 
-    def dominated(self, rows: Rows, others: Rows) -> NDArray[np.bool_]:
+    def is_dominated(self, rows: Rows, others: Rows) -> NDArray[np.bool_]:
         """(R,) whether one of `others` dominates each of `rows`."""
         worse = np.any([self.better(name, others, rows).T for name in self.goals], axis=0)
         better = np.any([self.better(name, rows, others) for name in self.goals], axis=0)
@@ -381,7 +381,7 @@ def _smaller(
     return np.asarray(gap > np.maximum(beyond * np.sqrt(np.maximum(square, 0.0)), rounding))
 
 
-def _stacked(rows: Sequence[Array]) -> Array:
+def _stack_rows(rows: Sequence[Array]) -> Array:
     """(V, K) rows of one length, those without samples zero."""
     most = max((len(row) for row in rows), default=0)
     found = np.zeros((len(rows), most), dtype=np.float32 if most > 10_000 else np.float64)

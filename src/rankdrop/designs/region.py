@@ -33,7 +33,7 @@ from rankdrop.cover.setting import Setting, enclose, regular, setting_at_tip
 from rankdrop.designs.postures import CLOSE, EDGE, ROWS_OF_POSITION, Postures, poses_at
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian, pose
-from rankdrop.problem import Mask, Problem, wrapped
+from rankdrop.problem import Mask, Problem, wrap_joints
 from rankdrop.robot import Array, Robot
 from rankdrop.task import WORLD_ALIGNED
 
@@ -157,7 +157,7 @@ class _Proof:
                 if not len(open_) or most < 1 or not cells.half.any():
                     break
                 lowest = open_[np.argsort(cells.bound[open_], kind="stable")[:most]]
-                cells = _halved(cells, lowest)
+                cells = _halve_cells(cells, lowest)
                 chosen = np.arange(len(cells.bound) - 2 * len(lowest), len(cells.bound))
             places = cells.centre[chosen]
             known = cells.postures[chosen] if begun else None
@@ -197,7 +197,7 @@ class _Proof:
         sigma = np.concatenate([sigma, [[posture.sigma]]], axis=1)
         q, sigma = _different(self.robot, q, sigma)
         for _ in range(2):
-            q, sigma = self.postures.climbed(goal, q, sigma, self.rng)
+            q, sigma = self.postures.climb(goal, q, sigma, self.rng)
         best = int(sigma[0].argmax())
         return posture._replace(sigma=float(sigma[0, best]), q=q[0, best])
 
@@ -213,7 +213,7 @@ class _Proof:
         count, n = len(goals), self.robot.n
         q, sigma = np.zeros((count, 0, n)), np.zeros((count, 0))
         if known is not None:
-            flat, value = self.postures.found(np.repeat(goals, _KEPT, axis=0), known.reshape(-1, n))
+            flat, value = self.postures.solve(np.repeat(goals, _KEPT, axis=0), known.reshape(-1, n))
             q, sigma = flat.reshape(count, -1, n), value.reshape(count, -1)
         for times, deepest in ((1, _LEVELS), (_THOROUGH, -1)):
             rows = np.flatnonzero((depth <= deepest) | ~np.isfinite(sigma.max(axis=1, initial=-np.inf)))
@@ -224,7 +224,7 @@ class _Proof:
                 wider[rows], wide[rows] = self.postures.sought(goals[rows], times * self.starts, seed)
                 q, sigma = np.concatenate([q, wider], axis=1), np.concatenate([sigma, wide], axis=1)
         q, sigma = _different(self.robot, q, sigma)
-        q, sigma = self.postures.climbed(goals, q, sigma, self.rng)
+        q, sigma = self.postures.climb(goals, q, sigma, self.rng)
         return _different(self.robot, q, sigma)
 
     def proven(self, places: Array, q: Array, half: Array) -> Array:
@@ -269,7 +269,7 @@ class _Proof:
             enough = np.asarray(((matrix @ y[rows, :, None])[:, :, 0] > needed * _OUTWARDS).all(axis=1))
             done[rows[enough]] = True
             box[rows[enough]] = wide[enough]
-            larger = _solved(matrix, needed)
+            larger = _solve_each(matrix, needed)
             positive = np.asarray((larger > 0.0).all(axis=1))  # else no M-matrix: the cell is too wide
             larger = np.where(positive[:, None], larger, np.inf)
             y[rows] = np.where(enough[:, None], y[rows], 1.1 * larger)
@@ -309,7 +309,7 @@ class _Proof:
                 break
             chosen = open_[np.argsort(-top[open_], kind="stable")[:most]]
             rest = np.setdiff1d(open_, chosen)
-            c, h = self._left(goal, *_split(centre[chosen], half[chosen], weight))
+            c, h = self._boxes_left(goal, *_split(centre[chosen], half[chosen], weight))
             tested += 2 * len(chosen)
             if len(c):
                 value = self._most(c, h)
@@ -323,7 +323,7 @@ class _Proof:
         """The best posture at the pose (4, 4), of that known and those found from starts (N, n)."""
         if not len(starts):
             return best
-        q, sigma = self.postures.found(np.repeat(goal[None], len(starts), axis=0), starts)
+        q, sigma = self.postures.solve(np.repeat(goal[None], len(starts), axis=0), starts)
         k = int(sigma.argmax())
         if sigma[k] > best.sigma:
             return best._replace(sigma=float(sigma[k]), q=q[k])
@@ -367,7 +367,7 @@ class _Proof:
         arm = np.asarray(self.task.arm) / self.task.length + 0.3
         return np.asarray(np.where(self.turning, arm, 1.0 / self.task.length) @ self.coupling)
 
-    def _left(self, goal: Array, centre: Array, half: Array) -> tuple[Array, Array]:
+    def _boxes_left(self, goal: Array, centre: Array, half: Array) -> tuple[Array, Array]:
         """Boxes (M, n) less those of which no configuration reaches the pose, narrowed to what may reach it."""
         for _ in range(3):
             if not len(centre):
@@ -466,7 +466,7 @@ class _Proof:
         return np.asarray(most * _OUTWARDS + _ROUNDING)
 
 
-def _solved(matrix: Array, push: Array) -> Array:
+def _solve_each(matrix: Array, push: Array) -> Array:
     """(P, r) y of matrix y = push; inf where the matrix is singular."""
     flat = np.abs(np.linalg.det(matrix)) <= 1e-300
     safe = np.where((flat | ~np.isfinite(matrix).all(axis=(1, 2)))[:, None, None], np.eye(matrix.shape[1]), matrix)
@@ -482,7 +482,7 @@ def _different(robot: Robot, q: Array, sigma: Array) -> tuple[Array, Array]:
     order = np.argsort(-sigma, axis=1, kind="stable")
     sigma, q = np.take_along_axis(sigma, order, axis=1), np.take_along_axis(q, order[:, :, None], axis=1)
     for k in range(1, sigma.shape[1]):
-        apart = wrapped(robot, q[:, :k] - q[:, k : k + 1])
+        apart = wrap_joints(robot, q[:, :k] - q[:, k : k + 1])
         sigma[(np.abs(apart).max(axis=2) < _SAME).any(axis=1), k] = -np.inf
     order = np.argsort(-sigma, axis=1, kind="stable")[:, :_KEPT]
     return np.take_along_axis(q, order[:, :, None], axis=1), np.take_along_axis(sigma, order, axis=1)
@@ -498,7 +498,7 @@ class _Cells(NamedTuple):
     depth: NDArray[np.intp]
 
 
-def _halved(cells: _Cells, chosen: NDArray[np.intp]) -> _Cells:
+def _halve_cells(cells: _Cells, chosen: NDArray[np.intp]) -> _Cells:
     """Cells with those chosen replaced by their halves, which come last."""
     centre, half = _split(cells.centre[chosen], cells.half[chosen], np.ones(cells.half.shape[1]))
     rest, double = np.setdiff1d(np.arange(len(cells.bound)), chosen), np.tile(chosen, 2)

@@ -181,7 +181,7 @@ def spec_of(
         OptionError: a key or a value cannot be used.
     """
     folder = folder or Path(".")
-    with _located(file, lines):
+    with _name_line(file, lines):
         head = _read_table(document, "")
         drawing = _drawing(head, folder)
         task = _task(head, drawing)
@@ -198,13 +198,13 @@ def question_of(document: Mapping[str, Any]) -> tuple[dict[str, Any], Asks]:
     Raises:
         OptionError: a key or a value cannot be used.
     """
-    with _located("", None):
+    with _name_line("", None):
         head = _read_table(document, "", ("task", "length_scale", "limits", "seed", "as_written", *ASKS))
         return head, _asks(head, Path("."))
 
 
 @contextmanager
-def _located(file: str, lines: Lines | None) -> Iterator[None]:
+def _name_line(file: str, lines: Lines | None) -> Iterator[None]:
     """Errors that name "table.key: rest" name the file and the line as well."""
     try:
         yield
@@ -331,7 +331,7 @@ def _are_texts(value: Any) -> bool:
     return isinstance(value, list) and bool(value) and all(isinstance(entry, str) and entry for entry in value)
 
 
-def _any(value: Any, where: str) -> Any:
+def _later(value: Any, where: str) -> Any:
     """A value that is read together with others."""
     fits = where not in TABLES or value is None or isinstance(value, Mapping)
     _require(fits, OptionError(f"{where} is a table", where=where, got=repr(value), allowed=f"[{where}]"))
@@ -348,13 +348,13 @@ TABLES: dict[str, dict[str, Entry]] = {
     "": {
         "robot": (_text, None), "tip": (_text, None), "base": (_text, None), "as_written": (_flag, False),
         "task": (_text, None), "length_scale": (_length, None), "limits": (_flag, False),
-        "seed": (_whole_number, 0, 0, 2**63 - 1), "parameters": (_any, {}), "sample": (_any, {}),
-        "variants": (_any, None), "families": (_any, None), "aspects": (_any, None), "near": (_any, None),
-        "slow": (_any, None), "region": (_any, None), "paths": (_any, None), "certified": (_any, None),
-        "pareto": (_any, {}),
+        "seed": (_whole_number, 0, 0, 2**63 - 1), "parameters": (_later, {}), "sample": (_later, {}),
+        "variants": (_later, None), "families": (_later, None), "aspects": (_later, None), "near": (_later, None),
+        "slow": (_later, None), "region": (_later, None), "paths": (_later, None), "certified": (_later, None),
+        "pareto": (_later, {}),
     },
     "parameters": {},
-    "sample": {"kind": (_any, None), "variants": (_any, 0)},
+    "sample": {"kind": (_later, None), "variants": (_later, 0)},
     "families": {
         "starts": (_whole_number, 300, 10, MOST_STARTS), "fresh": (_whole_number, 300, 10, 20_000),
         "exact": (_flag, True),
@@ -376,7 +376,7 @@ TABLES: dict[str, dict[str, Entry]] = {
     },
     "paths": {"files": (_files, None)},
     "certified": {"width": (_width, 0.2, 1.0)},
-    "pareto": {"less": (_any, []), "more": (_any, [])},
+    "pareto": {"less": (_later, []), "more": (_later, [])},
 }  # fmt: skip
 """Table -> key -> how it is read. The first table is the head of the file; "parameters" has the names as keys."""
 
@@ -389,10 +389,10 @@ def _drawing(head: Mapping[str, Any], folder: Path) -> Drawing:
         return Drawing.of(str(beside) if isfile(beside) else name, head["tip"], head["base"],
                           as_written=head["as_written"])  # fmt: skip
     except RankdropError as error:
-        raise _inside("robot", error) from error
+        raise _error_at("robot", error) from error
 
 
-def _inside(place: str, error: RankdropError, file: str = "") -> OptionError:
+def _error_at(place: str, error: RankdropError, file: str = "") -> OptionError:
     """The error of another reader, at the place of the specification that calls it."""
     where = error.where or file
     return OptionError(error.what, where=f"{place}: {where}" if where else place, got=error.got, allowed=error.allowed,
@@ -595,7 +595,7 @@ def _poses(file: Path, name: str) -> dict[str, Any]:
         what = f"the file cannot be read: {error.strerror}"
         raise OptionError(what, where="paths.files", got=name[:80]) from error
     except RankdropError as error:
-        raise _inside("paths.files", error, name) from error
+        raise _error_at("paths.files", error, name) from error
     return {"poses": poses.matrices.tolist(), "t": None if poses.times is None else poses.times.tolist()}
 
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.codec import Record, plain
-from rankdrop.designs.measure import measured
+from rankdrop.designs.measure import measure_arm
 from rankdrop.designs.outcome import Designs, SideBySide
 from rankdrop.designs.ranking import structures
 from rankdrop.designs.spec import Asks, Spec, question_of, read_spec, spec_of
@@ -84,7 +84,7 @@ def sweep(
     else:
         read = read_spec(spec)
     if precision is not None:
-        read = refined(read, precision)
+        read = refine_samples(read, precision)
     values = variants_of(read)
     tell = report or (lambda label, done, total: None)
     job = job_of(read, values)
@@ -107,7 +107,7 @@ FINEST = 1e-4
 """Standard error of a share that is not gone below."""
 
 
-def refined(spec: Spec, precision: float) -> Spec:
+def refine_samples(spec: Spec, precision: float) -> Spec:
     """The specification with as many samples as a standard error of its shares takes, by a trial on the nominal arm.
 
     Raises:
@@ -121,7 +121,7 @@ def refined(spec: Spec, precision: float) -> Spec:
     given = {name: table for name in sampled if (table := getattr(spec.asks, name)) is not None}
     if not given:
         raise OptionError("nothing is sampled", where="precision", allowed="with [near], [slow] or [region]")
-    trial = measured(spec.drawing.nominal, spec.task, plain(Asks(**given)), None, limits=spec.limits,
+    trial = measure_arm(spec.drawing.nominal, spec.task, plain(Asks(**given)), None, limits=spec.limits,
                      seed=spec.seed)  # fmt: skip
     asks: dict[str, Any] = {}
     for name, table in given.items():

@@ -78,7 +78,7 @@ def _ball(rng: np.random.Generator, radii: Array, moves: Mask) -> Array:
     return np.asarray(x * (share / np.maximum(np.linalg.norm(x, axis=1), 1e-300))[:, None])
 
 
-def _walked(family: Family, problem: Problem, centre: Array, box: Array, seed: int) -> Array:
+def _walk_from_starts(family: Family, problem: Problem, centre: Array, box: Array, seed: int) -> Array:
     """(P, n) where Newton's steps from starts around a configuration end; joints that do not matter stay at it.
 
     Where a walk led farther away than another had ended, its end is where it stood.
@@ -130,11 +130,11 @@ def _turns_by_way(pin: Pin, at: float, periodic: bool, bounds: Array) -> Array:
 
 def nearest_turns(values: Array, at: float, periodic: bool, bounds: Array) -> Array:
     """Values moved by whole turns to where they are nearest to `at` and inside the bounds."""
-    options = _turned(values, np.array([at]), periodic, bounds)[0]
+    options = _nearest_turns(values, np.array([at]), periodic, bounds)[0]
     return np.asarray(options[np.isfinite(options)])
 
 
-def _turned(values: Array, at: Array, periodic: bool, bounds: Array) -> Array:
+def _nearest_turns(values: Array, at: Array, periodic: bool, bounds: Array) -> Array:
     """(N, options) values moved by whole turns to near each of (N,); nan outside the bounds."""
     if periodic:
         turns = np.rint((at[:, None] - values) / (2 * np.pi))[:, None] + _NEIGHBOURS
@@ -297,7 +297,7 @@ def _candidates(
         return feet[rows], rows
     if not family.named or not family.equations:
         return np.empty((0, problem.n)), np.empty(0, dtype=np.int64)
-    parts = [np.empty((0, problem.n)), *(_walked(family, problem, centre, box, seed) for centre in q)]
+    parts = [np.empty((0, problem.n)), *(_walk_from_starts(family, problem, centre, box, seed) for centre in q)]
     return np.concatenate(parts), np.repeat(np.arange(len(q)), [len(part) for part in parts[1:]])
 
 
@@ -307,7 +307,7 @@ def _pinned_feet(pinned: Sequence[Pin], robot: Robot, q: Array, box: Array) -> A
     feet, rows = np.minimum(np.maximum(q, box[0]), box[1]), np.arange(len(q))
     for pin in pinned:
         j = pin.number - 1
-        options = _turned(np.array(pin.values), q[:, j], bool(robot.periodic[j]), box[:, j])
+        options = _nearest_turns(np.array(pin.values), q[:, j], bool(robot.periodic[j]), box[:, j])
         far = np.abs(options - q[:, j, None])
         far[np.isnan(far)] = np.inf
         feet[:, j] = options[rows, far.argmin(axis=1)]
@@ -373,15 +373,15 @@ class SetDistance:
     def _feet_of_batch(self, q: Array, within: Array) -> Array:
         """`feet` of a batch: all its starts are driven onto the set in one call."""
         known = (within > 0.0) & (within < np.inf)  # the ball is known at once
-        near = self._near(q)
+        near = self._cloud_neighbours(q)
         around = q[:, None] + np.where(known, within, 0.0)[:, None, None] * self._ball
         starts = [np.concatenate([q[i, None], around[i]]) if known[i] else q[i, None] for i in range(len(q))]
         onto = self._onto_set(starts)
-        feet, far = self._walked(q, [np.concatenate(pair) for pair in zip(near, onto, strict=True)])
+        feet, far = self._walk_along_set(q, [np.concatenate(pair) for pair in zip(near, onto, strict=True)])
         rows = np.flatnonzero(~known & (far > 0.0) & (far < np.inf))
         if len(rows) and len(self._ball):
             starts = [q[i] + far[i] * self._ball for i in rows]
-            others, nearer = self._walked(q[rows], self._onto_set(starts))
+            others, nearer = self._walk_along_set(q[rows], self._onto_set(starts))
             better = nearer < far[rows]
             feet[rows[better]] = others[better]
         return feet
@@ -391,7 +391,7 @@ class SetDistance:
         """
         feet = np.full(q.shape, np.nan)
         rows = np.flatnonzero(np.isfinite(points).all(axis=1))
-        feet[rows] = self._walked(q[rows], [points[i, None] for i in rows])[0]
+        feet[rows] = self._walk_along_set(q[rows], [points[i, None] for i in rows])[0]
         return feet
 
     def _onto_set(self, starts: Sequence[Array]) -> list[Array]:
@@ -405,7 +405,7 @@ class SetDistance:
         there = np.split(outcome == 0, ends[:-1])
         return [some[good] for some, good in zip(np.split(q, ends[:-1]), there, strict=True)]
 
-    def _walked(self, centres: Array, points: Sequence[Array]) -> tuple[Array, Array]:
+    def _walk_along_set(self, centres: Array, points: Sequence[Array]) -> tuple[Array, Array]:
         """Nearest ends of walks along the set from its points (P, n) for each centre (N, n): nan where there is none.
 
         Returns:
@@ -444,7 +444,7 @@ class SetDistance:
         near = points - whole_turns(self.problem.robot, points - centre)
         return np.ascontiguousarray(np.where((near < self.box[0]) | (near > self.box[1]), points, near))
 
-    def _near(self, q: Array) -> Array:
+    def _cloud_neighbours(self, q: Array) -> Array:
         """(N, seeds, n) points of the cloud nearest to each, idle joints left as they are."""
         count = min(self._starts, len(self.cloud))
         if not count:
@@ -594,14 +594,14 @@ class Ruler:
         feet = np.full((len(q), len(self.families), q.shape[1]), np.nan)
         for k in range(len(self.families)):
             feet[:, k] = self._feet_on(q, k)
-        apart = self._far(feet, q[:, None])
+        apart = self._distance_to(feet, q[:, None])
         foot = np.full(q.shape, np.nan)
         if self._set is not None:
             foot = self._set.feet(q, apart.min(axis=1, initial=np.inf))
             if along:
                 self._from_neighbours(self._set, q, foot)
-            feet = self._credited(q, feet, foot)
-        far, beyond = self._far(feet, q[:, None]), self._far(foot, q)
+            feet = self._feet_on_families(q, feet, foot)
+        far, beyond = self._distance_to(feet, q[:, None]), self._distance_to(foot, q)
         return Distances(far, out_of_metres(self.robot, feet), beyond, out_of_metres(self.robot, foot), at_least)
 
     def feet(self, q: Array, which: int, points: Array | None = None) -> Array:
@@ -616,15 +616,15 @@ class Ruler:
         if self._set is None:
             return feet
         if points is None:
-            other = self._set.feet(q, self._far(feet, q))
+            other = self._set.feet(q, self._distance_to(feet, q))
         else:
-            nearer = self._far(self._set.brought_near(points, q), q) < _CLEARLY * self._far(feet, q)
+            nearer = self._distance_to(self._set.brought_near(points, q), q) < _CLEARLY * self._distance_to(feet, q)
             other = self._set.from_points(q, np.where(nearer[:, None], points, np.nan))
         if which >= 0:
-            other = np.where(self._on(which, other)[:, None], other, np.nan)
-        return np.where((self._far(other, q) < self._far(feet, q))[:, None], other, feet)
+            other = np.where(self._lies_on_family(which, other)[:, None], other, np.nan)
+        return np.where((self._distance_to(other, q) < self._distance_to(feet, q))[:, None], other, feet)
 
-    def _far(self, feet: Array, q: Array) -> Array:
+    def _distance_to(self, feet: Array, q: Array) -> Array:
         """Distance [rad; slides scaled]; inf where there is no foot."""
         far = self._problem.length(feet - q)
         return np.where(np.isnan(far), np.inf, far)
@@ -635,24 +635,25 @@ class Ruler:
             changed = False
             for mine, other in ((slice(1, None), slice(None, -1)), (slice(None, -1), slice(1, None))):
                 points = walked.brought_near(foot[other], q[mine])
-                rows = np.flatnonzero(self._far(points, q[mine]) < _CLEARLY * self._far(foot[mine], q[mine]))
+                nearer = self._distance_to(points, q[mine]) < _CLEARLY * self._distance_to(foot[mine], q[mine])
+                rows = np.flatnonzero(nearer)
                 ends = walked.from_points(q[mine][rows], points[rows])
-                better = self._far(ends, q[mine][rows]) < self._far(foot[mine][rows], q[mine][rows])
+                better = self._distance_to(ends, q[mine][rows]) < self._distance_to(foot[mine][rows], q[mine][rows])
                 foot[mine][rows[better]] = ends[better]
                 changed |= bool(better.any())
             if not changed:
                 break
 
-    def _credited(self, q: Array, feet: Array, foot: Array) -> Array:
+    def _feet_on_families(self, q: Array, feet: Array, foot: Array) -> Array:
         """Points of the singular set as feet on the families whose conditions hold there, where they are nearer."""
-        far = self._far(foot, q)
+        far = self._distance_to(foot, q)
         for k in range(len(self.families)):
-            rows = np.flatnonzero(far < self._far(feet[:, k], q))
-            rows = rows[self._on(k, foot[rows])]
+            rows = np.flatnonzero(far < self._distance_to(feet[:, k], q))
+            rows = rows[self._lies_on_family(k, foot[rows])]
             feet[rows, k] = foot[rows]
         return feet
 
-    def _on(self, which: int, points: Array) -> Mask:
+    def _lies_on_family(self, which: int, points: Array) -> Mask:
         """(N,) whether a family's conditions hold at points (N, n), which have its rank; False at nan."""
         family = self.families[which]
         rows = np.flatnonzero(np.isfinite(points).all(axis=1))

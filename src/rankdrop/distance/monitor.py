@@ -199,7 +199,7 @@ class Monitor:
         """Whether there may be singularities beyond the families' conditions."""
         self._numbers = [*order, -1]  # number in the core -> index; the core's −1 finds the last entry
         self._order = np.array(self._numbers, dtype=np.int32)
-        self._table = compiled(self.watched, robot, self.task)
+        self._table = compile_families(self.watched_families, robot, self.task)
         self._chain, self._view = chain_of(robot), task_view(robot, self.task)
         self._settings = _core.MonitorSettings(
             generic=self.generic_rank, **self.settings, start=self.start, stop=self.stop, beyond=self.beyond,
@@ -216,7 +216,7 @@ class Monitor:
         return Ruler(self.families, self.robot, self.task)
 
     @property
-    def watched(self) -> tuple[Family, ...]:
+    def watched_families(self) -> tuple[Family, ...]:
         """The families with conditions, in the order in which they are preferred."""
         return tuple(self.families[i] for i in self._numbers[:-1])
 
@@ -345,7 +345,7 @@ class Monitor:
         return found
 
 
-def compiled(families: Sequence[Family], robot: Robot, task: Task) -> _core.Families:
+def compile_families(families: Sequence[Family], robot: Robot, task: Task) -> _core.Families:
     """The equations of families as flat tables for the core, in the given order.
 
     Raises:
@@ -424,7 +424,7 @@ def arm_header(monitor: Monitor, *, mark: str | None = None) -> str:
     mark = re.sub(r"[^A-Za-z0-9]+", "_", name if mark is None else mark).strip("_").lower() or "arm"
     plain = " ".join(name.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").split())
     made = _bounds_of(monitor)
-    fields = _chain(made[0].seen(monitor.robot) if made else monitor.robot) | _question(monitor, made)
+    fields = _chain(made[0].with_tip_frame(monitor.robot) if made else monitor.robot) | _question(monitor, made)
     arrays: dict[str, str] = {}
     lines = [
         f"/* {plain} and its families of singular configurations, written by rankdrop. */",
@@ -436,7 +436,7 @@ def arm_header(monitor: Monitor, *, mark: str | None = None) -> str:
             arrays[name] = f"rankdrop_{mark}_{name}"
             lines += _array(arrays[name], value, _TYPES.get(name, "double"))
     lines += ["", f"static const rankdrop_arm rankdrop_{mark}_arm = {{"]
-    lines += [f"    {arrays.get(name) or _one(value)}, /* {name} */" for name, value in fields.items()]
+    lines += [f"    {arrays.get(name) or _c_number(value)}, /* {name} */" for name, value in fields.items()]
     return "\n".join([*lines, "};", "", "#endif", ""])
 
 
@@ -490,8 +490,8 @@ def _bounds_of(monitor: Monitor) -> Sequence[Setting]:
 
 def _question(monitor: Monitor, made: Sequence[Setting]) -> dict[str, Value]:
     """Task, families, thresholds, and what enclosures are made from."""
-    task, joints, families = monitor.task, len(monitor.robot.joints), monitor.watched
-    length, table = task.scale(monitor.robot), tables_of(monitor.watched, monitor.robot, task)
+    task, joints, families = monitor.task, len(monitor.robot.joints), monitor.watched_families
+    length, table = task.scale(monitor.robot), tables_of(monitor.watched_families, monitor.robot, task)
     points: list[float] = []
     reaches: list[float] = []
     for body in made:
@@ -526,10 +526,10 @@ def _array(name: str, values: Sequence[int | float | str], kind: str) -> list[st
     if not values:
         values = [""] if kind == _WORDS else [0]
     lines = [f"static {'' if kind == _WORDS else 'const '}{kind} {name}[] = {{"]
-    return [*lines, *_wrapped(_one(value) for value in values), "};"]
+    return [*lines, *_wrap_lines(_c_number(value) for value in values), "};"]
 
 
-def _wrapped(words: Iterable[str]) -> list[str]:
+def _wrap_lines(words: Iterable[str]) -> list[str]:
     lines = ["   "]
     for word in words:
         if len(lines[-1]) + len(word) > _LONG:
@@ -538,7 +538,7 @@ def _wrapped(words: Iterable[str]) -> list[str]:
     return lines
 
 
-def _one(value: Value) -> str:
+def _c_number(value: Value) -> str:
     if isinstance(value, str):
         return '"' + "".join(_LETTERS.get(letter, letter) for letter in value) + '"'
     if isinstance(value, float) and isinf(value):

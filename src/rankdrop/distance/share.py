@@ -28,7 +28,7 @@ from rankdrop.local.block import joint_scale, sample
 from rankdrop.local.slowest import slowest_motions
 from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array
-from rankdrop.solve import iterate, towards
+from rankdrop.solve import iterate, steps_towards
 from rankdrop.tolerances import SLOW, SLOW_TURN
 from rankdrop.units import in_units, out_of_units, task_in_units
 
@@ -160,7 +160,7 @@ def near_shares(
         if progress is not None:
             progress(done, len(named))
         moved = family_in_units(family, robot)
-        here = near_family(moved, q, within, scale, robot.periodic, partial(_walked, moved, scale, rng))
+        here = near_family(moved, q, within, scale, robot.periodic, partial(_reaches_zero, moved, scale, rng))
         every |= here
         met.append(NearShare(family.id, int(here.sum()), samples, bool(family.coupled)))
     if progress is not None:
@@ -237,7 +237,7 @@ def check_within(within: float) -> None:
                           allowed=f"above 0, up to {WIDEST} rad (86°)")  # fmt: skip
 
 
-def _walked(family: Family, scale: Array, rng: np.random.Generator, _rows: Rows, q: Array, within: Array) -> Mask:
+def _reaches_zero(family: Family, scale: Array, rng: np.random.Generator, _rows: Rows, q: Array, within: Array) -> Mask:
     """(N,) whether a zero of the equations was found so near, pinned joints held."""
     system = family.system
     moves = np.array([j for j in range(q.shape[1]) if j + 1 in family.coupled])
@@ -260,7 +260,7 @@ def _walked(family: Family, scale: Array, rng: np.random.Generator, _rows: Rows,
             continue
         def step(x: Array, active: NDArray[np.intp], centre: Array = centre) -> Array:
             f, slope = system.linear(x)
-            return towards((centre[active] - x) * moving / scale, f, slope * (moving * scale))
+            return steps_towards((centre[active] - x) * moving / scale, f, slope * (moving * scale))
 
         x = iterate(step, x, iterations=_STEPS, longest=_LONGEST, scale=scale)
         x, _ = system.solve(x, along=np.eye(x.shape[1])[:, moves], iterations=20)  # pinned joints held

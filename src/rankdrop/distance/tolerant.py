@@ -174,8 +174,8 @@ def climb_to_tolerant(
     if not crucial:
         model, box = failure_model(problem.robot, problem.task, relative=how.relative), _box(problem)
         starts = problem.sample(how.starts, how.seed) / problem.scale
-        done, climbed = _climbed(model, starts, box, progress)
-        best = _polished(problem, model, climbed, box, how.show, free)
+        done, climbed = _climb_from_starts(model, starts, box, progress)
+        best = _polish_maxima(problem, model, climbed, box, how.show, free)
         at = [(out_of_units(robot, q), value, slope) for q, value, slope in best if value > tolerances.singular]
         places = tuple(
             Place(q, value, slope, failures_at(robot, q, task, tolerances=tolerances)) for q, value, slope in at
@@ -224,7 +224,7 @@ def _box(problem: Problem) -> tuple[Array, Array]:
     return low / problem.scale, high / problem.scale
 
 
-def _climbed(
+def _climb_from_starts(
     model: Evaluate, starts: Array, box: tuple[Array, Array], progress: Progress | None
 ) -> tuple[int, Array]:
     """How many starts were climbed from, and (done, n) where they came to, best first."""
@@ -244,7 +244,7 @@ def _climbed(
     return done, np.concatenate([part.q for part in found])[order]
 
 
-def _polished(
+def _polish_maxima(
     problem: Problem, model: Evaluate, q: Array, box: tuple[Array, Array], show: int, free: Mask
 ) -> list[tuple[Array, float, float]]:
     """(configuration, value, slope) of the best maxima that differ, climbed to the end."""
@@ -257,7 +257,7 @@ def _polished(
         return []
     found = descend(model, np.array(chosen[: _CHOSEN * show]) / scale, box, iterations=_LAST)
     order = np.argsort(found.value, kind="stable")
-    turned = _settled(robot, found.q[order] * scale, box, scale, free)
+    turned = _settle_idle_joints(robot, found.q[order] * scale, box, scale, free)
     kept: list[tuple[Array, float, float]] = []
     for at, value, slope in zip(turned, -found.value[order], found.slope[order], strict=True):
         near = (_difference(robot, at, other[0]).max() < 1e-3 and abs(value - other[1]) < _SAME for other in kept)
@@ -271,7 +271,7 @@ def _difference(robot: Robot, q: Array, other: Array) -> Array:
     return np.abs(q - other - whole_turns(robot, q - other))
 
 
-def _settled(robot: Robot, q: Array, box: tuple[Array, Array], scale: Array, free: Mask) -> Array:
+def _settle_idle_joints(robot: Robot, q: Array, box: tuple[Array, Array], scale: Array, free: Mask) -> Array:
     """Joints that do not matter at 0, or in the middle of where they may go; angles in (−π, π] where no limit binds."""
     low, high = box[0] * scale, box[1] * scale
     bounded = np.isfinite(low) & np.isfinite(high)

@@ -55,7 +55,7 @@ class Section:
         """(N, 2) distance from the axis and height along it, or the two coordinates in the plane [m]."""
         away = points - self.origin
         if self.planar:
-            x, y = _across(self.axis)
+            x, y = _normals_to(self.axis)
             return np.stack([away @ x, away @ y], axis=-1)
         height = away @ self.axis
         radial = np.linalg.norm(away - height[..., None] * self.axis, axis=-1)
@@ -170,7 +170,7 @@ def _walls(robot: Robot, section: Section, seed: int) -> tuple[Array, NDArray[np
     return pose(robot, q)[:, :3, 3], np.asarray(one_sided)
 
 
-def _across(axis: Array) -> tuple[Array, Array]:
+def _normals_to(axis: Array) -> tuple[Array, Array]:
     """Two unit vectors across an axis; x and y where it is z."""
     if abs(axis[0]) < 0.9:
         x = np.array([1.0, 0.0, 0.0])

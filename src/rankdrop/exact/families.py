@@ -48,7 +48,7 @@ from rankdrop.formula.equation import Equation, System
 from rankdrop.formula.writing import RADIANS, Condition, pin_of
 from rankdrop.lists import flat_map
 from rankdrop.local.block import sampling_box, singular_values
-from rankdrop.problem import Problem, wrapped
+from rankdrop.problem import Problem, wrap_joints
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import CONDITION_FAILS, DEFAULT, RANK_HIGHER, RANK_KEPT, REAL_STARTS, SMOOTH
 from rankdrop.units import out_of_units
@@ -590,7 +590,7 @@ def _one_of_each_first(parts: Sequence[Array]) -> Array:
 
 def _witness(chain: Chain, rank: int, points: Array, pins: Pins) -> Array:
     """The point whose next singular value is largest, joints on which nothing depends set to 0, free ones rounded."""
-    q = wrapped(chain.own, points)
+    q = wrap_joints(chain.own, points)
     rounded = q.copy()
     for joint in range(chain.n):
         tried = rounded.copy()

@@ -22,7 +22,7 @@ from rankdrop.exact.arm.parts import parts_of, scale_angle, whole_angles
 from rankdrop.exact.tree import OpenCase, Tree
 from rankdrop.formula.equation import Equation, System
 from rankdrop.formula.writing import AnglePin, Condition, pin_of
-from rankdrop.problem import Problem, wrapped
+from rankdrop.problem import Problem, wrap_joints
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import words_of
 from rankdrop.solve import newton
@@ -204,7 +204,7 @@ def _points(chain: Chain, corank: int, equations: Sequence[Equation], seed: int)
         return going, f, np.concatenate([slopes, here.d.reshape(len(q), -1, problem.n)], axis=1)
 
     starts, _ = system.solve(problem.sample(REAL_STARTS, seed))
-    q = wrapped(chain.own, newton(equations_at, starts, scale=problem.scale, iterations=_ITERATIONS))
+    q = wrap_joints(chain.own, newton(equations_at, starts, scale=problem.scale, iterations=_ITERATIONS))
     return q[system.zero(q) & problem.singular(q)]
 
 

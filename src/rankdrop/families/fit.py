@@ -49,7 +49,7 @@ from rankdrop.families.row import (
     solve_at_special_values,
 )
 from rankdrop.families.searching import refine
-from rankdrop.formula.equation import Equation, Mask, System, Term, normalised
+from rankdrop.formula.equation import Equation, Mask, System, Term, normalised_equation
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, JointKind
@@ -341,7 +341,7 @@ def _equation_of(waves: NDArray[np.complex128], joints: tuple[int, ...], n: int)
     def place(term: Term) -> tuple[float, tuple[Any, ...], str]:
         return sum(map(abs, map(float, term.harmonics))), term.harmonics, term.kind
 
-    return normalised(sorted(terms, key=place))
+    return normalised_equation(sorted(terms, key=place))
 
 
 EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off

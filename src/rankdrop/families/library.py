@@ -29,7 +29,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.formula.equation import Equation, Term, normalised
+from rankdrop.formula.equation import Equation, Term, normalised_equation
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import Tolerances
 
@@ -74,7 +74,7 @@ class Library:
         wide[:, :, list(variables)] = self.harmonics, self.powers
         kinds = np.where(self.is_sin, "sin", "cos").tolist()
         rows = zip(coefficients.tolist(), kinds, *wide.tolist(), strict=True)
-        return normalised(Term(c, kind, tuple(h), tuple(p)) for c, kind, h, p in rows if c != 0.0)
+        return normalised_equation(Term(c, kind, tuple(h), tuple(p)) for c, kind, h, p in rows if c != 0.0)
 
 
 @lru_cache(maxsize=256)

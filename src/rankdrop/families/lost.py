@@ -12,7 +12,7 @@ from math import hypot
 from rankdrop.local.directions import ENTRY_SHARE, NEARLY_SHARE, FramedDirections, lost_in_sparsest_frame
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Frame, Task
-from rankdrop.units import counted_length, given_exponent, shifted
+from rankdrop.units import counted_length, given_exponent, shift_decimal
 
 _DECIMALS = 10
 
@@ -76,8 +76,8 @@ class LostFreedom:
 
     def rescaled(self, power: int) -> LostFreedom:
         """The same of the arm with lengths 10 to a power as large in numbers: u is in `length`, and stays."""
-        x, y, z = (shifted(part, power) for part in self.frame.point)
-        return replace(self, frame=replace(self.frame, point=(x, y, z)), length=shifted(self.length, power))
+        x, y, z = (shift_decimal(part, power) for part in self.frame.point)
+        return replace(self, frame=replace(self.frame, point=(x, y, z)), length=shift_decimal(self.length, power))
 
 
 def freedoms_of(robot: Robot, framed: FramedDirections, *, everywhere: bool) -> tuple[LostFreedom, ...]:
@@ -88,7 +88,7 @@ def freedoms_of(robot: Robot, framed: FramedDirections, *, everywhere: bool) -> 
         framed: (k, 6) directions and their frame.
         everywhere: whether they are the same on the whole family.
     """
-    x, y, z = (shifted(part, given_exponent(robot)) for part in framed.frame.point)
+    x, y, z = (shift_decimal(part, given_exponent(robot)) for part in framed.frame.point)
     frame, length = replace(framed.frame, point=(x, y, z)), counted_length(robot)
     return tuple(LostFreedom(tuple(row), frame, everywhere, length) for row in framed.directions.tolist())
 

@@ -176,7 +176,7 @@ def _joints_that_matter(scene: Scene, task: Task, rank: int) -> set[int]:
     """Joints whose motion alone raises the rank at more than half of the samples."""
     matter = set()
     for joint in range(scene.robot.n):
-        sigma = singular_values(scene.robot, scene.moved(joint, _AWAY).q, task)[:, rank]
+        sigma = singular_values(scene.robot, scene.after_motion(joint, _AWAY).q, task)[:, rank]
         if np.mean(sigma > _LOST) > 0.5:
             matter.add(joint)
     return matter
@@ -210,7 +210,7 @@ def _own_to_family(fact: Fact, structure: Structure, scene: Scene) -> bool:
 
 def _breaking(fact: Fact, scene: Scene, joints: set[int]) -> set[int]:
     """The joints that break a fact at some sample when they move."""
-    return {joint for joint in joints if not fact.holds(scene.moved(joint, _AWAY)).all()}
+    return {joint for joint in joints if not fact.holds(scene.after_motion(joint, _AWAY)).all()}
 
 
 def _losing(facts: Sequence[Fact], breaking: Sequence[set[int]], corank: int) -> list[int]:

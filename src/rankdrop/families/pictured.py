@@ -17,7 +17,7 @@ from rankdrop.families.record import Family, family_in_metres
 from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.local.posture import candidates, fault, spine, start_posture
-from rankdrop.problem import Problem, into_limits, wrapped
+from rankdrop.problem import Problem, into_limits, wrap_joints
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.task import Task
@@ -166,7 +166,7 @@ class _Choice:
         bound = {number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))}
         system = family_in_metres(family, self._robot).system
         points, solved = system.solve(starts, along=np.eye(problem.n)[:, sorted(bound)])
-        points = wrapped(problem.robot, points[solved])
+        points = wrap_joints(problem.robot, points[solved])
         points = into_limits(problem.robot, points[problem.singular(points)])
         if problem.rank and len(points):
             gap = problem.sigma(points)[:, problem.rank - 1]

@@ -22,10 +22,10 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.errors import OptionError
 from rankdrop.families.record import Check, Family, family_in_metres, rescale_equation, slides_of, ways_to
 from rankdrop.families.searching import refine, search
-from rankdrop.formula.equation import REACHED, Equation, Mask, System, normalised
+from rankdrop.formula.equation import REACHED, Equation, Mask, System, normalised_equation
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank
-from rankdrop.problem import Problem, wrap, wrapped
+from rankdrop.problem import Problem, wrap, wrap_joints
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import newton
 from rankdrop.task import Task
@@ -61,7 +61,7 @@ def members(
 def _solved(problem: Problem, family: Family, starts: Array, along: Array | None = None) -> Array:
     """(≤ N, n) points of a family that starts (N, n) lead to, moved along some directions: singular, within travel."""
     points, solved = family.system.solve(starts, along=along)
-    points = wrapped(problem.robot, points[solved])
+    points = wrap_joints(problem.robot, points[solved])
     return points[problem.singular(points) & within_travel(problem, family, points)]
 
 
@@ -431,7 +431,7 @@ def explained(
     systems = []
     for family in families:
         equations = (rescale_equation(equation, slides, power) for equation in family)
-        systems.append(System(tuple(normalised(equation.terms) for equation in equations)))
+        systems.append(System(tuple(normalised_equation(equation.terms) for equation in equations)))
     left = np.arange(len(points.q))
     for further in (False, True):
         q = into_metres(robot, _further(points, left) if further else points.q)

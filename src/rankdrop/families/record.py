@@ -36,7 +36,7 @@ from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.sections import Section, html, words_of
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
-from rankdrop.units import exponent, in_metres, into_metres, metre_exponent, shifted, task_in_metres
+from rankdrop.units import exponent, in_metres, into_metres, metre_exponent, shift_decimal, task_in_metres
 
 if TYPE_CHECKING:
     from rankdrop.algebra.zeroset import ZeroSet
@@ -509,7 +509,7 @@ def _with_slides(family: Family, robot: Robot, power: int) -> Family:
         family,
         pinned=tuple(rescaled_pin(one, slides, power) for one in family.pinned),
         equations=tuple(rescale_equation(one, slides, power) for one in family.equations),
-        witness=tuple(shifted(x, power) if i in slides else x for i, x in enumerate(family.witness)),
+        witness=tuple(shift_decimal(x, power) if i in slides else x for i, x in enumerate(family.witness)),
     )
 
 
@@ -521,7 +521,7 @@ def slides_of(robot: Robot) -> tuple[int, ...]:
 def rescaled_pin(pin: Pin, slides: Sequence[int], power: int) -> Pin:
     """The pin where the numbers of slides are 10 to a power times as large."""
     if pin.number - 1 in slides:
-        return replace(pin, values=tuple(shifted(x, power) for x in pin.values))
+        return replace(pin, values=tuple(shift_decimal(x, power) for x in pin.values))
     return pin
 
 
@@ -542,7 +542,7 @@ def rescale_equation(equation: Equation, slides: Sequence[int], power: int) -> E
     lengths = [sum(term.powers[i] for i in slides) for term in equation.terms]
     if not power or not any(lengths):
         return equation
-    values = [shifted(term.coefficient, -power * n) for term, n in zip(equation.terms, lengths, strict=True)]
+    values = [shift_decimal(term.coefficient, -power * n) for term, n in zip(equation.terms, lengths, strict=True)]
     largest = max(map(abs, values))
     return Equation(
         tuple(replace(term, coefficient=value / largest) for value, term in zip(values, equation.terms, strict=True))

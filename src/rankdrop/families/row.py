@@ -28,9 +28,9 @@ from rankdrop.errors import OptionError
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.inspection import HIGHER, ROUNDING, Covector, Signature, descents
 from rankdrop.families.record import Check, Family, ways_to
-from rankdrop.formula.equation import Equation, Mask, System, Term, normalised
+from rankdrop.formula.equation import Equation, Mask, System, Term, normalised_equation
 from rankdrop.lists import flat_map
-from rankdrop.problem import Problem, into_limits, wrap, wrapped
+from rankdrop.problem import Problem, into_limits, wrap, wrap_joints
 from rankdrop.robot.model import Array, Robot
 
 CONDITIONED = 1e-3  # solutions where the equations' Jacobian has a smaller singular value are too inexact to judge σ
@@ -106,7 +106,7 @@ def _product_of_sines(half: Sequence[int], values: Sequence[float]) -> Equation:
         terms.append(Term(float(c.real), "cos", harmonics, zero))
         if order:
             terms.append(Term(float(-c.imag), "sin", harmonics, zero))
-    return normalised(terms, threshold=1e-13)
+    return normalised_equation(terms, threshold=1e-13)
 
 
 SIMPLE = pi / 12  # values are taken for a multiple of this where they agree with one
@@ -368,7 +368,7 @@ class Row:
         if self.residual:
             q, slope, good = _solved(q, self.residual, self.signature.residual, self.linear.along)
             good &= slope > _least_slope(slope[good])
-        good &= problem.allowed(q)
+        good &= problem.within_limits(q)
         return q.reshape(len(values), each, problem.n), good.reshape(len(values), each)
 
     def sample(self, problem: Problem, each: int, rng: np.random.Generator) -> tuple[Array, Mask]:
@@ -521,7 +521,7 @@ def row_of(problem: Problem, family: Family) -> Row:
     for joint, values in zip(row.signature.pinned, row.sets, strict=True):
         q = np.tile(np.mean(problem.box, axis=0), (len(values), 1))
         q[:, joint] = values
-        sets.append(tuple(v for v, inside in zip(values, problem.allowed(q), strict=True) if inside) or values)
+        sets.append(tuple(v for v, inside in zip(values, problem.within_limits(q), strict=True) if inside) or values)
     return replace(row, sets=tuple(sets))
 
 
@@ -597,7 +597,7 @@ def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:
     free = tuple(j for j in range(problem.n) if j not in joints and j not in coupled)
     signature = Signature(problem.n - family.dimension, joints, free, coupled)
     linear = Linear.of(problem.robot, signature.covectors(problem.n))
-    residual = tuple(normalised(one.terms) for one in rest)
+    residual = tuple(normalised_equation(one.terms) for one in rest)
     return Row(linear, tuple(pins[j] for j in joints), residual, signature, FamilyEvidence(ObtainedFrom.EXACT), family)
 
 
@@ -655,7 +655,7 @@ def solve_at_special_values(
             good &= (np.abs(system.values(q)) <= CERTAIN).all(axis=1) & (problem.sigma(q)[:, problem.rank] > REGULAR)
         ends.append(q[good])
     q = np.concatenate(ends)
-    q = q[problem.allowed(q)]
+    q = q[problem.within_limits(q)]
     sigma = problem.sigma(q)[:, problem.rank]
     regular = sigma > REGULAR
     return int((regular | (sigma <= problem.tolerances.singular)).sum()), q[regular]
@@ -698,7 +698,7 @@ def witness(problem: Problem, row: Row, rng: np.random.Generator) -> Array | Non
         if row.residual:
             q, good = System(row.residual).solve(placed, along=along)
         q = _near_zero(problem, q)
-        good = good & problem.allowed(q)
+        good = good & problem.within_limits(q)
         sigma = problem.sigma(q)
         good &= sigma[:, problem.rank] <= problem.tolerances.singular
         gap = np.where(good, sigma[:, problem.rank - 1] if problem.rank else 1.0, 0.0)
@@ -748,5 +748,5 @@ def _near_zero(problem: Problem, q: Array) -> Array:
     if problem.limits:
         q = into_limits(problem.robot, q)
     else:
-        q = wrapped(problem.robot, q)
+        q = wrap_joints(problem.robot, q)
     return np.where(np.abs(q) < 1e-15, 0.0, q)

@@ -25,7 +25,7 @@ from rankdrop.families.searching import search
 from rankdrop.formula.equation import SOLVED, System
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
-from rankdrop.problem import Mask, Problem, wrapped
+from rankdrop.problem import Mask, Problem, wrap_joints
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.solve import curves_through, newton
 from rankdrop.task import Task, resolve_task
@@ -297,7 +297,7 @@ class _Plane:
         """Isolated points, from a grid of starts."""
         starts = np.stack(np.meshgrid(*(np.linspace(v[0], v[-1], _SEEDS) for v in (self.x, self.y))), axis=-1)
         ends, solved = system.solve(lifted(self.q, self.moving, starts.reshape(-1, 2)), along=self._basis())
-        ends = wrapped(self.problem.robot, ends[solved])
+        ends = wrap_joints(self.problem.robot, ends[solved])
         ends = ends[self.problem.at(family.corank).singular(ends)]
         points = ends[:, list(self.moving)]
         inside = (points >= [self.x[0], self.y[0]]) & (points <= [self.x[-1], self.y[-1]])

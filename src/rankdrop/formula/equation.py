@@ -170,18 +170,18 @@ class Equation:
 
     @cached_property
     def _text(self) -> str:
-        return _written(self.terms, _PYTHON, repr)
+        return _write_sum(self.terms, _PYTHON, repr)
 
     def pretty(self, digits: int = 4) -> str:
         """f for people: "0.9087 cos θ2 + cos(θ2+θ3)"; prismatic joints are written q_j. No "= 0".
 
         Terms smaller than `_UNSEEN` of the largest are left out; they stay in `terms`, where a double zero needs them.
         """
-        return _written(self._seen, _PLAIN, lambda x: f"{x:.{digits}g}")
+        return _write_sum(self._seen, _PLAIN, lambda x: f"{x:.{digits}g}")
 
     def latex(self, digits: int = 4) -> str:
         r"""The same as mathematics of LaTeX: "0.9087 \cos \theta_{2} + \cos(\theta_{2}+\theta_{3})"."""
-        return _written(self._seen, _LATEX, lambda x: f"{x:.{digits}g}")
+        return _write_sum(self._seen, _LATEX, lambda x: f"{x:.{digits}g}")
 
     @property
     def _seen(self) -> list[Term]:
@@ -269,7 +269,7 @@ def equation_tables(equations: Iterable[Equation]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def normalised(terms: Iterable[Term], threshold: float = 1e-15) -> Equation:
+def normalised_equation(terms: Iterable[Term], threshold: float = 1e-15) -> Equation:
     """The equation divided by its largest coefficient, first sign positive, terms below `threshold` dropped."""
     kept = list(terms)
     largest = max((abs(term.coefficient) for term in kept), default=0.0)
@@ -296,7 +296,7 @@ _PYTHON = {
 }  # fmt: skip
 
 
-def _written(terms: Iterable[Term], style: _Style, number: Callable[[float], str]) -> str:
+def _write_sum(terms: Iterable[Term], style: _Style, number: Callable[[float], str]) -> str:
     """A sum in one of the styles; `number` writes what is not negative."""
     text = ""
     for term in terms:
@@ -328,7 +328,7 @@ def _factors(term: Term, style: _Style, number: Callable[[float], str]) -> list[
 
 def _wave(term: Term, style: _Style, number: Callable[[float], str]) -> str:
     """Sine or cosine of a term: "cos θ2", "sin(θ2+2θ3 − π/2)", "cos((θ3−θ5)/2)"."""
-    halved, python = _halved(term), style is _PYTHON
+    halved, python = _in_half_angles(term), style is _PYTHON
     angles = _sum_of_angles(term, style)
     one_joint = sum(map(bool, term.harmonics)) == 1 and not term.shift
     bare = one_joint and (python or angles.startswith(style["angle"][0])) and not term.divided  # no minus, no multiple
@@ -341,14 +341,14 @@ def _wave(term: Term, style: _Style, number: Callable[[float], str]) -> str:
     return f"{name.strip()}({argument})"
 
 
-def _halved(term: Term) -> bool:
+def _in_half_angles(term: Term) -> bool:
     """Whether the argument of a term is written as half a sum of angles: a harmonic, in half angles, is odd."""
     return not term.divided and any(h % 2 for h in term.harmonics)
 
 
 def _sum_of_angles(term: Term, style: _Style) -> str:
     """Angles of the joints with their multiples, "θ2+2θ3"; the sum that is halved, where it is."""
-    unit = Fraction(1 if _halved(term) else 2)
+    unit = Fraction(1 if _in_half_angles(term) else 2)
     text = ""
     for j, h in enumerate(term.harmonics, start=1):
         if not h:
@@ -375,7 +375,7 @@ def _phase(term: Term, style: _Style, number: Callable[[float], str]) -> str:
     """Phase that is taken from the sum of the angles, " − π/2"; "" where there is none."""
     if not term.shift:
         return ""
-    shift = term.shift * (2 if _halved(term) else 1)
+    shift = term.shift * (2 if _in_half_angles(term) else 1)
     sign = style["minus"] if shift > 0 else "+"
     if style is _PYTHON:
         return f"{sign}{abs(shift)!r}"

@@ -37,13 +37,13 @@ def _are_doubles(parts: Iterable[Product]) -> bool:
     return all(Fraction(repr(float(part.number))) == part.number for part in parts)
 
 
-def _rescaled(form: Product, exact: bool, every: bool) -> Product:
+def _divide_long_sums(form: Product, exact: bool, every: bool) -> Product:
     """Sums divided by their largest number: those with long numbers, or every one."""
     number = form.number
     factors: list[tuple[Factor, int]] = []
     for factor, power in form.factors:
         if isinstance(factor, Sum):
-            parts = [_rescaled(part, exact, every) for part in factor.parts]
+            parts = [_divide_long_sums(part, exact, every) for part in factor.parts]
             most = max(abs(part.number) for part in parts)
             if every or any(_too_long(part.number) for part in parts):
                 divided = [Product(part.number / most, part.factors) for part in parts]
@@ -215,7 +215,7 @@ class Text:
 
     def readable(self, form: Product) -> Product:
         """The form, equal to it, with sums of long numbers divided by the largest one."""
-        return _rescaled(form, self.exact, not self.exact and _long(form))
+        return _divide_long_sums(form, self.exact, not self.exact and _long(form))
 
     def sum(self, parts: Sequence[Product]) -> str:
         """Products joined by signs."""

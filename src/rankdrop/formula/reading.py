@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 from rankdrop.algebra.polynomial import Atom, Polynomial, flint
 from rankdrop.algebra.ring import Form, Ring, add_terms, numeric_terms
 from rankdrop.errors import OptionError
-from rankdrop.formula.sums import Product, Wave, added, half_of, number_of, wave
+from rankdrop.formula.sums import Product, Wave, add_forms, half_of, number_of, wave
 from rankdrop.robot.model import Array
 
 LONGEST = 10_000
@@ -147,11 +147,11 @@ class _Reader:
             else:
                 separator = self.take(";", ",", "and")
             if separator is None and not ended:
-                raise self.unexpected("an operator or the end")
+                raise self.unexpected_part("an operator or the end")
             if ended or (self.token.kind == "end" and separator is not None and separator.name == ";"):
                 return tuple(found)
 
-    def unexpected(self, allowed: str) -> OptionError:
+    def unexpected_part(self, allowed: str) -> OptionError:
         ended = self.token.kind == "end"
         return wrong(
             self.text, self.token.place, "the condition ends too early" if ended else "this does not belong here",
@@ -166,7 +166,7 @@ class _Reader:
             negative = sign is not None and sign.name == "-"
             parts.append(Node("-", sign.place, (part,)) if sign is not None and negative else part)
             sign = self.take("+", "-")
-        return _together("+", parts)
+        return _join_parts("+", parts)
 
     def product(self) -> Node:
         """Power { [* | /] Power }: side by side is a product, too; a factor after a sign may have a −."""
@@ -182,7 +182,7 @@ class _Reader:
             else:
                 part = Node("-", minus.place, (part,))
             parts.append(Node("/", part.place, (part,)) if sign is not None and sign.name == "/" else part)
-        return _together("*", parts)
+        return _join_parts("*", parts)
 
     def starts_primary(self) -> bool:
         if self.token.kind == "name":
@@ -234,7 +234,7 @@ class _Reader:
             return Node("±", token.place, (self.power(),))
         if token.name == "(":
             return self.bracket()
-        raise self.unexpected("a number, a name, sin, cos, or a bracket")
+        raise self.unexpected_part("a number, a name, sin, cos, or a bracket")
 
     def wave(self, token: Node) -> Node:
         """What follows sin or cos: an exponent, if there is one, and a bracket or a name."""
@@ -256,7 +256,7 @@ class _Reader:
             raise wrong(self.text, opened.place, "brackets are nested too deeply", allowed=f"up to {DEEPEST}")
         node = self.sum()
         if self.take(")") is None:
-            raise self.unexpected(f"an operator, or the ) of the bracket opened at column {opened.place + 1}")
+            raise self.unexpected_part(f"an operator, or the ) of the bracket opened at column {opened.place + 1}")
         self.depth -= 1
         return node
 
@@ -270,7 +270,7 @@ class _Reader:
         return Fraction(token.name)
 
 
-def _together(kind: str, parts: Sequence[Node]) -> Node:
+def _join_parts(kind: str, parts: Sequence[Node]) -> Node:
     if len(parts) == 1:
         return parts[0]
     return Node(kind, parts[0].place, tuple(parts))
@@ -289,7 +289,7 @@ Angle = dict[int, Fraction]
 """A combination of angles: what θ_j, π (`PI`) and the number 1 (`ONE`) are multiplied by; zeros are left out."""
 
 
-def _combined(one: Angle, two: Angle, factor: Fraction = Fraction(1)) -> Angle:
+def _combine_angles(one: Angle, two: Angle, factor: Fraction = Fraction(1)) -> Angle:
     """one + factor · two."""
     values = {key: one.get(key, Fraction(0)) + factor * two.get(key, Fraction(0)) for key in (*one, *two)}
     return {key: value for key, value in values.items() if value}
@@ -379,11 +379,11 @@ class Meaning:
         """Σ m_j θ_j = value, modulo 2π."""
         halves = []
         for right in [signed for one in rights for signed in _both_signs(one)] or [Node("number", left.place)]:
-            angle = _combined(self.angle(left), self.angle(right), Fraction(-1))
+            angle = _combine_angles(self.angle(left), self.angle(right), Fraction(-1))
             turns = [m for j, m in angle.items() if j > PI]
             if not turns or any(m.denominator != 1 for m in turns):
                 raise wrong(self.text, left.place, "an equation of angles needs whole multiples of them on it")
-            halves.append((self.wave("sin", _combined({}, angle, Fraction(1, 2)), left), left))
+            halves.append((self.wave("sin", _combine_angles({}, angle, Fraction(1, 2)), left), left))
         return self.product(halves)
 
     def angle(self, node: Node) -> Angle:
@@ -395,9 +395,9 @@ class Meaning:
         if node.kind == "name":
             return self.named_angle(node)
         if node.kind == "-":
-            return _combined({}, self.angle(node.parts[0]), Fraction(-1))
+            return _combine_angles({}, self.angle(node.parts[0]), Fraction(-1))
         if node.kind == "+":
-            return reduce(_combined, (self.angle(part) for part in node.parts))
+            return reduce(_combine_angles, (self.angle(part) for part in node.parts))
         if node.kind == "*":
             return self.multiple_of_angle(node)
         raise wrong(self.text, node.place, "this is no angle", allowed="multiples of joint angles, pi, numbers")
@@ -418,7 +418,7 @@ class Meaning:
                 raise wrong(self.text, part.place, "angles are multiplied by numbers only")
             else:
                 kept = one
-        return _combined({}, kept, number)
+        return _combine_angles({}, kept, number)
 
     def named_angle(self, node: Node) -> Angle:
         """π, q3 or θ3."""
@@ -432,7 +432,7 @@ class Meaning:
         else:
             shift = Fraction(0)
         part = self.ring.parts.get(joint, 1)
-        return _combined({joint: Fraction(part)}, {ONE: -shift})  # q = θ − shift, θ = part · the ring's angle
+        return _combine_angles({joint: Fraction(part)}, {ONE: -shift})  # q = θ − shift, θ = part · the ring's angle
 
     def angles(self) -> str:
         """The names of angles that may be used."""
@@ -453,9 +453,9 @@ class Meaning:
         if eighths.denominator != 1:
             raise wrong(self.text, node.place, "this angle is not exact", allowed="whole numbers of pi/2, or of pi/4")
         whole = {j: int(m) for j, m in turns.items()}
-        found = self.turned(kind, whole, int(eighths) // 2)
+        found = self.waves_of(kind, whole, int(eighths) // 2)
         if int(eighths) % 2:  # f(φ + π/4) = (f(φ) + f(φ + π/2)) / √2
-            found = self.sum([found, self.turned(kind, whole, int(eighths) // 2 + 1)], node)
+            found = self.sum([found, self.waves_of(kind, whole, int(eighths) // 2 + 1)], node)
             found = Parsed(replace(found.form, f=found.form.f / 2), 1)
         return found
 
@@ -474,7 +474,7 @@ class Meaning:
             allowed="whole and half angles, plus quarter turns (pi/2)",
         )  # fmt: skip
 
-    def turned(self, kind: str, turns: dict[int, int], quarters: int) -> Parsed:
+    def waves_of(self, kind: str, turns: dict[int, int], quarters: int) -> Parsed:
         """sin or cos of Σ turns_j θ_j / 2 plus quarter turns."""
         kinds = ("cos", "sin")  # cos, −sin, −cos, sin as the angle grows by quarter turns
         steps = (quarters + (3 if kind == "sin" else 0)) % 4
@@ -490,7 +490,7 @@ class Meaning:
         if node.kind == "number":
             return self.number(number_of(node.number, self.ring))
         if node.kind == "name":
-            return self.named(node)
+            return self.symbol_of(node)
         if node.kind in ("sin", "cos"):
             return self.wave(node.kind, self.angle(node.parts[0]), node)
         if node.kind == "/":
@@ -523,7 +523,7 @@ class Meaning:
             return None
         return Wave("sin" if match[1] == "s" else "cos", tuple((j, 2) for j in joints))
 
-    def named(self, node: Node) -> Parsed:
+    def symbol_of(self, node: Node) -> Parsed:
         """A length, the variable of a slide, or s23."""
         ring, name = self.ring, node.name
         if name in ring.letters:
@@ -594,7 +594,7 @@ class Meaning:
                 self.text, node.place, "terms with an eighth turn (pi/4) and terms without do not add up exactly",
             )  # fmt: skip
         try:
-            form = added([value.form for value in kept])
+            form = add_forms([value.form for value in kept])
         except ValueError as error:
             raise wrong(self.text, node.place, f"{error}: the sign would depend on full turns") from error
         return Parsed(form, kept[0].root)

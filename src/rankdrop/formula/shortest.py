@@ -95,11 +95,11 @@ def _half(joint: int, value: str) -> Factor:
 def _halves(turns: tuple[tuple[int, int], ...]) -> tuple[Factor, Factor, Factor, Factor]:
     """sin y, cos y, cos y + sin y and cos y − sin y of a combination of angles."""
     sine, cosine = Wave("sin", turns), Wave("cos", turns)
-    plus, minus = (total([_of(cosine), _of(sine, sign)]).factors[0][0] for sign in (1, -1))
+    plus, minus = (total([_product_of(cosine), _product_of(sine, sign)]).factors[0][0] for sign in (1, -1))
     return sine, cosine, plus, minus
 
 
-def _of(factor: Factor, number: int = 1) -> Product:
+def _product_of(factor: Factor, number: int = 1) -> Product:
     return Product(Fraction(number), ((factor, 1),))
 
 
@@ -112,7 +112,7 @@ def _whole_angles(factors: Iterable[tuple[Factor, int]]) -> list[tuple[Factor, i
     powers = Counter[Factor]()
     for factor, power in factors:
         powers[factor] += power
-    for turns in dict.fromkeys(t for factor in powers if (t := _halved(factor)) is not None):
+    for turns in dict.fromkeys(t for factor in powers if (t := _half_angle(factor)) is not None):
         sine, cosine, plus, minus = _halves(turns)
         whole = {kind: Wave(kind, tuple((j, 2 * m) for j, m in turns)) for kind in ("sin", "cos")}
         for kind, pair in (("sin", (sine, cosine)), ("cos", (plus, minus))):
@@ -121,13 +121,13 @@ def _whole_angles(factors: Iterable[tuple[Factor, int]]) -> list[tuple[Factor, i
             powers.subtract(dict.fromkeys(pair, power))
         squares = ((cosine, "cos", 1), (sine, "cos", -1), (plus, "sin", 1), (minus, "sin", -1))
         for half, kind, sign in squares if len(turns) == 1 else ():
-            square = total([Product(Fraction(1)), _of(whole[kind], sign)]).factors[0][0]
+            square = total([Product(Fraction(1)), _product_of(whole[kind], sign)]).factors[0][0]
             powers[square] += powers[half] // 2
             powers[half] %= 2
     return [(factor, power) for factor, power in powers.items() if power]
 
 
-def _halved(factor: Factor) -> tuple[tuple[int, int], ...] | None:
+def _half_angle(factor: Factor) -> tuple[tuple[int, int], ...] | None:
     """Of sin(x/2), cos(x/2) and cos(x/2) ± sin(x/2) the multiples that x/2 is made of; None of anything else."""
     if isinstance(factor, Wave):
         if all(m % 2 for _, m in factor.turns):
@@ -136,7 +136,7 @@ def _halved(factor: Factor) -> tuple[tuple[int, int], ...] | None:
     if isinstance(factor, Sum) and len(factor.parts) == 2:
         waves = [*factors_of(factor.parts)]
         if len(waves) == 2 and all(isinstance(f, Wave) for f in waves):
-            return _halved(waves[0])
+            return _half_angle(waves[0])
     return None
 
 
@@ -163,7 +163,7 @@ class FormSearch:
         yield plain
         if len(f) > MANY or len(self.known) > LOOKS:
             return
-        yield gathered(plain)
+        yield factor_out(plain)
         if len(parts_of(plain)) <= FEW:
             return
         yield from self.factors(form)
@@ -171,7 +171,7 @@ class FormSearch:
             found = self.sines_and_cosines(f)
             if found is not None:
                 yield found
-                yield gathered(found)
+                yield factor_out(found)
         places = [place for place, degree in enumerate(degrees) if 0 < degree <= 2]
         places += [place for place in variables_in(f) if place >= self.ring.angles]
         if len(f) > FINE:
@@ -210,7 +210,7 @@ class FormSearch:
             elif not ring.is_unit(factor):
                 rest.append((primitive(factor), power))
         pins = _whole_angles(halves)
-        yield self.scaled(f, [*pins, *((self.bracket(g), power) for g, power in rest)])
+        yield self.scale_to(f, [*pins, *((self.bracket(g), power) for g, power in rest)])
         yield from self.with_one_bracket(f, pins, rest)
 
     def with_one_bracket(
@@ -231,7 +231,7 @@ class FormSearch:
             more = half_of(Product(Fraction(1), tuple(loose)), self.ring)
             counted = tuple(map(add, self.ring.form(bracket).degrees, more.degrees))
             together = self.best(Form(self.ring, bracket * more.f, counted))
-            yield self.scaled(f, [*whole, *even, *together.factors])
+            yield self.scale_to(f, [*whole, *even, *together.factors])
 
     def bracket(self, g: Polynomial) -> Factor:
         """A polynomial as one factor: in brackets, unless it is written as a single factor."""
@@ -240,7 +240,7 @@ class FormSearch:
             return written.factors[0][0]
         return Sum((written,))
 
-    def scaled(self, f: Polynomial, factors: Sequence[tuple[Factor, int]]) -> Product:
+    def scale_to(self, f: Polynomial, factors: Sequence[tuple[Factor, int]]) -> Product:
         """Factors times the number that makes their product f."""
         written = product(1, factors)
         return times(written_number(self.ring, _ratio(f, half_of(written, self.ring).f)), written)
@@ -309,7 +309,7 @@ def times(one: Product, two: Product) -> Product:
     return product(one.number * two.number, [*one.factors, *two.factors])
 
 
-def gathered(form: Product) -> Product:
+def factor_out(form: Product) -> Product:
     """A sum with common factors put before brackets, the one that saves most first."""
     parts = parts_of(form)
     counts = Counter(factor for factor in factors_of(parts) if not isinstance(factor, Sum))
@@ -318,10 +318,10 @@ def gathered(form: Product) -> Product:
         return form
     inside = [part for part in parts if common in dict(part.factors)]
     outside = [part for part in parts if common not in dict(part.factors)]
-    lowered = gathered(total(product(p.number, [(f, e - (f == common)) for f, e in p.factors]) for p in inside))
+    lowered = factor_out(total(product(p.number, [(f, e - (f == common)) for f, e in p.factors]) for p in inside))
     taken = product(lowered.number, [*lowered.factors, (common, 1)])
     if outside:
-        rest = gathered(total(outside))
+        rest = factor_out(total(outside))
     else:
         rest = Product(Fraction(0))
     if outside:
@@ -338,7 +338,7 @@ def form_of(ring: Ring, p: Polynomial) -> Product:
     """The shortest form of a trigonometric polynomial that is not zero, equal to it."""
     half = ring.to_half(p)
     single, combined = single_angles(ring, p), fourier(half)
-    forms = [single, combined, gathered(single), gathered(combined)]
+    forms = [single, combined, factor_out(single), factor_out(combined)]
     if not half.at_pi:  # else `shortest` would write it without these factors
         forms.append(shortest(half.f, ring))
     return min(forms, key=length)

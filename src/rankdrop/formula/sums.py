@@ -241,10 +241,10 @@ def _half_of_factor(factor: Factor, ring: Ring) -> Form:
                 real, imaginary = real - t * imaginary, imaginary + t * real
         f = real if factor.kind == "cos" else imaginary
         return Form(ring, f, tuple(abs(turns.get(j, 0)) for j in ring.revolute))
-    return added([half_of(part, ring) for part in factor.parts])
+    return add_forms([half_of(part, ring) for part in factor.parts])
 
 
-def added(parts: Sequence[Form]) -> Form:
+def add_forms(parts: Sequence[Form]) -> Form:
     """The sum of forms, at least one, over their common degrees.
 
     Raises:
@@ -281,7 +281,7 @@ def fourier(form: Form) -> Product:
     state: dict[tuple[int, ...], Pair] = {powers: (p * (bottom // q), 0) for powers, p, q in terms}
     for k in range(n):
         if degrees[k]:
-            state = _expanded(state, k, int(degrees[k]))
+            state = _expand_power(state, k, int(degrees[k]))
             bottom <<= int(degrees[k])
     parts = []
     for key, (real, imaginary) in state.items():
@@ -308,7 +308,7 @@ def symbols(powers: Sequence[int], ring: Ring) -> list[tuple[Factor, int]]:
     return [(symbol, int(power)) for symbol, power in zip(names, powers, strict=True) if power]
 
 
-def _expanded(state: dict[tuple[int, ...], Pair], k: int, degree: int) -> dict[tuple[int, ...], Pair]:
+def _expand_power(state: dict[tuple[int, ...], Pair], k: int, degree: int) -> dict[tuple[int, ...], Pair]:
     """The power of t_k in every key replaced by the power of z_k, all times 2^degree."""
     tables = {power: _table(power, degree) for power in {key[k] for key in state}}
     found: dict[tuple[int, ...], Pair] = {}

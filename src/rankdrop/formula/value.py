@@ -59,7 +59,7 @@ class Value:
         if self.factors is None:
             return single_angles(self.ring, self.polynomial)
         written = factor_forms(self.ring, self.factors.atoms, self.factors.letters)
-        return FormSearch(self.ring).scaled(self.ring.to_half(self.polynomial).f, written)
+        return FormSearch(self.ring).scale_to(self.ring.to_half(self.polynomial).f, written)
 
     def text(self, most: int | None = None) -> str:
         """For people.
@@ -81,11 +81,12 @@ class Value:
         """(text, LaTeX, multiplicity) of each factor."""
         text, latex = Text(divisors=self.ring.parts), Latex(divisors=self.ring.parts)
         return tuple(
-            (text.sum(_opened(factor)), latex.sum(_opened(factor)), int(power)) for factor, power in self.form.factors
+            (text.sum(_open_brackets(factor)), latex.sum(_open_brackets(factor)), int(power))
+            for factor, power in self.form.factors
         )
 
 
-def _opened(factor: Factor) -> tuple[Product, ...]:
+def _open_brackets(factor: Factor) -> tuple[Product, ...]:
     if isinstance(factor, Sum):
         return factor.parts
     return (Product(Fraction(1), ((factor, 1),)),)

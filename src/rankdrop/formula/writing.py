@@ -25,7 +25,7 @@ from rankdrop.algebra.polynomial import (
 from rankdrop.algebra.ring import Ring, polynomial_of
 from rankdrop.algebra.roots import ROOTS, sums_over_roots
 from rankdrop.errors import OptionError
-from rankdrop.formula.equation import Equation, Term, normalised
+from rankdrop.formula.equation import Equation, Term, normalised_equation
 from rankdrop.formula.notation import Latex, Python, Text, in_parts
 from rankdrop.formula.shortest import form_of, parts_of, shortest
 from rankdrop.formula.sums import Factor, Product, Symbol, Wave, derivative, factors_of, fourier, total
@@ -44,7 +44,7 @@ QUARTERS = frozenset({"pi/2", "-pi/2"})
 HALVES = frozenset({"0", "pi"})
 
 
-def _checked(values: Sequence[str]) -> tuple[str, ...]:
+def _checked_names(values: Sequence[str]) -> tuple[str, ...]:
     unknown = [value for value in values if value not in SIMPLE]
     if unknown or not values:
         got = ", ".join(unknown) or "none"
@@ -83,12 +83,12 @@ class AnglePin(NamedTuple):
     @property
     def angles(self) -> tuple[float, ...]:
         """The values of θ [rad]."""
-        return tuple(RADIANS[value] for value in _checked(self.values))
+        return tuple(RADIANS[value] for value in _checked_names(self.values))
 
     @property
     def words(self) -> tuple[str, ...]:
         """The values for people, π/2 and −π/2 as one: ("0", "±π/2")."""
-        kept = _checked(self.values)
+        kept = _checked_names(self.values)
         if set(kept) >= QUARTERS:
             return (*(WORDS[value] for value in kept if value not in QUARTERS), "±π/2")
         return tuple(WORDS[value] for value in kept)
@@ -99,7 +99,7 @@ class AnglePin(NamedTuple):
 
     def latex(self) -> str:
         r"""LaTeX, without delimiters: \theta_4 \in \{0, \pi\}."""
-        kept = _checked(self.values)
+        kept = _checked_names(self.values)
         name = self._angle(Latex())
         if len(kept) == 1:
             return f"{name} = {LATEX[kept[0]]}"
@@ -118,7 +118,7 @@ class AnglePin(NamedTuple):
     @property
     def form(self) -> Product:
         """What vanishes there and nowhere else; no length plays a part."""
-        kept = set(_checked(self.values))
+        kept = set(_checked_names(self.values))
         factors = []
         for pair, kind in ((HALVES, "sin"), (QUARTERS, "cos")):
             if kept >= pair:
@@ -135,7 +135,7 @@ class AnglePin(NamedTuple):
 
     def gradient(self, notation: Python) -> dict[int, str]:
         """The derivative of `code` by its joint variable."""
-        slope = _divided(derivative(self.form, self.joint), self.part)
+        slope = _derivative_by_part(derivative(self.form, self.joint), self.part)
         return {self.joint: in_parts(notation, self.parts).value(slope)}
 
     def equation(self, letters: Mapping[str, float], n: int, shifts: Sequence[float] | None = None) -> Equation:
@@ -159,7 +159,7 @@ class AnglePin(NamedTuple):
             for kind, part in (("cos", value.real), ("sin", -value.imag)):
                 if kind == "cos" or power:
                     terms.append(Term(float(part), kind, harmonics, (0,) * n, phase))
-        return normalised(terms)
+        return normalised_equation(terms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,16 +206,16 @@ class Condition:
         Args:
             sign: "=", or "≠" for the negation.
         """
-        return self._written(Text(divisors=self.ring.parts), sign)
+        return self._with_sign(Text(divisors=self.ring.parts), sign)
 
     def latex(self) -> str:
         r"""The same in LaTeX, without delimiters: a_2 c_2 + a_3 c_{23} = 0."""
-        return self._written(Latex(divisors=self.ring.parts))
+        return self._with_sign(Latex(divisors=self.ring.parts))
 
-    def _written(self, notation: Text, sign: str = "=") -> str:
+    def _with_sign(self, notation: Text, sign: str = "=") -> str:
         relation = self.relation
         if relation is not None:
-            return _related(*relation, notation, sign)
+            return _angle_relation(*relation, notation, sign)
         return self._slide(notation, sign) or _sides(self.form, notation, sign)
 
     def code(self, notation: Python) -> str:
@@ -228,7 +228,7 @@ class Condition:
         parts = notation.parts(self.form)
         slopes = {joint: total(derivative(part, joint) for part in parts) for joint in self.joints}
         return {
-            joint: notation.value(_divided(slope, self.ring.parts.get(joint, 1)))
+            joint: notation.value(_derivative_by_part(slope, self.ring.parts.get(joint, 1)))
             for joint, slope in slopes.items()
             if slope.number
         }
@@ -277,7 +277,7 @@ class Condition:
         return f"{notation.slide.format(self.joints[0])} {sign} {minus}{notation.number(abs(value))}{unit}"
 
 
-def _divided(slope: Product, part: int) -> Product:
+def _derivative_by_part(slope: Product, part: int) -> Product:
     """The derivative by a joint variable of which the angle of a form is one of so many parts."""
     return Product(slope.number / part, slope.factors)
 
@@ -311,7 +311,7 @@ def _equation(
     for (kind, multiples, exponents), value in found.items():
         phase = float(sum(m * x for m, x in zip(multiples, half, strict=True)))
         terms.append(Term(value, kind, multiples, exponents, 0.0 - phase))
-    return normalised(terms)
+    return normalised_equation(terms)
 
 
 def _with_numbers_for_roots(waves: Sequence[Product]) -> Sequence[Product]:
@@ -341,7 +341,7 @@ def _largest(waves: Sequence[Product]) -> Fraction:
     return Fraction(2) ** bits
 
 
-def _related(turns: tuple[tuple[int, int], ...], value: float, notation: Text, sign: str) -> str:
+def _angle_relation(turns: tuple[tuple[int, int], ...], value: float, notation: Text, sign: str) -> str:
     """θ5 = θ3 + π, θ3 + θ5 = 0."""
     value = (value + pi) % tau - pi
     value = pi if abs(value + pi) < _SAME else value

@@ -40,7 +40,7 @@ from typing import IO, Any, Literal
 import msgspec
 
 from rankdrop.codec import Count, decode, mapping, table, text, whole
-from rankdrop.disk import append_line, locked, read_file, replace_file
+from rankdrop.disk import append_line, lock_name, read_file, replace_file
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError, ResultFileError
 from rankdrop.sections import words_of
 from rankdrop.version import VERSION
@@ -116,7 +116,7 @@ def alone(path: str | Path, inside: str = "") -> Iterator[None]:
     """
     with ExitStack() as held:
         try:
-            held.enter_context(locked(Path(path, inside)))
+            held.enter_context(lock_name(Path(path, inside)))
         except BlockingIOError as error:
             raise ResultFileError("another process is working on this", where=str(path),
                                   mend="wait until it has ended, or name another one") from error  # fmt: skip
@@ -366,7 +366,7 @@ def check_engine(engine: Engine) -> None:
     if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= MOST_WORKERS:
         raise OptionError("this is no number of workers", where="workers", got=count, allowed=f"0 … {MOST_WORKERS}")
     if engine.scheduler is not None:
-        _distributed()
+        _import_distributed()
 
 
 def finish(
@@ -422,7 +422,7 @@ def _make_the_rest(
     left = [chunk for chunk in range(job.chunks) if chunk not in done]
     if not left:
         return
-    with contextlib.closing(_made(job, left, engine)) as making:
+    with contextlib.closing(_make_chunks(job, left, engine)) as making:
         for chunk, content in making:
             store.keep(chunk, content)
             each(chunk, content)
@@ -430,7 +430,7 @@ def _make_the_rest(
             report(count, job.chunks)
 
 
-def _made(job: Job, chunks: list[int], engine: Engine) -> Generator[Made, None, None]:
+def _make_chunks(job: Job, chunks: list[int], engine: Engine) -> Generator[Made, None, None]:
     if engine.scheduler is not None:
         return _on_cluster(job, chunks, engine.scheduler)
     if engine.here:
@@ -557,7 +557,7 @@ def _pipes(process: subprocess.Popen[bytes]) -> tuple[IO[bytes], IO[bytes]]:
     return process.stdin, process.stdout
 
 
-def _distributed() -> Any:
+def _import_distributed() -> Any:
     try:
         import distributed
         import threadpoolctl  # noqa: F401  # the workers need it, who have what the caller has
@@ -567,7 +567,7 @@ def _distributed() -> Any:
 
 
 def _on_cluster(job: Job, chunks: list[int], address: str) -> Generator[Made, None, None]:
-    distributed = _distributed()
+    distributed = _import_distributed()
     try:
         client = distributed.Client(address, timeout=10)
     except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: encryption is required, and not used

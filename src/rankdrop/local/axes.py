@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.kinematics import jacobian, pose
-from rankdrop.local.departure import unlocked
+from rankdrop.local.departure import release_mimics
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.transform import cross
@@ -34,7 +34,7 @@ class Scene:
     @classmethod
     def of_joints(cls, robot: Robot, q: Array, tolerance: float = ALIGNED) -> Scene:
         """The scene at configurations (N, n) in which every mimic joint is a joint of its own."""
-        free, values, _ = unlocked(robot, q)
+        free, values, _ = release_mimics(robot, q)
         return cls(free, values, tolerance)
 
     @cached_property
@@ -109,7 +109,7 @@ class Scene:
         on = self.on_axis(points[:, :, None], number)
         return meet & on[number[:, None], number, number], on
 
-    def moved(self, joint: int, by: float) -> Scene:
+    def after_motion(self, joint: int, by: float) -> Scene:
         """The scene after one joint has moved by `by` [rad, m]."""
         q = self.q.copy()
         q[:, joint] += by

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.configuration import Configuration, at
+from rankdrop.configuration import Configuration, configuration_at
 from rankdrop.errors import RobotError
 from rankdrop.kinematics import task_jacobian_derivative
 from rankdrop.local.ordered import OrderedScrewSet
@@ -97,7 +97,7 @@ def hunt(
         >>> [one.number for one in found.joints if one.named], [one.number for one in found.joints if one.tells]
         ([4, 6], [5])
     """
-    here = at(robot, q, task, tolerances)
+    here = configuration_at(robot, q, task, tolerances)
     m, n = here.jacobian.shape
     left, sigma, right = np.linalg.svd(here.jacobian)
     least = here.tolerances.singular

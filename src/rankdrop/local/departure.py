@@ -46,7 +46,7 @@ from rankdrop.robot.transform import unit
 from rankdrop.task import Task, link_index
 
 
-def unlocked(robot: Robot, q: Array) -> tuple[Robot, Array, Array]:
+def release_mimics(robot: Robot, q: Array) -> tuple[Robot, Array, Array]:
     """The same chain with every mimic joint a variable of its own.
 
     Args:
@@ -92,7 +92,7 @@ def taylor(robot: Robot, q: ArrayLike, task: Task, directions: ArrayLike, order:
         >>> taylor(arm, [0.1] * 7, resolve_task(None, arm), np.eye(7), 4).shape
         (5, 7, 6, 7)
     """
-    chain, values, share = unlocked(robot, np.asarray(q, dtype=np.float64))
+    chain, values, share = release_mimics(robot, np.asarray(q, dtype=np.float64))
     joints = len(chain.joints)
     axes, origin = (link_index(link, joints, "frame") for link in (task.frame.axes, task.frame.origin))
     rates = np.asarray(directions, dtype=np.float64) @ share.T  # (d, N)
@@ -135,11 +135,11 @@ def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]
         return tuple((0, 1, float(slope), ()) for slope in place.u[:, r] @ first @ place.v[:, r])
     highest = np.array([_highest(place, direction) for direction in directions])
     series = taylor(place.robot, place.q, place.task, directions * place.scale, int(highest.max(initial=2)))
-    series[0] = place.kept()
+    series[0] = place.kept_jacobian()
     counts, doubtful = _counts(series, highest, place)
     gained = counts[:, -1] - place.rank
     if doubtful.any():
-        gained[doubtful] = _summed(place, directions[doubtful])
+        gained[doubtful] = _rank_by_series(place, directions[doubtful])
     first = place.u2.T @ series[1] @ place.v2
     schur = place.u2.T @ (series[2] - series[1] @ place.inverse() @ series[1]) @ place.v2
     out = []
@@ -202,7 +202,7 @@ def _close(sigma: Array, floor: float) -> NDArray[np.bool_]:
     return (sigma > floor / _DOUBT) & (sigma < floor * _DOUBT)
 
 
-def _summed(place: Configuration, directions: Array) -> NDArray[np.intp]:
+def _rank_by_series(place: Configuration, directions: Array) -> NDArray[np.intp]:
     """(d,) rank regained, from the Taylor series summed up at a finite t: what counts there is the size of σ."""
     series = taylor(place.robot, place.q, place.task, directions * place.scale, _LONG)
     powers = place.judge_steps(directions)[..., None] ** np.arange(_LONG + 1)
@@ -262,7 +262,7 @@ def single_motions(place: Configuration, step: float) -> tuple[Array, Array]:
     return steps[better, joints], sigma[better, joints]
 
 
-def fitted(place: Configuration, motions: Array) -> Array:
+def fit_to_limits(place: Configuration, motions: Array) -> Array:
     """Motions (..., n) in scaled coordinates, cut off at the limits."""
     down, up = place.room
     return np.minimum(np.maximum(motions, -down), up)
@@ -313,7 +313,7 @@ def best_motion(place: Configuration, step: float, seed: int, tried: Array) -> A
     rng = np.random.default_rng(seed)
     random = rng.normal(size=(_RANDOM, len(place.q)))
     candidates = np.concatenate([tried, _leading(place), random])
-    motions = fitted(place, step * unit(candidates))
+    motions = fit_to_limits(place, step * unit(candidates))
     best = motions[_order(place, motions)[0]]
     for turn in range(_CLIMBS):
         if turn == 1:  # after the first step half of the field tells enough
@@ -321,12 +321,12 @@ def best_motion(place: Configuration, step: float, seed: int, tried: Array) -> A
         ahead = unit(_gradient(place, motions))
         if place.corank > 1 and turn:  # half the way: between ties the whole way swings from side to side
             ahead = unit(ahead + unit(motions))
-        motions = fitted(place, step * ahead)
+        motions = fit_to_limits(place, step * ahead)
         best = _better(place, best, motions)
     widths = (0.3, 0.1, 0.03) if place.corank < 2 else (0.5, 0.3, 0.2, 0.1, 0.05, 0.02)  # ridges where σ's tie
     for width in widths:
         around = unit(unit(best[None]) + width * rng.normal(size=(32, len(best))) / np.sqrt(len(best)))
-        best = _better(place, best, fitted(place, step * around))
+        best = _better(place, best, fit_to_limits(place, step * around))
     return np.asarray(best)
 
 
@@ -366,7 +366,7 @@ def _on_circle(place: Configuration, pairs: _Indices, angles: Array, step: float
     row, column = np.arange(angles.shape[0])[:, None], np.arange(angles.shape[1])
     motions[row, column, pairs[..., 0]] = step * np.cos(angles)
     motions[row, column, pairs[..., 1]] = step * np.sin(angles)
-    return fitted(place, motions)
+    return fit_to_limits(place, motions)
 
 
 def _leading(place: Configuration) -> Array:

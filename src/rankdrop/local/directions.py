@@ -24,7 +24,7 @@ from rankdrop.robot.transform import cross
 from rankdrop.sections import words_of
 from rankdrop.task import BASE, TIP, Frame, Task, link_index, six_rows
 from rankdrop.tolerances import ENTRY
-from rankdrop.units import counted, given_exponent, in_metres, into_metres, task_in_metres
+from rankdrop.units import counted_as_radian, given_exponent, in_metres, into_metres, task_in_metres
 
 _NO_TURN = 1e-9  # rotation below this share of the whole: numbers of rounding, not a turn about a far axis
 
@@ -439,7 +439,7 @@ def lost_directions(robot: Robot, q: ArrayLike, task: Task, corank: int) -> Arra
         ConfigurationError: q is not one configuration of this arm.
         OptionError: k is not in 1 … generic rank.
     """
-    blocked, always = _blocked(robot, one_configuration(robot, q), task, corank)
+    blocked, always = _blocked_wrenches(robot, one_configuration(robot, q), task, corank)
     return np.asarray(_readable(blocked[None], always[None], corank)[0])
 
 
@@ -453,7 +453,7 @@ def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) 
     Args, Raises: as `lost_directions`.
     """
     frames = _candidates(task.frame, len(robot.joints))
-    return _framed(robot, _lost_in_frames(robot, one_configuration(robot, q), task, corank, frames), frames)
+    return _simplest_frame(robot, _lost_in_frames(robot, one_configuration(robot, q), task, corank, frames), frames)
 
 
 def lost_without(robot: Robot, q: ArrayLike, task: Task, coranks: Mapping[int, int]) -> dict[int, FramedDirections]:
@@ -466,26 +466,26 @@ def lost_without(robot: Robot, q: ArrayLike, task: Task, coranks: Mapping[int, i
     if not coranks:
         return {}
     place, frames = one_configuration(robot, q), _candidates(task.frame, len(robot.joints))
-    parts = [_blocked(robot, place, task, corank, joint) for joint, corank in coranks.items()]
+    parts = [_blocked_wrenches(robot, place, task, corank, joint) for joint, corank in coranks.items()]
     every = [np.concatenate(both) for both in parts]
-    seen = seen_in_frames(np.concatenate(every), link_poses(robot, place), task.frame, frames, counted(robot))
+    seen = seen_in_frames(np.concatenate(every), link_poses(robot, place), task.frame, frames, counted_as_radian(robot))
     found, begin = {}, 0
     for (joint, corank), (blocked, always) in zip(coranks.items(), parts, strict=True):
         middle, end = begin + len(blocked), begin + len(blocked) + len(always)
-        found[joint] = _framed(robot, _readable(seen[:, begin:middle], seen[:, middle:end], corank), frames)
+        found[joint] = _simplest_frame(robot, _readable(seen[:, begin:middle], seen[:, middle:end], corank), frames)
         begin = end
     return found
 
 
 def _lost_in_frames(robot: Robot, q: Array, task: Task, corank: int, frames: Sequence[Frame]) -> Array:
     """(F, k, 6) what is lost at q, in a readable basis of each frame."""
-    blocked, always = _blocked(robot, q, task, corank)
+    blocked, always = _blocked_wrenches(robot, q, task, corank)
     every = np.concatenate([blocked, always])
-    both = seen_in_frames(every, link_poses(robot, q), task.frame, frames, counted(robot))
+    both = seen_in_frames(every, link_poses(robot, q), task.frame, frames, counted_as_radian(robot))
     return _readable(both[:, : len(blocked)], both[:, len(blocked) :], corank)
 
 
-def _framed(robot: Robot, directions: Array, frames: Sequence[Frame]) -> FramedDirections:
+def _simplest_frame(robot: Robot, directions: Array, frames: Sequence[Frame]) -> FramedDirections:
     """Of directions (F, k, 6) in some frames those with the fewest entries that are not zero, the first of equals."""
     best = int((np.abs(directions) > ENTRY).sum(axis=(1, 2)).argmin())
     return FramedDirections(directions[best], frames[best], given_exponent(robot))
@@ -505,7 +505,7 @@ def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Fr
         >>> lost_in_frame(arm, [0.3, 0.0], resolve_task(None, arm), 1, BODY).directions.round(9).tolist()  # stretched
         [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
     """
-    return _framed(robot, _lost_in_frames(robot, one_configuration(robot, q), task, corank, [frame]), [frame])
+    return _simplest_frame(robot, _lost_in_frames(robot, one_configuration(robot, q), task, corank, [frame]), [frame])
 
 
 def lost_seen_from(robot: Robot, q: Array, task: Task, corank: int, frame: str) -> FramedDirections:
@@ -551,16 +551,17 @@ def lost_over_family(
         frames = frames
     bases = []
     for q in np.asarray(points, dtype=np.float64):
-        blocked, always = _blocked(robot, one_configuration(robot, q), task, corank)
+        blocked, always = _blocked_wrenches(robot, one_configuration(robot, q), task, corank)
         own = _readable(blocked[None], always[None], corank)[0]
-        bases.append(_orthonormal(seen_in_frames(own, link_poses(robot, q), task.frame, frames, counted(robot))))
+        seen = seen_in_frames(own, link_poses(robot, q), task.frame, frames, counted_as_radian(robot))
+        bases.append(_orthonormal(seen))
     if not bases:
         return None
     projectors = np.stack([basis @ basis.swapaxes(1, 2) for basis in bases])  # (P, F, 6, 6)
     still = np.flatnonzero(np.abs(projectors - projectors[0]).max(axis=(0, 2, 3)) <= _STILL)
     if not len(still):
         return None
-    return _framed(robot, readable_bases(bases[0][still]).swapaxes(1, 2), [frames[i] for i in still.tolist()])
+    return _simplest_frame(robot, readable_bases(bases[0][still]).swapaxes(1, 2), [frames[i] for i in still.tolist()])
 
 
 def every_frame(own: Frame, joints: int) -> list[Frame]:
@@ -592,7 +593,7 @@ def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: Sequence[F
     return rewrite_wrench(wrenches, turns, offsets[:, None])
 
 
-def _blocked(
+def _blocked_wrenches(
     robot: Robot, q: Array, task: Task, corank: int, without: int | None = None
 ) -> tuple[Array, Array]:
     """(p, 6) all blocked wrenches at q, and (N, 6) those of regular configurations around it, one after the other."""
@@ -617,10 +618,10 @@ def _blocked(
 
 def _wrenches(u: Array, robot: Robot, task: Task) -> Array:
     """Left singular vectors (m, p) of the scaled task Jacobian as (p, 6) wrenches: u = Sû, in all six rows; lengths in
-    `counted` ones.
+    `counted_as_radian` ones.
     """
     rows = six_rows(u.T, task)
-    rows[:, :3] *= counted(robot) / task.scale(robot)
+    rows[:, :3] *= counted_as_radian(robot) / task.scale(robot)
     return rows
 
 

@@ -8,7 +8,7 @@ from math import inf, prod
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.configuration import Configuration, at
+from rankdrop.configuration import Configuration, configuration_at
 from rankdrop.local.block import read_only, svd
 from rankdrop.local.rates import rate_limits
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -149,7 +149,7 @@ def ellipsoids(
         >>> found.manipulability.value, found.condition.value, found.sigma_min.unit
         (0.0, inf, 'm/rad')
     """
-    here = at(robot, q, task, tolerances)
+    here = configuration_at(robot, q, task, tolerances)
     weights, limits, zero = here.scale, rate_limits(here.robot), here.tolerances.singular
     length = here.task.scale(here.robot)
     slides = any(joint.kind is JointKind.PRISMATIC for joint in here.robot.variables)
@@ -191,7 +191,7 @@ def _part(
     axes[:, places] = u.T
     forces = np.array([1.0 / value if value > 0.0 else inf for value in speeds])
     velocity, force = (
-        Ellipsoid(read_only(axes), read_only(lengths), read_only(_stretched(axes, lengths) * to_given), of)
+        Ellipsoid(read_only(axes), read_only(lengths), read_only(_scaled_axes(axes, lengths) * to_given), of)
         for lengths, to_given, of in (
             (speeds, to_si, _PER_BALL[name]), (forces, 1.0 / to_si, "N" if name == "translation" else "N m"),
         )
@@ -206,7 +206,7 @@ def _part(
     )  # fmt: skip
 
 
-def _stretched(axes: Array, lengths: Array) -> Array:
+def _scaled_axes(axes: Array, lengths: Array) -> Array:
     """Axis times half-length; an infinite one leaves entries that are zero (1e-12) at zero."""
     finite = np.where(np.isfinite(lengths), lengths, 0.0)[:, None] * axes
     endless = np.where(np.abs(axes) > 1e-12, np.copysign(inf, axes), 0.0)

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.configuration import Configuration, at
+from rankdrop.configuration import Configuration, configuration_at
 from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale, sigma_of, svd
 from rankdrop.local.directions import FramedDirections, lost_without
@@ -123,7 +123,7 @@ def failures_at(
         >>> [round(one.sigma_min, 6) for one in found.single], round(found.bound, 6)
         ([0.5, 0.5, 0.5, 0.5], 0.5)
     """
-    here = at(robot, q, task, tolerances)
+    here = configuration_at(robot, q, task, tolerances)
     robot, full, zero = here.robot, here.generic, here.tolerances.singular
     whole = here.metric.jacobian * here.metric.scale
     sigma = sigma_of(whole)

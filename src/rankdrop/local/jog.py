@@ -70,7 +70,7 @@ def jog_out(here: Configuration, options: ExplainOptions) -> Jog:
         ([(5, -4.0)], True)
     """
     trial = _Trial(here, options)
-    for jogs in (_alone(here, _SIZES), _in_pairs(here), _alone(here, _LARGE)):
+    for jogs in (_single_joint_jogs(here, _SIZES), _in_pairs(here), _single_joint_jogs(here, _LARGE)):
         trial.run(jogs)
         if trial.found is not None:
             return trial.found
@@ -81,7 +81,7 @@ def jog_farther(here: Configuration, options: ExplainOptions) -> Jog:
     """The jog of one joint by `options.step` that raises σ_r most; no motion where σ_r grows by less than 1 %."""
     size = max(float(np.degrees(options.step)), _LEAST)
     trial = _Trial(here, options)
-    jogs = trial.inside(next(_alone(here, (size,))))
+    jogs = trial.within_limits(next(_single_joint_jogs(here, (size,))))
     if not len(jogs):
         return _NONE
     sigma = trial.estimates(here.q + jogs)[0]
@@ -102,7 +102,7 @@ def _steps(here: Configuration, sizes: tuple[float, ...]) -> Array:
     return steps
 
 
-def _alone(here: Configuration, sizes: tuple[float, ...]) -> Iterator[Array]:
+def _single_joint_jogs(here: Configuration, sizes: tuple[float, ...]) -> Iterator[Array]:
     """Jogs (2n, n) of one joint to both sides, for each size."""
     for steps in _steps(here, sizes).T:
         yield np.concatenate([np.diag(steps), np.diag(-steps)])
@@ -133,7 +133,7 @@ class _Trial:
         self._fastest = 0.0
         self._searches = 0
 
-    def inside(self, jogs: Array) -> Array:
+    def within_limits(self, jogs: Array) -> Array:
         """Those that end inside the limits; a joint beyond a limit may move back towards it."""
         robot, q = self.here.robot, self.here.q
         ends = q + jogs
@@ -146,7 +146,7 @@ class _Trial:
         """Find the first jog of some (N, n) that ends regular."""
         here, options = self.here, self.options
         for jogs in every:
-            inside = self.inside(jogs)
+            inside = self.within_limits(jogs)
             if here.measured.corank:  # the configuration itself is singular, and that near
                 inside = inside[np.linalg.norm(inside / here.scale, axis=1) > _MARGIN * options.near]
             if len(inside):
@@ -165,7 +165,7 @@ class _Trial:
             return
         speed = self._speeds(ends[passing])
         for row, share in zip(passing, speed, strict=True):
-            if share > _MARGIN and self._far(ends[row]):
+            if share > _MARGIN and self._is_clear(ends[row]):
                 self.found = self.jog(jogs[row], float(sigma[row]), regular=True)
                 return
         best = int(np.minimum(speed, _MARGIN).argmax())
@@ -178,7 +178,7 @@ class _Trial:
         end = self.here.q + jog
         sigma = float(self.estimates(end[None])[0][0])
         least = max(_MARGIN * self.options.small, self.here.tolerances.singular)
-        return sigma > least and bool(self._speeds(end[None])[0] > _MARGIN) and self._far(end)
+        return sigma > least and bool(self._speeds(end[None])[0] > _MARGIN) and self._is_clear(end)
 
     def jog(self, step: Array, sigma: float, *, regular: bool) -> Jog:
         """The record of a jog (n,)."""
@@ -205,7 +205,7 @@ class _Trial:
                 least = np.minimum(least, one.speed / bars[one.unit])
         return least
 
-    def _far(self, end: Array) -> bool:
+    def _is_clear(self, end: Array) -> bool:
         """Whether no singular configuration is found within `near`."""
         here, options = self.here, self.options
         self._searches += 1

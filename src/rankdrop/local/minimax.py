@@ -71,7 +71,9 @@ def largest(values: Array) -> Array:
     return np.asarray(values.max(axis=(1, 2)))
 
 
-def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = EFFORT) -> Promise:
+def promised_step(
+    values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = EFFORT
+) -> Promise:
     """The step from each of B configurations, and what it promises.
 
     Λ comes by accelerated projected gradient, begun anew every few rounds, until the step from it reaches nine tenths
@@ -114,7 +116,7 @@ def descend(
         if not len(rows):
             break
         model = (values[rows], tensor[rows], tau[rows], mixed[rows])
-        step, fall, most, mixed[rows] = _inside(q[rows], *model, box, effort)
+        step, fall, most, mixed[rows] = _promised_within(q[rows], *model, box, effort)
         slope[rows] = np.linalg.norm(step, axis=1) / tau[rows]
         if box is None:
             ahead = q[rows] + step
@@ -129,11 +131,11 @@ def descend(
     return Lowest(q, largest(values), slope)
 
 
-def _inside(
+def _promised_within(
     q: Array, values: Array, tensor: Array, tau: Array, mixed: Array, box: tuple[Array, Array] | None, effort: int
 ) -> Promise:
-    """`promised`, with joints that stand at the edge of the box held where the step would leave it."""
-    found = promised(values, tensor, tau, mixed, effort)
+    """`promised_step`, with joints that stand at the edge of the box held where the step would leave it."""
+    found = promised_step(values, tensor, tau, mixed, effort)
     if box is None:
         return found
     held = np.zeros(q.shape, dtype=np.bool_)
@@ -143,7 +145,7 @@ def _inside(
             break
         held |= out
         free = np.where(held[:, None, None, None, :], 0.0, tensor)
-        found = promised(values, free, tau, found[3], effort)
+        found = promised_step(values, free, tau, found[3], effort)
     return found
 
 
@@ -220,7 +222,7 @@ def stays_up(problem: Problem, q: Array) -> Mask:
         gradient = np.einsum("baan->bn", tensor[:, 0][:, :1, :1])
         at = ((q / scale <= box[0]) & (gradient > 0.0)) | ((q / scale >= box[1]) & (gradient < 0.0))
         tensor = np.where(at[:, None, None, None, :], 0.0, tensor)
-    return np.asarray(promised(values, tensor, np.ones(len(q)))[2] <= FLAT)
+    return np.asarray(promised_step(values, tensor, np.ones(len(q)))[2] <= FLAT)
 
 
 def brought_down(problem: Problem, q: Array, *, iterations: int = 200, effort: int = EFFORT) -> Lowest:

@@ -178,8 +178,8 @@ def _nearest(problem: Problem, centre: Array, first: Array, asked: NearestOption
     else:
         ends = _Ends(np.empty((0, robot.n)), np.empty(0), 0, 0)
     if not ends.settled:
-        walked, far = walk.walked(first, walks, asked.seed)
-        ends = ends.joined(_Ends(walked, far, 0, len(first) + walks))
+        walked, far = walk.walk_from(first, walks, asked.seed)
+        ends = ends.join(_Ends(walked, far, 0, len(first) + walks))
     finest = ends.finest or walk.finest(ends.best)
     if finest is None:
         return None
@@ -284,7 +284,7 @@ def _sheets(walk: _Walk, here: Configuration, starts: Array, known: Array | None
     ends = walk.distinct(walk.minima(starts))
     far = problem.length(ends - walk.centre)
     for end in ends[far > least][:_LOOKED_AT]:
-        if not walk.apart(end, told) or not walk.is_minimum(end, seed):
+        if not walk.is_new(end, told) or not walk.is_minimum(end, seed):
             continue
         found = walk.finest(end[None])
         if found is not None:
@@ -350,7 +350,7 @@ class _Ends:
     finest: Finest | None = None
     settled: bool = False
 
-    def joined(self, other: _Ends) -> _Ends:
+    def join(self, other: _Ends) -> _Ends:
         """With the ends of further starts."""
         best = np.concatenate([self.best, other.best])
         distances = np.concatenate([self.distances, other.distances])
@@ -385,7 +385,7 @@ class _Walk:
 
     def _in_two_rounds(self, run: Run, given: Array, counts: tuple[int, int], seed: int) -> tuple[Array, ...]:
         """What comes of q itself and starts around it, then of starts in the ball in which a nearer point must lie."""
-        first, rest = self._drawn(counts, seed)
+        first, rest = self._draw_starts(counts, seed)
         around = self._ball(first, 1.0)
         around[0] = self.centre
         early = run(np.concatenate([given, around]), np.inf)
@@ -393,7 +393,7 @@ class _Walk:
         late = run(self._nearer(rest, nearest), nearest)
         return tuple(np.concatenate(both) for both in zip(early, late, strict=True))
 
-    def _drawn(self, counts: tuple[int, ...], seed: int) -> tuple[Array, ...]:
+    def _draw_starts(self, counts: tuple[int, ...], seed: int) -> tuple[Array, ...]:
         """Points of balls around 0, for rounds of so many starts."""
         moves = tuple((~self.problem.idle).tolist())
         if sum(counts) <= _KEPT:
@@ -425,13 +425,13 @@ class _Walk:
         if self.problem.sigma(self.centre)[self.problem.rank] <= self.problem.tolerances.target:
             return _Ends(self.centre[None], np.zeros(1), 0, len(given) + sum(NEWTON), settled=True)
         known = float(self.problem.length(given - self.centre).min(initial=np.inf))
-        around, ball, few = self._drawn((*NEWTON, FEW), seed)
+        around, ball, few = self._draw_starts((*NEWTON, FEW), seed)
         around = self._ball(around, 1.0)
         around[0] = self.centre
         if 0.0 < known < np.inf:
             starts = np.concatenate([given, self._nearer(ball, known)])
             early = self._feet(starts, known)
-            first = self._settled(self._gathered(early, len(starts)))
+            first = self._settle_nearest(self._gather_ends(early, len(starts)))
             if first.settled:
                 return first
             late = self._feet(around, np.inf)
@@ -440,10 +440,10 @@ class _Walk:
             nearest = float(early[1].min(initial=np.inf))
             late = self._feet(self._nearer(ball, nearest), nearest)
         found = self._with_lost(*(np.concatenate(both) for both in zip(early, late, strict=True)))
-        second = self._settled(self._gathered(found, len(given) + sum(NEWTON)))
+        second = self._settle_nearest(self._gather_ends(found, len(given) + sum(NEWTON)))
         if second.settled or second.finest is None:
             return second
-        return self._confirmed(second, known, self._nearer(few, self.distance(second.finest[0])))
+        return self._confirm_nearest(second, known, self._nearer(few, self.distance(second.finest[0])))
 
     def _with_lost(self, ends: Array, distances: Array, lost: Array) -> tuple[Array, Array, Array]:
         """Ends, their distances and lost starts, with the walks of lost ones that may come nearer than all ends."""
@@ -455,22 +455,22 @@ class _Walk:
         again, again_far = self.run(lost[near])
         return np.concatenate([ends, again]), np.concatenate([distances, again_far]), lost
 
-    def _confirmed(self, ends: _Ends, known: float, starts: Array) -> _Ends:
+    def _confirm_nearest(self, ends: _Ends, known: float, starts: Array) -> _Ends:
         """With walks from few starts, which settle the nearest where it was known or half of them agree."""
-        walked = self._gathered(self.run(starts), len(starts))
-        joined = self._settled(ends.joined(walked))
+        walked = self._gather_ends(self.run(starts), len(starts))
+        joined = self._settle_nearest(ends.join(walked))
         if joined.finest is None:
             return joined
         nearest = self.distance(joined.finest[0])
         agreed = abs(known - nearest) <= SAME or 2 * walked.agreeing(nearest) >= len(starts)
         return replace(joined, settled=joined.settled or agreed)
 
-    def _gathered(self, found: tuple[Array, ...], begun: int) -> _Ends:
+    def _gather_ends(self, found: tuple[Array, ...], begun: int) -> _Ends:
         """Ends (C, n), their distances (C,), and starts that got lost, if any."""
         lost = sum(len(more) for more in found[2:])
         return _Ends(_best(found[0], found[1]), found[1], lost, begun)
 
-    def _settled(self, ends: _Ends) -> _Ends:
+    def _settle_nearest(self, ends: _Ends) -> _Ends:
         """Ends of which the nearest has gone on to the last digit, and whether it needs no further start."""
         finest = self.finest(ends.best)
         if finest is None:
@@ -488,7 +488,7 @@ class _Walk:
         arrived = met == _ARRIVED
         return q[arrived], far[arrived], q[met == _LOST]
 
-    def walked(self, given: Array, starts: int, seed: int) -> tuple[Array, Array]:
+    def walk_from(self, given: Array, starts: int, seed: int) -> tuple[Array, Array]:
         """The best ends (C, n) of starts that walk, and the distances of all (N,)."""
         few = max(1, starts // 4)
         ends, distances = self._in_two_rounds(self.run, given, (few, starts - few), seed)
@@ -502,14 +502,14 @@ class _Walk:
         """
         if self.box is not None:
             starts = np.clip(starts, *self.box)
-        q, _, outcome, *_ = _core.search(self.here.chain, self.here.view, starts, self._onto, threads=1)
+        q, _, outcome, *_ = _core.search(self.here.chain, self.here.view, starts, self._search_settings, threads=1)
         near = self._brought_near(q[outcome == 0])
         q, distance, _ = self._walk_along(near, _NEARLY, polish=False)
         q = q[self.problem.singular(q) & np.isfinite(distance)]
         return q, self.problem.length(q - self.centre)
 
     @cached_property
-    def _onto(self) -> _core.SearchSettings:
+    def _search_settings(self) -> _core.SearchSettings:
         problem, limit = self.problem, self.problem.tolerances.singular
         return _core.SearchSettings(
             method=0, rank=problem.rank, iterations=_LM_ITERATIONS, singular=limit, target=limit,
@@ -531,11 +531,11 @@ class _Walk:
         """(C, n) ends without those that repeat another, nearest first."""
         kept = np.empty((0, len(self.centre)))
         for end in ends[self.problem.length(ends - self.centre).argsort(kind="stable")]:
-            if self.apart(end, kept):
+            if self.is_new(end, kept):
                 kept = np.concatenate([kept, end[None]])
         return kept
 
-    def apart(self, end: Array, places: Array) -> bool:
+    def is_new(self, end: Array, places: Array) -> bool:
         """Whether an end (n,) is none of some places (K, n), whole turns aside."""
         ways = end - places
         ways = ways - whole_turns(self.problem.robot, ways)

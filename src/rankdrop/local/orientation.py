@@ -36,7 +36,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop.configuration import Rank, at
+from rankdrop.configuration import Rank, configuration_at
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.kinematics import chain_of, frame_view, jacobian, link_poses, one_configuration, pose
 from rankdrop.local.block import joint_scale, row_scale, sigma_of, svd
@@ -487,7 +487,7 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
         (False, inf, 0)
     """
     configuration = one_configuration(robot, q)
-    arm = at(robot, configuration, "pose", tolerances).measured
+    arm = configuration_at(robot, configuration, "pose", tolerances).measured
     rotation = pose(robot, configuration)[:3, :3]
     coordinates = _every_coordinates(rotation)
     measures = _rate_measures(coordinates)

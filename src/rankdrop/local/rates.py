@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.configuration import Configuration, at
+from rankdrop.configuration import Configuration, configuration_at
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank, joint_scale, read_only
@@ -34,7 +34,7 @@ from rankdrop.local.inverses import Factored, factor, task_sigma
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import DEFAULT, Tolerances
-from rankdrop.units import counted
+from rankdrop.units import counted_as_radian
 
 TINY = 1e-100
 """Its square is still a number."""
@@ -204,13 +204,13 @@ def joint_rates(
         >>> joint_rates(open_robot("planar2r"), [0.0, 0.0]).axes[0].speed  # stretched
         0.0
     """
-    here = at(robot, q, task, tolerances)
+    here = configuration_at(robot, q, task, tolerances)
     robot, resolved, verdict = here.robot, here.task, here.measured
     parts = factor(robot, here.q, resolved, here.tolerances)
     limits = rate_limits(robot)
     rows, rank = list(resolved.rows), verdict.rank
     motions = [(_AXES[row], np.eye(6)[row]) for row in rows]
-    lengths = np.repeat([counted(robot), 1.0], 3)
+    lengths = np.repeat([counted_as_radian(robot), 1.0], 3)
     unit = lengths[rows]
     gone = np.linalg.qr((parts.u[:, rank:].T * parts.rows * unit).T)[0].T  # spans what cannot be made, orthonormal
     shares = np.einsum("ij,ij->j", gone, gone)

@@ -28,7 +28,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.configuration import Configuration, Rank, at
+from rankdrop.configuration import Configuration, Rank, configuration_at
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import configurations
 from rankdrop.local.block import block, generic_rank, joint_scale, read_only
@@ -197,7 +197,7 @@ def redundancy(
         >>> found.null_basis[-1].round(3).tolist()  # joints 2, 4, 6 together
         [0.0, -0.43, 0.0, 0.816, 0.0, -0.387, 0.0]
     """
-    here = at(robot, q, task, tolerances)
+    here = configuration_at(robot, q, task, tolerances)
     verdict, parts = here.measured, factor(here.robot, here.q, here.task, here.tolerances)
     scaled = here.jacobian * parts.joints
     null = parts.v[:, verdict.rank :]
@@ -476,7 +476,7 @@ def self_motion(
             "length or step out of range", got=f"length {length}, step {step}",
             allowed="step 0.0001 … 0.2 [rad], length at most 100 000 steps",
         )  # fmt: skip
-    here = at(robot, q, task)
+    here = configuration_at(robot, q, task)
     robot, start, verdict = here.robot, here.q, here.measured
     where = Displacement(robot, start, here.task)
     if limits:
@@ -544,7 +544,7 @@ class _Trace:
         """Points, and why they end."""
         where, now, first = self.where, self.where.start, unit
         self.points = [now]
-        outside = self._beyond(now)
+        outside = self._joints_beyond_limits(now)
         if outside.size:
             return self.points, self._at_limit(Ending.STARTS_BEYOND, outside[0])
         kept, h, travelled = -1, self.step, 0.0
@@ -552,13 +552,13 @@ class _Trace:
             goal = min(h, self.length - travelled)
             if goal <= 1e-9 * self.length:
                 return self.points, End(Ending.LONG_ENOUGH, travelled=travelled)
-            there, turned, sigma = self._ahead(now, unit, goal)
+            there, turned, sigma = self._next_point(now, unit, goal)
             if there is None:
                 h = goal / 2
                 if h < _SHORTEST * self.step:
                     return self._stuck(kept)
                 continue
-            beyond = self._beyond(there)
+            beyond = self._joints_beyond_limits(there)
             if beyond.size:
                 if goal <= _AT_LIMIT:
                     return self.points, self._at_limit(Ending.AT_LIMIT, beyond[0])
@@ -569,7 +569,7 @@ class _Trace:
             self.points.append(there)
             self.weakest.append(float(sigma[kept - 1]) if kept else np.inf)
             travelled += float(np.linalg.norm((there - now) / where.joints))
-            if self._crossed():
+            if self._end_at_crossing():
                 return self.points, End(Ending.CROSSING)
             now, unit = there, turned
             if self._closes(now, unit, first, travelled):
@@ -577,11 +577,11 @@ class _Trace:
             near = (np.minimum(now - self.low, self.high - now) / where.joints).min() < 2 * h
             h = h if near else min(self.step, 1.5 * h)
 
-    def _beyond(self, q: Array) -> NDArray[np.intp]:
+    def _joints_beyond_limits(self, q: Array) -> NDArray[np.intp]:
         """Indices of the joints beyond their limits."""
         return np.flatnonzero((q < self.low) | (q > self.high))
 
-    def _ahead(self, now: Array, unit: Array, h: float) -> tuple[Array | None, Array, Array]:
+    def _next_point(self, now: Array, unit: Array, h: float) -> tuple[Array | None, Array, Array]:
         """The next point, the unit tangent there and σ; None where the step is too long."""
         where = self.where
         guess = now + h * where.joints * unit
@@ -596,7 +596,7 @@ class _Trace:
             return None, unit, np.zeros(0)
         return there, tangent / size, sigma
 
-    def _crossed(self) -> bool:
+    def _end_at_crossing(self) -> bool:
         """Whether σ has passed through zero in the last two steps; if so the trace ends exactly there."""
         if self.weakest[-1] <= WEAK or len(self.weakest) < 3:
             return self.weakest[-1] <= WEAK

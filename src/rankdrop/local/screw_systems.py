@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from rankdrop.kinematics import jacobian, one_configuration, task_jacobian
 from rankdrop.local.axes import Scene
 from rankdrop.local.block import generic_rank, structural_sample
-from rankdrop.local.departure import unlocked
+from rankdrop.local.departure import release_mimics
 from rankdrop.local.subgroups import closure, subgroups
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
@@ -182,7 +182,7 @@ def always_singular_reason(robot: Robot, task: Task) -> AlwaysSingular | None:
     inside = AlwaysSingular(robot.n, rank, most, dimension, _kind_of_all(robot, q, dimension))
     if dimension < 6 and dimension == generic_rank(robot, resolve_task("pose", robot)):
         return inside
-    best = max(_apart(_losses(robot, task, q)), key=lambda chosen: (_lost_by(chosen), -len(chosen)))
+    best = max(_disjoint_choices(_losses(robot, task, q)), key=lambda chosen: (_lost_by(chosen), -len(chosen)))
     bound = min(most, robot.n - _lost_by(best))
     if bound > rank and dimension < 6:
         return inside
@@ -205,7 +205,7 @@ def _stay_inside(robot: Robot, joints: tuple[int, ...], dimension: int) -> bool:
 
 def _twists(robot: Robot, q: Array, length: float) -> Array:
     """(N, 6) twists of every joint, mimic joints too, about the tip: rounding stays small."""
-    free, values, _ = unlocked(robot, q)
+    free, values, _ = release_mimics(robot, q)
     twists = jacobian(free, values).T.copy()
     twists[:, :3] /= length
     return twists
@@ -238,7 +238,7 @@ def _losses(robot: Robot, task: Task, q: Array) -> list[Loss]:
     return found
 
 
-def _apart(losses: list[Loss]) -> Iterator[tuple[Loss, ...]]:
+def _disjoint_choices(losses: list[Loss]) -> Iterator[tuple[Loss, ...]]:
     """Choices of at most three sets without a common joint, the empty one included."""
     for count in range(4):
         for chosen in combinations(losses, count):

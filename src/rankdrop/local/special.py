@@ -150,7 +150,7 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
     for part, middle in _triples(len(axes), turns, sliding):
         turn = arm.turn(middle)
         if turn is not None:
-            yield _measured(part, Shape.JOINT, joints[middle], values[middle], turn)
+            yield _condition_missed_by(part, Shape.JOINT, joints[middle], values[middle], turn)
     if moves and 4 <= len(axes) <= 6 and not _parallel(arm.z[0], arm.z[1]):
         yield _shoulder(arm, joints, tip)
 
@@ -161,7 +161,7 @@ def _elbow(arm: _Axes, joint: int, value: float, tip: Vector, turns: bool, moves
         yield Special(Part.ELBOW, Shape.JOINT, joint, wrap_angle(value), 0.0, exact=True)
     elif moves and (turn := arm.elbow_turn(tip)) is not None:
         shape = Shape.STRETCHED if abs(turn) <= pi / 2 else Shape.FOLDED
-        yield _measured(Part.ELBOW, shape, joint, value, turn)
+        yield _condition_missed_by(Part.ELBOW, shape, joint, value, turn)
 
 
 def _shoulder(arm: _Axes, joints: list[int], tip: Vector) -> Special:
@@ -174,7 +174,7 @@ def _shoulder(arm: _Axes, joints: list[int], tip: Vector) -> Special:
     return Special(Part.SHOULDER, Shape.ABOVE_AXIS, joints[0], 0.0, off, exact)
 
 
-def _measured(part: Part, shape: Shape, joint: int, value: float, turn: float) -> Special:
+def _condition_missed_by(part: Part, shape: Shape, joint: int, value: float, turn: float) -> Special:
     """A condition of one joint that its angle misses by `turn` modulo π."""
     off = turn - pi * round(turn / pi)
     return Special(part, shape, joint, wrap_angle(value - off), abs(off), abs(off) <= EXACT)
@@ -214,14 +214,14 @@ class _Axes:
         first, middle, last = count - 3, count - 2, count - 1
         if _parallel(self.z[first], self.z[middle]) or _parallel(self.z[middle], self.z[last]):
             return False
-        apart = _less(self.between(middle, last), self.between(first, middle))
+        apart = _less(self.middle_between(middle, last), self.middle_between(first, middle))
         return _length(apart) <= EXACT * self.reach
 
     def aligned(self, i: int, j: int) -> bool:
         """Whether two axes are one line; False where there is no second."""
         if j >= len(self.z) or not _parallel(self.z[i], self.z[j]):
             return False
-        return _length(_across(_less(self.p[j], self.p[i]), self.z[i])) <= EXACT * self.reach
+        return _length(_normal_part(_less(self.p[j], self.p[i]), self.z[i])) <= EXACT * self.reach
 
     def elbow_turn(self, tip: Vector) -> float | None:
         """Angle from the upper arm to the forearm about the elbow axis [rad]; None where one has no length there."""
@@ -231,8 +231,8 @@ class _Axes:
         if parallel:
             start = self.p[elbow - 1]
         else:
-            start = self.between(max(elbow - 2, 0), elbow - 1)
-        upper, lower = _across(_less(at, start), axis), _across(_less(self.wrist_point(tip), at), axis)
+            start = self.middle_between(max(elbow - 2, 0), elbow - 1)
+        upper, lower = _normal_part(_less(at, start), axis), _normal_part(_less(self.wrist_point(tip), at), axis)
         if min(_length(upper), _length(lower)) <= _FLAT * self.reach:
             return None
         return _angle(upper, lower, axis)
@@ -240,7 +240,7 @@ class _Axes:
     def turn(self, middle: int) -> float | None:
         """Angle between two axes about the one between them [rad]; None where one is parallel to that."""
         axis = self.z[middle]
-        first, last = _across(self.z[middle - 1], axis), _across(self.z[middle + 1], axis)
+        first, last = _normal_part(self.z[middle - 1], axis), _normal_part(self.z[middle + 1], axis)
         if min(_length(first), _length(last)) < EXACT:
             return None
         return _angle(first, last, axis)
@@ -249,12 +249,12 @@ class _Axes:
         """Distances of the wrist from the plane through axis 1 along axis 2, and from axis 2 [m]."""
         bundle = len(self.z) == 6 and _parallel(self.z[self.elbow], self.z[self.elbow + 1])
         if bundle and self.tip is None:
-            point = self.between(4, 5)
+            point = self.middle_between(4, 5)
         else:
             point = self.wrist_point(tip)
         normal = _cross(self.z[0], self.z[1])
         gap = abs(_dot(_less(point, self.p[0]), normal)) / _length(normal)
-        return gap, _length(_across(_less(point, self.p[1]), self.z[1]))
+        return gap, _length(_normal_part(_less(point, self.p[1]), self.z[1]))
 
     def wrist_point(self, tip: Vector) -> Vector:
         """The point that the axes behind the elbow turn about; the tip where there is none."""
@@ -266,9 +266,9 @@ class _Axes:
         if after >= len(self.z) - 1:
             return tip
         first = max(after, len(self.z) - 3)
-        return self.between(first, first + 1)
+        return self.middle_between(first, first + 1)
 
-    def between(self, i: int, j: int) -> Vector:
+    def middle_between(self, i: int, j: int) -> Vector:
         """Middle of the common perpendicular of two axes; a point on the second where they are parallel."""
         skew = _cross(self.z[i], self.z[j])
         square = _dot(skew, skew)
@@ -312,7 +312,7 @@ def _parallel(a: Vector, b: Vector) -> bool:
     return _length(_cross(a, b)) < EXACT
 
 
-def _across(vector: Vector, axis: Vector) -> Vector:
+def _normal_part(vector: Vector, axis: Vector) -> Vector:
     """The part of a vector that is normal to an axis."""
     return _plus(vector, axis, -_dot(axis, vector))
 

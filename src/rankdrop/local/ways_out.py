@@ -28,7 +28,7 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.configuration import LEAST, Configuration, at
+from rankdrop.configuration import LEAST, Configuration, configuration_at
 from rankdrop.kinematics import jacobian
 from rankdrop.local.departure import (
     Departure,
@@ -36,10 +36,10 @@ from rankdrop.local.departure import (
     best_pair,
     departures,
     measured_gains,
+    release_mimics,
     scores,
     single_motions,
     taylor,
-    unlocked,
 )
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.orientation import Displacement, determined_by_pose
@@ -50,7 +50,7 @@ from rankdrop.sections import html, words_of
 from rankdrop.solve import iterate, shortest
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
-from rankdrop.units import counted, out_of_metres
+from rankdrop.units import counted_as_radian, out_of_metres
 
 
 def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
@@ -63,7 +63,7 @@ def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
     """
     if not place.corank:
         return ((),) * len(place.q)
-    chain, values, _ = unlocked(place.robot, place.q)
+    chain, values, _ = release_mimics(place.robot, place.q)
     if place.task.m == 6 and chain is place.robot:
         change = brackets(jacobian(chain, values, place.task.frame))
         change[:, :3] /= place.task.scale(place.robot)
@@ -238,7 +238,7 @@ def escape(
         >>> [(joint.number, joint.order, round(joint.rate, 4)) for joint in out.single if joint.gain]
         [(4, 1, 2.0713), (3, 1, 0.7036)]
     """
-    here = at(robot, q, task, tolerances, corank)
+    here = configuration_at(robot, q, task, tolerances, corank)
     here.check_moves()
     place = here.metric
     check_value("step", _STEP, step)
@@ -283,15 +283,17 @@ def _out_of_metres(escape: Escape, robot: Robot) -> Escape:
     def several(one: Direction) -> Direction:
         return replace(one, delta=tuple((unit * one.delta).tolist()))
 
-    def alone(joint: JointEscape) -> JointEscape:
+    def escape_alone(joint: JointEscape) -> JointEscape:
         own = float(unit[joint.number - 1])
         first = tuple(value / own for value in joint.first_order)
         return replace(joint, rate=joint.rate / own ** (joint.order or 0), first_order=first, step=joint.step * own)
 
     return replace(
-        escape, single=tuple(map(alone, escape.single)), best_pair=escape.best_pair and several(escape.best_pair),
-        best_direction=several(escape.best_direction), still=escape.still and several(escape.still),
-    )  # fmt: skip
+        escape, single=tuple(map(escape_alone, escape.single)),
+        best_pair=escape.best_pair and several(escape.best_pair),
+        best_direction=several(escape.best_direction),
+        still=escape.still and several(escape.still),
+    )
 
 
 def _single(place: Configuration, step: float) -> tuple[JointEscape, ...]:
@@ -352,11 +354,11 @@ def _several(
         known = np.concatenate([pair[None], moves])
     whole = best_motion(place, step, seed, known)
     motions = np.stack([whole] if pair is None else [whole, pair])
-    described = _described(place, motions)
+    described = _describe_motions(place, motions)
     return (described[1] if pair is not None else None), described[0]
 
 
-def _described(place: Configuration, motions: Array) -> list[Direction]:
+def _describe_motions(place: Configuration, motions: Array) -> list[Direction]:
     """Directions with their order and rate. A motion that the limits leave no room for is shown without them."""
     lengths = np.linalg.norm(motions, axis=1)
     inside = lengths >= LEAST
@@ -414,7 +416,7 @@ def lost_motions(place: Configuration, basis: Array) -> tuple[LostMotion, ...]:
     if not place.corank:
         return ()
     rows = lost_directions(place.robot, place.q, place.task, place.corank)
-    scaled = rows * np.repeat([place.task.scale(place.robot) / counted(place.robot), 1.0], 3)
+    scaled = rows * np.repeat([place.task.scale(place.robot) / counted_as_radian(place.robot), 1.0], 3)
     each = _forms_of(place, basis, unit(scaled[:, list(place.task.rows)]))
     return tuple(
         LostMotion(tuple(row.tolist()), 1 if np.abs(values).max(initial=0.0) > FLAT else 2, tuple(values.tolist()))
@@ -551,7 +553,7 @@ def find_still(place: Configuration, basis: Array, each: Array, step: float, see
     reached = np.round(sigma[:, -1], 9) + 1e3 * inside  # inside the limits if any is; rounding decides nothing
     best = int(np.argmax(np.where(leaves, reached, -1.0)))
     length = float(np.linalg.norm(moved[best, -1]))
-    order, rate = _along(sigma[best], float(promise[best]), length)
+    order, rate = _order_along(sigma[best], float(promise[best]), length)
     still = _direction(
         place, tangents[best], (place.corank, order, rate, ()), length, float(sigma[best, -1]), gain=place.corank,
         inside=bool(inside[best]),
@@ -627,7 +629,7 @@ def _why_it_stays(
     return None, "untraced"
 
 
-def _along(sigma: Array, promise: float, length: float) -> tuple[int, float]:
+def _order_along(sigma: Array, promise: float, length: float) -> tuple[int, float]:
     """Order and rate of σ_r along a trace with evenly spaced points."""
     if promise > _FIRST:
         return 1, promise

@@ -24,14 +24,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.codec import Result
-from rankdrop.configuration import at
+from rankdrop.configuration import configuration_at
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import check_robot
 from rankdrop.kinematics import pose as pose_of
 from rankdrop.local.block import joint_scale, sampling_box, singular_values
 from rankdrop.local.pointing import TILTED, level_task, tilt_is_fixed, tilts_off
 from rankdrop.options import takes
-from rankdrop.poses.inverse import Aim, apart, distinct, within, wrapped
+from rankdrop.poses.inverse import Aim, distinct, joint_difference, within_limits, wrap_joints
 from rankdrop.poses.postures import posture_names
 from rankdrop.problem import into_limits
 from rankdrop.questions import ExplainOptions, InverseOptions
@@ -280,17 +280,17 @@ def inverse(
     goal = matrix_of(pose)
     aim = Aim(robot, resolved)
     search = _Search(aim, resolved, goal)
-    tilted = _tilted(search, how)
+    tilted = _tilt_missing(search, how)
     if tilted is not None:
         return InverseSolutions(
             robot, resolved, how, goal, (), (), _most(robot, resolved), search.tried, search.arrived, False, tilted
         )
     search.run(how)
-    isolated, curves, more = search.parted()
-    branches = _judged(search, isolated)
+    isolated, curves, more = search.isolated_and_curves()
+    branches = _judge_solutions(search, isolated)
     return InverseSolutions(
         robot, resolved, how, goal, branches, curves, _most(robot, resolved), search.tried, search.arrived, more,
-        None if branches or curves else _unreached(search, how),
+        None if branches or curves else _why_unreached(search, how),
     )  # fmt: skip
 
 
@@ -336,7 +336,7 @@ def self_motion_curves(
     resolved = resolve_task(task, robot)
     search = _Search(Aim(robot, resolved), resolved, matrix_of(pose))
     search.run(options or InverseOptions())
-    _, _, more = search.parted()
+    _, _, more = search.isolated_and_curves()
     return tuple(search.curves), more
 
 
@@ -395,14 +395,14 @@ class _Search:
 
     def _take(self, starts: Array) -> bool:
         """Whether some of the starts led to new solutions."""
-        found = self.aim.reached(self.goal, starts)
+        found = self.aim.solve_from(self.goal, starts)
         self.arrived += len(found)
         if not len(found):
             return False
         targets = np.broadcast_to(self.goal, (len(found), 4, 4))
         polished, arrived = self.aim.solve(targets, found)
-        found = wrapped(self.robot, np.where(arrived[:, None], polished, found))
-        found = found[self.aim.confirmed(targets, found)]
+        found = wrap_joints(self.robot, np.where(arrived[:, None], polished, found))
+        found = found[self.aim.confirms(targets, found)]
         weak = self.sigma(found) <= _SINGULAR
         near = _STEP if self.redundant else _SAME
         regular = distinct(self.robot, self.task, found[~weak], near, self.regular)
@@ -418,7 +418,7 @@ class _Search:
             return np.empty(0)
         return np.asarray(singular_values(self.robot, q, self.task)[:, self.aim.rank - 1])
 
-    def parted(self) -> tuple[Array, tuple[Continuum, ...], bool]:
+    def isolated_and_curves(self) -> tuple[Array, tuple[Continuum, ...], bool]:
         """Isolated solutions (k, n), self-motions, and whether some were not followed."""
         isolated, pieces = self._by_freedom()
         surface = max(pieces, key=lambda piece: piece.dimension, default=None)
@@ -427,7 +427,7 @@ class _Search:
             same = [piece.q for piece in pieces if piece.dimension == dimension and piece.singular == singular]
             points = self._inwards(np.array(same))
             return isolated, (self._continuum(q, dimension, points, False, False, singular),), True
-        found, more = self._followed(pieces)
+        found, more = self._follow_curves(pieces)
         found.sort(key=lambda continuum: (bool(continuum.beyond), not continuum.closed))
         alone = [not self._on_a_curve(q) for q in isolated]
         return isolated[alone], tuple(found), more
@@ -440,7 +440,7 @@ class _Search:
         now = into_limits(self.robot, points)
         kept = now
         for _ in range(_INWARDS):
-            if within(self.robot, kept).any() or not len(now):
+            if within_limits(self.robot, kept).any() or not len(now):
                 break
             found, arrived = self.aim.solve(self.goal[None], np.clip(now, self.robot.lower, self.robot.upper))
             now = into_limits(self.robot, found[arrived])
@@ -465,7 +465,7 @@ class _Search:
                 isolated.append(q[None])
         return np.concatenate(isolated), pieces
 
-    def _followed(self, pieces: Sequence[_Piece]) -> tuple[list[Continuum], bool]:
+    def _follow_curves(self, pieces: Sequence[_Piece]) -> tuple[list[Continuum], bool]:
         """The curves through solutions, and whether some were not followed: there are more than `_CURVES`."""
         found: list[Continuum] = []
         for q, _, singular in pieces:
@@ -479,10 +479,10 @@ class _Search:
         return found, False
 
     def _on_a_curve(self, q: Array) -> bool:
-        return any(self._on(q, curve.points) for curve in self.curves)
+        return any(self._lies_on(q, curve.points) for curve in self.curves)
 
-    def _on(self, q: Array, points: Array) -> bool:
-        gap = np.linalg.norm(apart(self.robot, q, points) / self.scale, axis=1)
+    def _lies_on(self, q: Array, points: Array) -> bool:
+        gap = np.linalg.norm(joint_difference(self.robot, q, points) / self.scale, axis=1)
         return bool(gap.min() <= 1.5 * _STEP)
 
     def _null(self, q: Array) -> Array:
@@ -490,7 +490,7 @@ class _Search:
         _, sigma, vt = np.linalg.svd(self.aim.jacobian(q[None])[0])
         return np.asarray(vt[int((sigma > _SINGULAR).sum()) :])
 
-    def _next(self, q: Array, guess: Array, step: float, off_at_most: float) -> Array | None:
+    def _next_solution(self, q: Array, guess: Array, step: float, off_at_most: float) -> Array | None:
         """The solution next to a guess a step away from q; None where the tool does not stand still along it."""
         found, arrived = self.aim.solve(self.goal[None], guess[None])
         off = float(np.linalg.norm((found[0] - guess) / self.scale))
@@ -514,7 +514,7 @@ class _Search:
         ways /= np.linalg.norm(ways, axis=1)[:, None]
         moved = []
         for way in (*ways, *(-ways)):
-            end = self._next(q, q + _PROBE * way * self.scale, _PROBE, 1.0)
+            end = self._next_solution(q, q + _PROBE * way * self.scale, _PROBE, 1.0)
             if end is not None:
                 moved.append((end - q) / self.scale / _PROBE)
         if not moved:
@@ -536,14 +536,14 @@ class _Search:
                 if size < 0.5:
                     end = None
                 else:
-                    end = self._next(now, now + _STEP * along / size * self.scale, _STEP, 1 / 3)
+                    end = self._next_solution(now, now + _STEP * along / size * self.scale, _STEP, 1 / 3)
                 if end is None:
                     break
                 heading = (end - now) / self.scale
                 heading = heading / np.linalg.norm(heading)
                 now = end
                 points.append(now)
-                back = float(np.linalg.norm(apart(self.robot, q, now[None])[0] / self.scale))
+                back = float(np.linalg.norm(joint_difference(self.robot, q, now[None])[0] / self.scale))
                 if count > 2 and back <= 0.6 * _STEP and heading @ way > 0.0:
                     return np.array([q, *points]), True, True
             else:
@@ -555,13 +555,13 @@ class _Search:
         self, q: Array, dimension: int, points: Array, closed: bool, complete: bool, singular: bool
     ) -> Continuum:
         """The facts of a self-motion, shown at its best configuration."""
-        placed = into_limits(self.robot, wrapped(self.robot, points))
-        outside = _outside(self.robot, placed).max(axis=1, initial=0.0)
+        placed = into_limits(self.robot, wrap_joints(self.robot, points))
+        outside = _beyond_limits(self.robot, placed).max(axis=1, initial=0.0)
         inside = outside <= 0.0
         best = np.lexsort((-self.sigma(points), outside))[0]
         return Continuum(
             placed[best], dimension, closed, complete, singular, points.min(axis=0), points.max(axis=0),
-            float(inside.mean()), _beyond(self.robot, placed[best]), self.residual(points),
+            float(inside.mean()), _joints_beyond(self.robot, placed[best]), self.residual(points),
         )  # fmt: skip
 
     def residual(self, q: Array) -> float:
@@ -572,19 +572,19 @@ class _Search:
         return float(max(away.max(initial=0.0), chord.max(initial=0.0)))
 
 
-def _outside(robot: Robot, q: Array) -> Array:
+def _beyond_limits(robot: Robot, q: Array) -> Array:
     """(N, n) how far each joint is beyond its limits, with a sign; 0 inside [rad, m]."""
     high = np.maximum(q - robot.upper - 1e-9, 0.0)
     low = np.maximum(robot.lower - q - 1e-9, 0.0)
     return np.asarray(np.maximum(high, low))
 
 
-def _beyond(robot: Robot, q: Array) -> tuple[tuple[int, float], ...]:
-    amounts = _outside(robot, q[None])[0]
+def _joints_beyond(robot: Robot, q: Array) -> tuple[tuple[int, float], ...]:
+    amounts = _beyond_limits(robot, q[None])[0]
     return tuple((int(i) + 1, float(amounts[i])) for i in np.flatnonzero(amounts > 0.0))
 
 
-def _judged(search: _Search, q: Array) -> tuple[Branch, ...]:
+def _judge_solutions(search: _Search, q: Array) -> tuple[Branch, ...]:
     """Isolated solutions with verdict, posture and limits, in order."""
     robot, task = search.robot, search.task
     q = into_limits(robot, q)
@@ -604,8 +604,8 @@ def _judged(search: _Search, q: Array) -> tuple[Branch, ...]:
             else:
                 verdict = "near"
             if row < _JUDGED:
-                verdict = str(Explanation(at(robot, q[row], task), families, source, how).verdict)
-        made.append(Branch(q[row], verdict, float(sigma[row]), postures[row], _beyond(robot, q[row]),
+                verdict = str(Explanation(configuration_at(robot, q[row], task), families, source, how).verdict)
+        made.append(Branch(q[row], verdict, float(sigma[row]), postures[row], _joints_beyond(robot, q[row]),
                            search.residual(q[row : row + 1])))  # fmt: skip
     home = np.clip(np.zeros(robot.n), robot.lower, robot.upper)
 
@@ -615,7 +615,7 @@ def _judged(search: _Search, q: Array) -> tuple[Branch, ...]:
     return tuple(sorted(made, key=order))
 
 
-def _tilted(search: _Search, how: InverseOptions) -> Unreached | None:
+def _tilt_missing(search: _Search, how: InverseOptions) -> Unreached | None:
     """How far the pose is tilted, where an arm that never tilts its tool is asked for yaw; else None."""
     aim, robot, goal = search.aim, search.robot, search.goal
     never = tilt_is_fixed(robot, search.task) or level_task(robot, search.task) is not None
@@ -637,7 +637,7 @@ def _descent_starts(search: _Search, how: InverseOptions) -> Array:
     return np.random.default_rng(how.seed).uniform(low, high, (_LEAST_STARTS, search.robot.n))
 
 
-def _unreached(search: _Search, how: InverseOptions) -> Unreached:
+def _why_unreached(search: _Search, how: InverseOptions) -> Unreached:
     """How far the pose is from those that the arm reaches."""
     aim, robot, goal = search.aim, search.robot, search.goal
     rows = np.array(aim.rows)

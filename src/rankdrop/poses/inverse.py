@@ -18,7 +18,7 @@ from rankdrop import _core
 from rankdrop.errors import TaskError
 from rankdrop.kinematics import chain_of, task_jacobian, task_view
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
-from rankdrop.local.departure import unlocked
+from rankdrop.local.departure import release_mimics
 from rankdrop.local.orientation import rotation_vector
 from rankdrop.path.curve import Index
 from rankdrop.problem import Mask, into_limits, whole_turns
@@ -119,7 +119,7 @@ class Aim:
         # of the axis alone about which the task leaves the tool free
         return away, np.linalg.norm(apart[:, :, self.free] if self.with_tip else apart[:, self.free], axis=1)
 
-    def confirmed(self, poses: Array, q: Array) -> Mask:
+    def confirms(self, poses: Array, q: Array) -> Mask:
         """(N,) whether forward kinematics at q (N, n) gives the poses (N, 4, 4), to 1e-9 of the length scale and 1e-9.
         """
         away, chord = self.missing(poses, q)
@@ -166,12 +166,12 @@ class Aim:
         """
         return self._newton(goals, starts, close, rounds, far=True)
 
-    def reached(self, goal: Array, starts: Array) -> Array:
+    def solve_from(self, goal: Array, starts: Array) -> Array:
         """(k, n) from far: solutions for the pose (4, 4) from the starts (N, n), in the order of their steps."""
         q, arrived = self.descend(goal, starts)
         order = np.argsort(arrived, kind="stable")
         found = q[order[arrived[order] >= 0]]
-        return np.asarray(found[self.confirmed(np.broadcast_to(goal, (len(found), 4, 4)), found)])
+        return np.asarray(found[self.confirms(np.broadcast_to(goal, (len(found), 4, 4)), found)])
 
     def _newton(self, poses: Array, q: Array, close: float, rounds: int, *, far: bool) -> tuple[Array, Index]:
         """Ends (N, n), and the number of steps after which each arrived, −1 where it did not."""
@@ -189,7 +189,7 @@ class Aim:
         """Every joint as a variable: shares and offsets; lengths of the links, which joints turn, metres along an axis.
         """
         robot = self.robot
-        chain, offset, share = unlocked(robot, np.zeros(robot.n))
+        chain, offset, share = release_mimics(robot, np.zeros(robot.n))
         tip = robot.home[:3, 3] + robot.home[:3, :3] @ self.point
         links = np.linalg.norm(np.diff(np.vstack([anchors(robot), tip]), axis=0), axis=1)
         slides = np.array([joint.kind is JointKind.PRISMATIC for joint in chain.joints])
@@ -288,8 +288,8 @@ def solutions(robot: Robot, task: Task, target: Array, *, starts: int, seed: int
     begin = sample(robot, task, starts, seed, limits=False)
     if also is not None:
         begin = np.concatenate([np.atleast_2d(also), begin])
-    found = Aim(robot, task).reached(target, begin)
-    found = wrapped(robot, found[singular_values(robot, found, task)[:, -1] > _REGULAR])
+    found = Aim(robot, task).solve_from(target, begin)
+    found = wrap_joints(robot, found[singular_values(robot, found, task)[:, -1] > _REGULAR])
     kept = distinct(robot, task, found, _SAME)
     return kept[sorted(range(len(kept)), key=lambda row: [round(float(x), 6) for x in kept[row]])]
 
@@ -312,7 +312,7 @@ def distinct(
     for solution in q:
         if most is not None and len(kept) - first >= most:
             break
-        if not kept or np.linalg.norm(apart(robot, solution, np.array(kept)) / scale, axis=1).min() > near:
+        if not kept or np.linalg.norm(joint_difference(robot, solution, np.array(kept)) / scale, axis=1).min() > near:
             kept.append(solution)
     return np.array(kept[first:]).reshape(-1, robot.n)
 
@@ -327,7 +327,7 @@ def determinants(robot: Robot, task: Task, q: Array) -> Array:
     return np.asarray(np.linalg.det(task_jacobian(robot, q, task) * joint_scale(robot, task)))
 
 
-def wrapped(robot: Robot, q: Array) -> Array:
+def wrap_joints(robot: Robot, q: Array) -> Array:
     """Turning joints in (−π, π]."""
     turned = q - 2 * np.pi * np.ceil((q - np.pi - _SAME) / (2 * np.pi))
     return np.where(robot.periodic, turned, q)
@@ -339,15 +339,15 @@ def near_and_within(robot: Robot, q: Array, near: Array, *, limits: bool) -> Arr
     if not limits:
         return q
     q = into_limits(robot, q)
-    return q[within(robot, q)]
+    return q[within_limits(robot, q)]
 
 
-def within(robot: Robot, q: Array) -> Mask:
+def within_limits(robot: Robot, q: Array) -> Mask:
     """(N,) inside the joint limits, to 1e-9."""
     return np.asarray(((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9)).all(axis=1))
 
 
-def apart(robot: Robot, one: Array, other: Array) -> Array:
+def joint_difference(robot: Robot, one: Array, other: Array) -> Array:
     """other − one, turning joints the short way."""
     gap = other - one
     return np.asarray(gap - whole_turns(robot, gap))

@@ -14,7 +14,7 @@ from rankdrop.task import Task
 from rankdrop.units import in_metres, into_metres, task_in_metres
 
 
-def decided(robot: Robot, task: Task) -> tuple[Decision, Signs | None, Chain | None]:
+def decide_exactly(robot: Robot, task: Task) -> tuple[Decision, Signs | None, Chain | None]:
     """What is known without a search, the signs that tell solutions apart, and the exact arm where there is one."""
     try:
         chain = exact_chain(robot, task)
@@ -32,7 +32,7 @@ def posture_names(robot: Robot, task: Task, q: Array) -> tuple[tuple[str, ...], 
     """
     if not len(q) or robot.n != task.m:
         return ((),) * len(q)
-    _, signs, _ = decided(robot, task)
+    _, signs, _ = decide_exactly(robot, task)
     if signs is None:
         there = in_metres(robot), task_in_metres(task, robot)
         values = determinants(*there, np.stack([into_metres(robot, row) for row in q]))

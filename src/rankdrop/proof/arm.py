@@ -166,12 +166,16 @@ class Arm:
         """(6, 6) 1 + once · ad + twice · ad² of a joint's screw: every turn and every shift has this form."""
         return self.unit() + self._ads[i] * once + self._squares[i] * twice
 
-    def seen(self, centre: list[Interval], half: list[Interval]) -> Seen:
+    def screws_over(self, centre: list[Interval], half: list[Interval]) -> Seen:
         """All screws as the link sees them, over a box; multipliers are left out."""
-        return self.carried(lambda i, sign: self._motion(i, centre[self.links[i].driver], half[self.links[i].driver],
-                                                         sign))  # fmt: skip
 
-    def carried(self, motion_of: Callable[[int, int], Matrix]) -> Seen:
+        def motion_over(i: int, sign: int) -> Matrix:
+            driver = self.links[i].driver
+            return self._motion(i, centre[driver], half[driver], sign)
+
+        return self.carry_screws(motion_over)
+
+    def carry_screws(self, motion_of: Callable[[int, int], Matrix]) -> Seen:
         """All screws as the link sees them, with the motion (6, 6) of each joint i, forwards (1) or backwards (−1)."""
         found: list[Matrix] = [None] * len(self.links)
         motions: list[Matrix | None] = [None] * len(self.links)
@@ -208,16 +212,16 @@ class Arm:
             rank: how many.
             tolerance: for every arm so near as well.
         """
-        found = self.enclosed(region, rows, rank, tolerance)
+        found = self.enclose(region, rows, rank, tolerance)
         return found is not None and regular(found[0].tolist(), rank)
 
-    def enclosed(
+    def enclose(
         self, region: Region, rows: list[int], rank: int, tolerance: Tolerance | None = None
     ) -> tuple[Matrix, Array, Array] | None:
         """U^T J V over a region, as intervals (r, r), with U (rows, r) and V (n, r); None where J has no such rank."""
         f = self._f
         zeros = [f.arb(0)] * self.variables
-        at = self.seen(region.centre, zeros)[0]
+        at = self.screws_over(region.centre, zeros)[0]
         u, sigma, vt = np.linalg.svd(self.jacobian(at)[rows])
         if len(sigma) < rank or not sigma[rank - 1] > 0.0:
             return None
@@ -227,7 +231,7 @@ class Arm:
                 left[k, row] = float(u[place, k])
         weights = [self._weights(link, vt[:rank]) for link in self.links]
         wide = _half_widths(region)
-        seen = self.seen(region.centre, wide)
+        seen = self.screws_over(region.centre, wide)
         over = seen[0]
         total = left * _sum(c * w for c, w in zip(at, weights, strict=True))
         for side, sign in self._sides:
@@ -235,12 +239,12 @@ class Arm:
             for moved, size in first:
                 total += left * moved * _ball(f.arb, f.arb(0), size)
             if region.along is not None:
-                total += self._along(side, sign, at, over, weights, region.along, left)
+                total += self._moved_together(side, sign, at, over, weights, region.along, left)
             else:
                 total += self._second(side, over, weights, region.half, left)
         if tolerance is not None:
             moves = max(rows) <= 2
-            total += self._shifted(seen, weights, tolerance, left, Region(region.centre, wide), moves=moves)
+            total += self._tolerance_part(seen, weights, tolerance, left, Region(region.centre, wide), moves=moves)
         return total, u[:, :rank], vt[:rank].T
 
     def _weights(self, link: Link, vt: Array) -> Matrix:
@@ -266,7 +270,7 @@ class Arm:
         By minors of the first rows, without a division: at a singular configuration it is as narrow as elsewhere.
         """
         f, n = self._f, self.variables
-        columns = self.seen(q, [f.arb(0)] * n)[0]
+        columns = self.screws_over(q, [f.arb(0)] * n)[0]
         entries = [[f.arb(0)] * n for _ in rows]
         for link, column in zip(self.links, columns, strict=True):
             values = column.entries()
@@ -298,7 +302,7 @@ class Arm:
                 for i in side[place + 1 :]:
                     yield i, self.links[by].driver, ad * columns[i]
 
-    def _beyond(self, side: list[int], columns: list[Matrix], weights: list[Matrix]) -> list[Matrix]:
+    def _weighted_columns(self, side: list[int], columns: list[Matrix], weights: list[Matrix]) -> list[Matrix]:
         """For each place on a side, Σ of the columns farther from the link, times their weights."""
         found: list[Matrix] = [None] * len(side)
         rank = weights[0].ncols()
@@ -312,7 +316,7 @@ class Arm:
         self, side: list[int], columns: list[Matrix], weights: list[Matrix], half: list[Interval]
     ) -> list[tuple[Matrix, Interval]]:
         """(derivative of J V by a joint, ± and how far the joint goes), joints of one variable together."""
-        beyond = self._beyond(side, columns, weights)
+        beyond = self._weighted_columns(side, columns, weights)
         moved: dict[int, Matrix] = {}
         for place, i in enumerate(side[:-1]):
             link = self.links[i]
@@ -327,7 +331,7 @@ class Arm:
         self, side: list[int], over: list[Matrix], weights: list[Matrix], half: list[Interval], left: Matrix
     ) -> Matrix:
         """½ Σ H δ δ of a box, each pair of joints for itself."""
-        beyond = self._beyond(side, over, weights)
+        beyond = self._weighted_columns(side, over, weights)
         rank = weights[0].ncols()
         total = self._f.arb_mat(rank, rank, [0] * (rank * rank))
         ads = [self._ad(over[i].entries()) for i in side[:-1]]
@@ -342,14 +346,14 @@ class Arm:
                     total += left * (ads[a] * moved) * _ball(self._f.arb, self._f.arb(0), size)
         return total
 
-    def _along(
+    def _moved_together(
         self, side: list[int], sign: int, at: list[Matrix], over: list[Matrix], weights: list[Matrix],
         along: list[Interval], left: Matrix,
     ) -> Matrix:  # fmt: skip
         """g(Δ) τ + ½ H(Δ, Δ) τ²: joints that move together."""
         f, rank = self._f, weights[0].ncols()
         slope, bend = f.arb_mat(6, rank, [0] * (6 * rank)), f.arb_mat(6, rank, [0] * (6 * rank))
-        near, far = self._beyond(side, at, weights), self._beyond(side, over, weights)
+        near, far = self._weighted_columns(side, at, weights), self._weighted_columns(side, over, weights)
         nearer = f.arb_mat(6, 1, [0] * 6)
         for place, i in enumerate(side[:-1]):
             link = self.links[i]
@@ -361,7 +365,7 @@ class Arm:
         whole, share = _ball(f.arb, f.arb(0), f.arb(1)), _ball(f.arb, f.arb(0.25), f.arb(0.25))
         return left * slope * (whole * sign) + left * bend * share
 
-    def _shifted(
+    def _tolerance_part(
         self, over: Seen, weights: list[Matrix], tolerance: Tolerance, left: Matrix, region: Region, *, moves: bool
     ) -> Matrix:
         """What arms within the tolerance add: by the mean value theorem along the way from this arm to that one.
@@ -378,7 +382,9 @@ class Arm:
         points = [self._from_link_point(row) for row in tolerance.points]
         total = [f.arb(0)] * rank**2  # entries, row by row
         for side, sign in self._sides:
-            for motions, carried in self._carried(side, sign, points, shift, angle, over, weights, region, int(moves)):
+            for motions, carried in self._displaced_joints(
+                side, sign, points, shift, angle, over, weights, region, int(moves)
+            ):
                 for three, size in ((motions[:3], angle), (motions[3:], shift)):
                     changes = [(left * (self._ad(motion) * carried)).entries() for motion in three]
                     for place, change in enumerate(zip(*changes, strict=True)):
@@ -389,7 +395,7 @@ class Arm:
         """A point [m], seen from the link's point, lengths scaled."""
         return [(self._f.arb(float(x)) - p) / self._length for x, p in zip(point, self._point, strict=True)]
 
-    def _carried(
+    def _displaced_joints(
         self, side: list[int], sign: int, points: list[list[Interval]], shift: Interval, angle: Interval, over: Seen,
         weights: list[Matrix], region: Region, moves: int,
     ) -> Iterator[tuple[list[list[Interval]], Matrix]]:  # fmt: skip

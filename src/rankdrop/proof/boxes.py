@@ -126,7 +126,7 @@ def total(masks: Masks) -> int:
     return sum(int(counts(part).sum()) for part in _pieces(masks))
 
 
-def packed(flags: Flags, kind: np.dtype[np.unsignedinteger]) -> Masks:
+def pack_bits(flags: Flags, kind: np.dtype[np.unsignedinteger]) -> Masks:
     """Masks (N,) of the bits (N, 2^d)."""
     parts = np.packbits(flags, axis=1, bitorder="little")
     wide = np.zeros((len(flags), kind.itemsize), dtype=np.uint8)
@@ -134,11 +134,11 @@ def packed(flags: Flags, kind: np.dtype[np.unsignedinteger]) -> Masks:
     return wide.reshape(-1).view(kind)
 
 
-def allowed(shape: Shape, level: int) -> np.unsignedinteger:
+def allowed_children(shape: Shape, level: int) -> np.unsignedinteger:
     """Mask of the children that a box above `level` has."""
     halved, d = shape.halved(level), shape.variables
     flags = [all(halved[j] or not (child >> (d - 1 - j)) & 1 for j in range(d)) for child in range(1 << d)]
-    mask: np.unsignedinteger = packed(np.array([flags]), shape.kind)[0]
+    mask: np.unsignedinteger = pack_bits(np.array([flags]), shape.kind)[0]
     return mask
 
 
@@ -227,7 +227,7 @@ class BitTree:
         for begin in range(0, shape.trees, _PIECE):
             yield shape.top, shape.roots(begin + np.flatnonzero(~self.roots[begin : begin + _PIECE]))
         for level, cells, masks, _ in self.walk():
-            yield level, shape.children(cells, ~masks & allowed(shape, level), level)[0]
+            yield level, shape.children(cells, ~masks & allowed_children(shape, level), level)[0]
 
     @cached_property
     def free_boxes(self) -> int:
@@ -283,7 +283,7 @@ class Plan:
     corank: int = 1
 
     @property
-    def kept(self) -> int:
+    def kept_rank(self) -> int:
         """The rank whose loss is looked for: a box that has it everywhere is free."""
         return self.rank - self.corank + 1
 
@@ -321,18 +321,18 @@ def covering_bytes(plan: Plan, tree: BitTree, tested: int, freed: int) -> bytes:
     size = sum(len(part) for part in tree.payload())
     record = {"plan": plan.entries(), "sha256": digest(plan, tree), "tested": tested, "freed": freed, "bytes": size,
               "leaves": tree.leaves, "proven": tree.proven_leaves}  # fmt: skip
-    content = _compressed(tree, 6)
-    if size > _allowed(plan.shape, len(content)):  # so regular that a reader would take it for a bomb
-        content = _compressed(tree, 0)
+    content = _compress_level(tree, 6)
+    if size > _allowed_bytes(plan.shape, len(content)):  # so regular that a reader would take it for a bomb
+        content = _compress_level(tree, 0)
     return MAGIC + json.dumps(record, sort_keys=True).encode() + b"\n" + content
 
 
-def _compressed(tree: BitTree, level: int) -> bytes:
+def _compress_level(tree: BitTree, level: int) -> bytes:
     stream = zlib.compressobj(level)
     return b"".join([*map(stream.compress, tree.payload()), stream.flush()])
 
 
-def _allowed(shape: Shape, size: int) -> int:
+def _allowed_bytes(shape: Shape, size: int) -> int:
     """Bytes that so many may be unpacked to: what the plan has room for, and no more than the file pays for."""
     return min(shape.largest, _SMALL + _RATIO * size, _LARGEST)
 
@@ -343,7 +343,7 @@ def load_plan(path: Path) -> tuple[Plan, dict[str, Any]]:
     Raises:
         Refused: it cannot be read, or is no covering.
     """
-    return _read(path, _head)
+    return _read_file(path, _head)
 
 
 def load(path: Path) -> tuple[Plan, BitTree, int, int]:
@@ -352,10 +352,10 @@ def load(path: Path) -> tuple[Plan, BitTree, int, int]:
     Raises:
         Refused: it cannot be read, is no covering, or was damaged or changed.
     """
-    return _read(path, _content)
+    return _read_file(path, _content)
 
 
-def _read(path: Path, reader: Callable[[IO[bytes], str], Content]) -> Content:
+def _read_file(path: Path, reader: Callable[[IO[bytes], str], Content]) -> Content:
     where = str(path)
     if path.exists() and not path.is_file():
         raise Refused("this is not a file", where=where)
@@ -398,19 +398,19 @@ def _content(file: IO[bytes], where: str) -> tuple[Plan, BitTree, int, int]:
     plan, record = _head(file, where)
     if os.fstat(file.fileno()).st_size > _LARGEST:
         raise ValueError("it is too large")
-    tree = _unpacked(plan.shape, file.read())
+    tree = _unpack_tree(plan.shape, file.read())
     if digest(plan, tree) != record["sha256"]:
         raise Refused("the covering was changed: its hash is another", where=where, got=record["sha256"])
     return plan, tree, record["tested"], record["freed"]
 
 
-def _unpacked(shape: Shape, content: bytes) -> BitTree:
+def _unpack_tree(shape: Shape, content: bytes) -> BitTree:
     """The tree of a compressed payload, unpacked level by level: each says how many bytes the next one has.
 
     Raises:
         ValueError: too short, too long or too large, or bits of children that there cannot be.
     """
-    stream, room = zlib.decompressobj(), _allowed(shape, len(content))
+    stream, room = zlib.decompressobj(), _allowed_bytes(shape, len(content))
 
     def take(size: int) -> bytearray:
         nonlocal content, room
@@ -432,7 +432,7 @@ def _unpacked(shape: Shape, content: bytes) -> BitTree:
     count = int(roots.sum())
     for level in range(shape.top, shape.levels):
         masks.append(np.frombuffer(take(count * shape.kind.itemsize), shape.kind))
-        wrong = ~allowed(shape, level + 1)
+        wrong = ~allowed_children(shape, level + 1)
         if any(np.bitwise_and(part, wrong).any() or (part == 0).any() for part in _pieces(masks[-1])):
             raise ValueError("a mask of boxes that there are none of")
         count = total(masks[-1])

@@ -544,7 +544,7 @@ def _rows_left_out(claim: Claim) -> list[str]:
     zero = sorted(zeros)
     largest, size = 0.0, 0.0
     for q in np.random.default_rng(0).uniform(-np.pi, np.pi, (8, claim.variables)):
-        seen = arm.jacobian(arm.seen([f.arb(float(x)) for x in q], [f.arb(0)] * claim.variables)[0])
+        seen = arm.jacobian(arm.screws_over([f.arb(float(x)) for x in q], [f.arb(0)] * claim.variables)[0])
         seen = np.concatenate([turn @ seen[:3], turn @ seen[3:]])
         largest, size = max(largest, float(np.abs(seen[zero]).max())), max(size, float(np.abs(seen).max()))
     if largest > _VANISHES * size:

@@ -44,7 +44,7 @@ def open_covering(claim: Claim) -> tuple[Plan, BitTree]:
         raise Unproven(f"{name}: {error.what}") from error
     if digest(plan, tree) != claim.entries["sha256"]:
         raise Unproven(f"{name} is another covering than the one of the certificate: its hash differs")
-    about = plan.fingerprint, tuple(plan.rows), plan.kept
+    about = plan.fingerprint, tuple(plan.rows), plan.kept_rank
     if about != (claim.record["arm"]["fingerprint"], claim.rows, claim.rank):
         raise Unproven("the covering is about another arm or task than its certificate")
     if corank_of(claim) != plan.corank:

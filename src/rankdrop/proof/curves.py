@@ -28,7 +28,7 @@ import numpy as np
 
 from rankdrop.proof.arm import Interval, Matrix, dot, flint
 from rankdrop.proof.record import SCREW, SLIDE, Array, Claim, Link, Unproven
-from rankdrop.proof.tip import carried, turn_about
+from rankdrop.proof.tip import tip_motion, turn_about
 
 DEGREES = {"linear": 1, "cubic": 3, "quintic": 5}
 _OTHER = "another claim: the certificate is about"
@@ -149,7 +149,7 @@ class ToolPath:
             self._moves = [0, 1, 2]
         self._turns = bool(turns)
         self._entries = _entries_of_rotation(turns, by_rows=axes == 0 and not whole)
-        self._axes = [_between(a, b) for a, b in pairwise(self._poses)]
+        self._axes = [_turn_between(a, b) for a, b in pairwise(self._poses)]
         if self._turns and any(np.linalg.norm(axis) > np.pi - _HALF_TURN for axis in self._axes):
             raise Unproven("two poses of the file are half a turn apart: which way the tool turns is a choice")
         self._points = _points_on_axes(claim.links)
@@ -193,7 +193,7 @@ class ToolPath:
 
     def tip(self, q: list[Interval]) -> tuple[Matrix, Matrix]:
         """(3, 3) rotation and (3, 1) place of the tip at a configuration, in the base frame."""
-        turn, place = carried(self._claim.links, q)
+        turn, place = tip_motion(self._claim.links, q)
         home = self._claim.home
         return turn * self._f.arb_mat(home[:3, :3].tolist()), turn * self._f.arb_mat(home[:3, 3:].tolist()) + place
 
@@ -233,7 +233,7 @@ class ToolPath:
         values = np.array([_link_values(links, row) for row in self._rows[list(rows)]])
         step, most = np.abs(values[1] - values[0]), np.abs(values).max(axis=0)
         slides = np.array([link.kind == SLIDE for link in links])
-        along = np.array([_along(link) for link in links])
+        along = np.array([_travel_per_unit(link) for link in links])
         turn = np.cumsum(np.where(slides, 0.0, step))
         before = turn - np.where(slides, 0.0, step)
         tool = 0.0
@@ -299,7 +299,7 @@ class ToolPath:
             return [(row, 0.0) for row in range(count)]
         at = [0]
         for k in range(1, last):
-            at.append(self._reached(seen, k, at[-1]))
+            at.append(self._row_at_pose(seen, k, at[-1]))
         at.append(count - 1)
         places = [(0, 0.0)]
         for k, (low, high) in enumerate(pairwise(at)):
@@ -310,7 +310,7 @@ class ToolPath:
             places.append((high, k + 1.0))
         return places
 
-    def _reached(self, seen: list[tuple[Array, Array]], k: int, begin: int) -> int:
+    def _row_at_pose(self, seen: list[tuple[Array, Array]], k: int, begin: int) -> int:
         """The first row from `begin` on that is at pose k, or nearest to it after the first that is near enough."""
         sizes: list[float] = []
         for turn, point in seen[begin:]:
@@ -377,7 +377,7 @@ def _log(turn: Array) -> Array:
     return np.asarray(twist * (np.arctan2(sine, cosine) / sine))
 
 
-def _between(first: Array, second: Array) -> Array:
+def _turn_between(first: Array, second: Array) -> Array:
     """(3,) turn from one pose to the next, in base axes."""
     return _log(second[:3, :3] @ first[:3, :3].T)
 
@@ -399,7 +399,7 @@ def _link_values(links: list[Link], row: Array) -> list[float]:
     return [link.multiplier * row[link.driver] + link.offset for link in links]
 
 
-def _along(link: Link) -> float:
+def _travel_per_unit(link: Link) -> float:
     """How far a unit of the joint's value carries along its axis."""
     v, w = np.array(link.screw[:3]), np.array(link.screw[3:])
     if link.kind == SLIDE:

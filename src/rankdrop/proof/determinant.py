@@ -61,7 +61,7 @@ class Determinant:
         _check(arm, rows, places, self._degrees, coefficients)
         shape = (prod(2 * d + 1 for d in self._degrees[: self._cut]), -1)
         self._g = np.array([float(x.mid()) for x in coefficients]).reshape(shape)
-        self._error = max(_away(x, float(x.mid())) for x in coefficients)  # of one coefficient
+        self._error = max(_upper_size(x, float(x.mid())) for x in coefficients)  # of one coefficient
         self._sides: dict[tuple[int, int], tuple[Array, float]] = {}
 
     def free(self, levels: list[int], cells: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -134,10 +134,10 @@ class Determinant:
             made = np.empty((1 << level, size, size))
             for cell in range(1 << level):
                 centre = low + (high - low) * (2 * cell + 1) / 2 ** (level + 1)
-                entries = (form * _turned(degree, centre)).entries()
+                entries = (form * _shifted_waves(degree, centre)).entries()
                 rounded = [float(x.mid()) for x in entries]
                 made[cell] = np.reshape(rounded, (size, size))
-                off = max(off, *(_away(x, y) for x, y in zip(entries, rounded, strict=True)))
+                off = max(off, *(_upper_size(x, y) for x, y in zip(entries, rounded, strict=True)))
             self._sides[j, level] = made, off
         return self._sides[j, level]
 
@@ -156,7 +156,7 @@ class Determinant:
         return (share + 2 * (count + 20) * _U) * size * float(np.abs(self._g).max()) + 1e-300
 
 
-def _away(x: Interval, rounded: float) -> float:
+def _upper_size(x: Interval, rounded: float) -> float:
     return float((x - rounded).abs_upper()) * (1 + 1e-15)
 
 
@@ -220,7 +220,7 @@ def _check(arm: Arm, rows: list[int], places: list[int], degrees: list[int], coe
             raise Unproven("the determinant of this arm is no trigonometric polynomial of the degree looked for")
 
 
-def _turned(degree: int, centre: Interval) -> Matrix:
+def _shifted_waves(degree: int, centre: Interval) -> Matrix:
     """(n, n) coefficients in the waves of x − c, from those in the waves of x."""
     f, size = flint(), 2 * degree + 1
     found = f.arb_mat(size, size, [0] * (size * size))

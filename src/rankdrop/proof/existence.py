@@ -38,13 +38,13 @@ def verify_existence(arm: Arm, claim: Claim) -> None:
         elif claim.rank != claim.variables:
             raise Unproven(f"by intervals existence is shown where all {len(rows)} rows, or all {claim.variables} "
                            f"joints, are independent almost everywhere, not for rank {claim.rank}")  # fmt: skip
-    _attained(arm, claim, rows)
+    _check_attained(arm, claim, rows)
     far, width = _Zero(arm, q, rows).proven()
     if not far + width <= radius:
         raise Unproven(f"the singular configuration that exists is up to {far + width:.3g} away, not {radius:.3g}")
 
 
-def _attained(arm: Arm, claim: Claim, rows: list[int]) -> None:
+def _check_attained(arm: Arm, claim: Claim, rows: list[int]) -> None:
     """Some configuration has the rank: of an arm that never has it a lower one would be no finding.
 
     Raises:
@@ -73,7 +73,7 @@ class _Zero:
     def _moving(self) -> list[int]:
         """Variables of which some column is not zero wherever the arm stands: exact zeros next to the link alone."""
         zero, arm = [self._f.arb(0)] * self._arm.variables, self._arm
-        columns = arm.seen(zero, zero)[0]
+        columns = arm.screws_over(zero, zero)[0]
         ends = {arm.link, arm.link - 1}  # these do not depend on the configuration
         drivers = set()
         for i, one in enumerate(arm.links):
@@ -101,14 +101,14 @@ class _Zero:
                 raise Unproven("the equations of a singular configuration are degenerate there") from error
             x = [(a - b).mid() for a, b in zip(x, step.entries(), strict=True)]
         for width in _WIDTHS:
-            if self._inside(x, start, planes, width):
+            if self._krawczyk_inside(x, start, planes, width):
                 return max(float(abs(x[k] - start[k]).upper()) for k in range(self._d)), width
         raise Unproven("no box around the point is proven to hold a singular configuration: the singular set may have "
                        "more dimensions there than its equations let it have")  # fmt: skip
 
     def _start(self) -> list[Interval]:
         f, zero = self._f, [self._f.arb(0)] * self._arm.variables
-        columns = self._arm.seen([f.arb(x) for x in self._given], zero)[0]
+        columns = self._arm.screws_over([f.arb(x) for x in self._given], zero)[0]
         left, _, right = np.linalg.svd(self._arm.jacobian(columns)[self._rows])
         u = right[-1] if self._motion else left[:, -1]
         return [f.arb(self._given[j]) for j in self._free] + [f.arb(float(x)) for x in u]
@@ -123,7 +123,7 @@ class _Zero:
     def _equations(self, x: list[Interval]) -> tuple[Matrix, Matrix]:
         """(n + 1, 1) F and (n + 1, d + m) F′ over a box; n and m exchanged where u is a joint motion."""
         f, arm = self._f, self._arm
-        columns = arm.seen(*self._configuration(x))[0]
+        columns = arm.screws_over(*self._configuration(x))[0]
         u = x[self._d :]
         value = [f.arb(0)] * self._equals
         slope = [[f.arb(0)] * len(x) for _ in range(self._equals)]
@@ -168,7 +168,7 @@ class _Zero:
             rows, right = rows + planes.tolist(), right + (planes * away).tolist()
         return self._f.arb_mat(rows), self._f.arb_mat(right)
 
-    def _inside(self, x: list[Interval], start: list[Interval], planes: Matrix, width: float) -> bool:
+    def _krawczyk_inside(self, x: list[Interval], start: list[Interval], planes: Matrix, width: float) -> bool:
         """Krawczyk's operator maps the box of this half-width around x into its inside."""
         f = self._f
         box = [one + f.arb(0, width) for one in x]

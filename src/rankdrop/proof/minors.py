@@ -70,7 +70,7 @@ class _Exact(Arm):
         _refuse_unsuited(claim, partial=self._partial)
         axes, origin, local = claim.frame
         pose = claim.poses.get(origin, np.eye(4))
-        point = self._moved(pose, local)
+        point = self._rotated_point(pose, local)
         link = 0 if origin == 0 else len(claim.links)
         super().__init__(claim.links, claim.variables, link, point, self._number(1))
         turn = claim.poses.get(axes, np.eye(4))[:3, :3].T
@@ -90,7 +90,7 @@ class _Exact(Arm):
     def _number(self, value: float) -> Rational:
         return flint().fmpq(*float(value).as_integer_ratio())
 
-    def _moved(self, pose: Array, local: Sequence[float]) -> list[Rational]:
+    def _rotated_point(self, pose: Array, local: Sequence[float]) -> list[Rational]:
         """A point in the axes of a pose, in those in which the pose is given."""
         point = self._numbers(local)
         moved = []
@@ -140,7 +140,7 @@ class _Exact(Arm):
 
     def task_rows(self, given: list[Value], *, turned: bool = True) -> Any:
         """(m, n) the rows of the task, columns as long as their axes are; in the axes of the task if `turned`."""
-        seen = self.carried(lambda i, sign: self.exponential(i, sign * given[i][0], given[i][1]))
+        seen = self.carry_screws(lambda i, sign: self.exponential(i, sign * given[i][0], given[i][1]))
         columns = self._matrix([one.entries() for one in seen[0]])
         six = columns.transpose().tolist()
         linear, angular = self._matrix(six[:3]), self._matrix(six[3:])

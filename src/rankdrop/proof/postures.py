@@ -19,7 +19,7 @@ import numpy as np
 from rankdrop.proof.arm import Arm, Interval, Matrix, Region, flint
 from rankdrop.proof.record import TURN, Array, Claim, Unproven
 from rankdrop.proof.regions import Check, CurvePath
-from rankdrop.proof.tip import carried, unit, velocity
+from rankdrop.proof.tip import tip_motion, unit, velocity
 
 _ROUNDS = 8  # of Newton's iteration
 _WIDTHS = (1e-16, 1e-13, 1e-10)  # half-widths of the box around the solution that are tried
@@ -53,7 +53,7 @@ def verify_change(check: Check) -> str:
     if not check.keeps_rank(Region(centre, half)):
         raise Unproven(f"the box of radius {radius:.3g} around the last row is not proven to be free of singularities")
     path.prove((0, 0.0), (path.count - 1, 1.0))
-    return pose.apart(points[-1])
+    return pose.distance_from(points[-1])
 
 
 def _check_task(claim: Claim) -> None:
@@ -119,19 +119,19 @@ class _Pose:
         self._point = self._f.arb_mat(home[:3, 3:].tolist()) + shift
         zero = self._f.arb(0)
         self._arm = Arm(claim.links, claim.variables, 0, [zero] * 3, self._f.arb(1))  # twists in base coordinates
-        turn, place = carried(claim.links, [self._f.arb(float(x)) for x in start])
+        turn, place = tip_motion(claim.links, [self._f.arb(float(x)) for x in start])
         self._turn, self._place = turn, turn * self._point + place
 
-    def _seen(self, q: list[Interval]) -> tuple[Matrix, Matrix]:
+    def _placed_tip(self, q: list[Interval]) -> tuple[Matrix, Matrix]:
         """(3, 3) M, and (3, 1) the point."""
-        turn, place = carried(self._links, q)
+        turn, place = tip_motion(self._links, q)
         return turn * self._turn.transpose(), turn * self._point + place
 
     def _equations(self, q: list[Interval]) -> tuple[Matrix, Matrix]:
         """(n, 1) F and (n, n) F′ over a box."""
         f = self._f
-        turned, place = self._seen(q)
-        twists = [one.entries() for one in self._arm.seen([x.mid() for x in q], [x.rad() for x in q])[0]]
+        turned, place = self._placed_tip(q)
+        twists = [one.entries() for one in self._arm.screws_over([x.mid() for x in q], [x.rad() for x in q])[0]]
         values: list[Interval] = []
         moved: list[list[Interval]] = [[] for _ in twists]
         if self._moves:
@@ -171,11 +171,11 @@ class _Pose:
                 raise Unproven("the last row of the path is singular") from error
             x = [(a - b).mid() for a, b in zip(x, step.entries(), strict=True)]
         for width in _WIDTHS:
-            if self._inside(x, width):
+            if self._krawczyk_inside(x, width):
                 return max(float(abs(a - b).upper()) for a, b in zip(x, start, strict=True)) + width
         raise Unproven("the last row of the path is not proven to be next to a solution of the pose of its first row")
 
-    def _inside(self, x: list[Interval], width: float) -> bool:
+    def _krawczyk_inside(self, x: list[Interval], width: float) -> bool:
         """Krawczyk's operator maps the box of this half-width around x into its inside."""
         f, n = self._f, self._n
         value, _ = self._equations(x)
@@ -187,10 +187,10 @@ class _Pose:
         moved = (unit(n) - inverse * slope) * f.arb_mat(n, 1, [f.arb(0, width)] * n) - inverse * value
         return all(abs(one) < width for one in moved.entries())
 
-    def apart(self, end: Array) -> str:
+    def distance_from(self, end: Array) -> str:
         """How far the pose of a configuration is from that of q0 at most: "1e-15 m and 2e-15 rad"."""
         f = self._f
-        turned, place = self._seen([f.arb(float(x)) for x in end])
+        turned, place = self._placed_tip([f.arb(float(x)) for x in end])
         parts = []
         if self._moves:
             parts.append(f"{_length((place - self._place).entries()) * _UP:.3g} m")

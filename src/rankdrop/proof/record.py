@@ -171,7 +171,7 @@ class Claim:
         return {-1: self.home, joints + 1: self.home, joints: self.last, 0: np.eye(4)}
 
 
-def sealed(record: Record) -> Record:
+def with_hash(record: Record) -> Record:
     """The record with its hash."""
     return record | {"sha256": seal(record)}
 
@@ -355,7 +355,7 @@ def read_certificate(path: Path) -> Claim:
         raise Refused(f"cannot read: {reason}", where=where) from error
     if len(content) > LARGEST:
         raise Refused("too large for a certificate", where=where, allowed=f"at most {LARGEST} bytes")
-    record = _parsed(content, where)
+    record = _parse_json(content, where)
     if not isinstance(record, dict) or record.get("schema") != SCHEMA:
         if isinstance(record, dict):
             got = record.get("schema")
@@ -374,7 +374,7 @@ def read_certificate(path: Path) -> Claim:
         raise Refused("the certificate is malformed", where=where, got=str(error)) from error
 
 
-def _parsed(content: bytes, where: str) -> Any:
+def _parse_json(content: bytes, where: str) -> Any:
     def refuse(word: str) -> None:
         raise ValueError(f"{word} is no number")
 

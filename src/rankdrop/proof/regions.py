@@ -44,7 +44,7 @@ class Cell:
         low = Fraction(2 * self.index[place], 2 ** self.level[place]) - 1
         return low, low + Fraction(2, 2 ** self.level[place])
 
-    def outside(self, share: Fraction) -> bool:
+    def lies_outside(self, share: Fraction) -> bool:
         """Has it no point nearer to the centre than `share` of the side?"""
         gaps = (max(Fraction(0), low, -high) for low, high in map(self.ends, range(len(self.index))))
         return sum((gap * gap for gap in gaps), Fraction(0)) >= share * share
@@ -109,7 +109,7 @@ def verify_ball(check: Check) -> None:
     f = flint()
 
     def keeps(cell: Cell) -> bool:
-        if cell.outside(share):
+        if cell.lies_outside(share):
             return True
         centre, half = [f.arb(x) for x in claim.entries["q"]], [f.arb(0)] * claim.variables
         for place, j in enumerate(moving):
@@ -142,7 +142,7 @@ def leaves(tree: str, moving: list[int], share: Fraction) -> Iterator[tuple[int,
         if letter == FREE:
             yield place, cell
         elif letter == OUTSIDE:
-            if not cell.outside(share):
+            if not cell.lies_outside(share):
                 raise Unproven(f"box {place + 1} of the tree is said to be outside the ball, and is not")
         elif (variable := LETTERS.find(letter)) in places:
             low, high = cell.halved(places[variable])

@@ -52,7 +52,7 @@ from rankdrop.proof.record import (
     Link,
     Unproven,
 )
-from rankdrop.proof.tip import carried, velocity
+from rankdrop.proof.tip import tip_motion, velocity
 
 _POSE, _PLACE, _TURN = [0, 1, 2, 3, 4, 5], [0, 1, 2], [3, 4, 5]  # rows of a task
 _TRIED = 4  # configurations at which the factors are multiplied out
@@ -221,7 +221,7 @@ class _Factors:
 
     def values(self, arm: Arm, q: list[Interval]) -> list[Interval]:
         """The factors at a configuration; `arm` is seen from the base."""
-        columns = [one.entries() for one in arm.seen(q, [self._f.arb(0)] * arm.variables)[0]]
+        columns = [one.entries() for one in arm.screws_over(q, [self._f.arb(0)] * arm.variables)[0]]
         w = [column[3:] for column in columns]
         if self._structure == ORIENTATION:
             return [dot(w[0], cross(w[1], w[2]))]
@@ -241,30 +241,30 @@ class _Factors:
         if third:
             p = _foot(third[0])
         else:
-            p = self._at(self._point, len(columns), q)
+            p = self._place_point(self._point, len(columns), q)
         return dot(first[3:], cross(velocity(first, p), velocity(second, p)))
 
     def _of_three_parallel(self, columns: list[Vector], w: list[Vector], q: list[Interval]) -> list[Interval]:
-        o, foot = self._at(self._meeting, 4, q), _foot(columns[3])
+        o, foot = self._place_point(self._meeting, 4, q), _foot(columns[3])
         elbow = cross(velocity(columns[1], foot), velocity(columns[2], foot))
         return [dot(w[1], velocity(columns[0], o)), dot(w[1], elbow)]
 
     def _of_a_point(self, columns: list[Vector], w: list[Vector], q: list[Interval]) -> list[Interval]:
-        p = self._at(self._point, 3, q)
+        p = self._place_point(self._point, 3, q)
         u = [velocity(column, p) for column in columns[:3]]
         if self._structure == MEET_12:
-            return [dot(_minus(p, self._at(self._meeting, 0, q)), u[2]), dot(w[0], u[1])]
+            return [dot(_minus(p, self._place_point(self._meeting, 0, q)), u[2]), dot(w[0], u[1])]
         if self._structure == PARALLEL_12:
             return [dot(w[0], u[2]), dot(_minus(p, _foot(columns[0])), u[1])]
         if self._structure == PARALLEL_23:
             return [dot(w[1], u[0]), dot(w[1], cross(u[1], u[2]))]
-        away = _minus(p, self._at(self._meeting, 1, q))
+        away = _minus(p, self._place_point(self._meeting, 1, q))
         return [dot(away, u[0]), dot(away, cross(w[1], w[2]))]
 
-    def _at(self, point: Vector | None, joints: int, q: list[Interval]) -> Vector:
+    def _place_point(self, point: Vector | None, joints: int, q: list[Interval]) -> Vector:
         """Where so many joints carry a point."""
         assert point is not None
-        turn, shift = carried(self._claim.links[:joints], q)
+        turn, shift = tip_motion(self._claim.links[:joints], q)
         return list((turn * self._f.arb_mat([[self._f.arb(x)] for x in point]) + shift).entries())
 
 

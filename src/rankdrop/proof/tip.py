@@ -6,7 +6,7 @@ from rankdrop.proof.arm import Interval, Matrix, cross, dot, flint
 from rankdrop.proof.record import SCREW, SLIDE, Link
 
 
-def carried(links: list[Link], q: list[Interval]) -> tuple[Matrix, Matrix]:
+def tip_motion(links: list[Link], q: list[Interval]) -> tuple[Matrix, Matrix]:
     """(3, 3) rotation R and (3, 1) shift p of the motion of the last link from q = 0: a point x goes to R x + p.
 
     R is a product of exact rotations, whatever the doubles of the certificate are.

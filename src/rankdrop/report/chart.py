@@ -130,7 +130,7 @@ class Chart:
             if text:
                 return f'<path class="dots {css}" stroke-width="{2 * radius:g}"{style} d="{text}"/>'
             return ""
-        text = "".join(_moves(_thinned(points)) for points in places)
+        text = "".join(_moves(_thin_vertices(points)) for points in places)
         if text:
             return f'<path class="{css or "curve"}"{style} d="{text}"/>'
         return ""
@@ -278,7 +278,7 @@ def _moves(points: Array) -> str:
     return ""
 
 
-def _thinned(points: Array) -> Array:
+def _thin_vertices(points: Array) -> Array:
     """Vertices that the eye does not miss are left out: those on the line between their neighbours."""
     while len(points) > 2:
         a, b, c = points[:-2], points[1:-1], points[2:]

@@ -300,7 +300,7 @@ _GROWS = 1.15  # by how much cells grow until there are few enough triangles
 _LEVELS = 8191  # steps of a coordinate over the size of its mesh: 0.1 mm in a metre
 
 
-def simplified(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
+def simplify_meshes(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
     """The meshes with at most so many triangles together.
 
     Vertices in one cell of a grid become one, their mean; the cells grow until there are few enough triangles. What
@@ -320,14 +320,14 @@ def simplified(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
         cell = 1e-6 * span
     else:
         cell = max(0.5 * np.sqrt(2 * area / most), 1e-6 * span)
-    small = [_clustered(mesh, cell) for mesh in meshes]
+    small = [_merge_vertices(mesh, cell) for mesh in meshes]
     while sum(len(mesh.faces) for mesh in small) > most:
         cell *= _GROWS
-        small = [_clustered(mesh, cell) for mesh in meshes]
+        small = [_merge_vertices(mesh, cell) for mesh in meshes]
     return tuple(mesh for mesh in small if len(mesh.faces))
 
 
-def _clustered(mesh: Mesh, cell: float) -> Mesh:
+def _merge_vertices(mesh: Mesh, cell: float) -> Mesh:
     """Vertices of one cell made one; triangles that have become lines go, and all but one of equal ones."""
     keys = np.floor((mesh.vertices - mesh.vertices.min(axis=0)) / cell).astype(np.int64)
     wide = keys.max(axis=0) + 1

@@ -165,7 +165,7 @@ def _maps(designs: Designs, over: tuple[str, ...]) -> str:
 
 def _map(designs: Designs, numbers: Array, x: Array, y: Array, names: tuple[str, str]) -> str:
     there = np.flatnonzero(np.isfinite(numbers) & np.isfinite(y))[:_DRAWN]
-    ends = (_padded(x[there]), _padded(y[there]))
+    ends = (_padded_range(x[there]), _padded_range(y[there]))
     chart = Chart(*ends, names=names, ticks=(plain_ticks(*ends[0]), plain_ticks(*ends[1])))
     low, high = float(numbers[there].min()), float(numbers[there].max())
     radius = float(np.clip(260.0 / max(len(there), 1) ** 0.5 / 2, 1.5, 14.0))
@@ -183,7 +183,7 @@ def _map(designs: Designs, numbers: Array, x: Array, y: Array, names: tuple[str,
     return f'{chart.svg(f"{names[0]}, {names[1]}", parts)}<p class="small">{scale}</p>'
 
 
-def _padded(values: Array) -> tuple[float, float]:
+def _padded_range(values: Array) -> tuple[float, float]:
     low, high = float(values.min()), float(values.max())
     room = 0.06 * (high - low) or 0.05 * max(abs(high), 1.0)
     return low - room, high + room

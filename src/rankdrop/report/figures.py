@@ -313,10 +313,10 @@ def check_figures(analysis: Analysis, wanted: Sequence[str]) -> None:
 def figures(content: Content, names: Sequence[str], format: str) -> Iterator[tuple[str, bytes]]:
     """(name, file) of each figure, as pdf, png or svg; the same input gives the same file."""
     for name in names:
-        yield name, rendered(figure(content, name), format)
+        yield name, render(figure(content, name), format)
 
 
-def rendered(drawn: Figure, format: str) -> bytes:
+def render(drawn: Figure, format: str) -> bytes:
     """One figure as a file."""
     import matplotlib
 
@@ -434,7 +434,7 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
         draw_arrow(axes, arrow.start, arrow.end - arrow.start, tone, size, dotted=arrow.turns)
         bars.append(Bar(arrow.start, arrow.end, _WIDTH * size))
     ends = spread_out(arm, _APART * size)[:, None] + _HALF * size * np.stack([-arm.axes, arm.axes], axis=1)
-    _framed(axes, np.vstack([arm.links, ends.reshape(-1, 3)]), np.array([arrow.end for arrow in lost]), size)
+    _frame_arm(axes, np.vstack([arm.links, ends.reshape(-1, 3)]), np.array([arrow.end for arrow in lost]), size)
     words_apart(axes, marks, bars)
     title = f"{family.id}: {place_name(robot, analysis.task, family)}"
     title += _OUTSIDE.get(standing(analysis, family), "")
@@ -443,7 +443,7 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     return drawn
 
 
-def _framed(axes: Any, points: Array, heads: Array, size: float) -> None:
+def _frame_arm(axes: Any, points: Array, heads: Array, size: float) -> None:
     """A box about the points of the arm, so large that it and the heads of the arrows fill the picture.
 
     Lengths are the same along all axes.

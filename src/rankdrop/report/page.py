@@ -26,7 +26,7 @@ from rankdrop.report.sections import (
     corank_tables,
     exact_section,
     line_section,
-    scrolled,
+    scroll_box,
     slice_section,
     solid_section,
     verification_section,
@@ -53,7 +53,7 @@ def page(content: Content) -> str:
     """The whole page as text. It asks for nothing from anywhere: its own policy forbids it."""
     analysis = content.analysis
     title = f"{analysis.robot.name}: singularities"
-    ideal = f'<section id="ideal"><h2>Ideal arm</h2>{scrolled(html(content.beside), "ideal arm")}</section>'
+    ideal = f'<section id="ideal"><h2>Ideal arm</h2>{scroll_box(html(content.beside), "ideal arm")}</section>'
     sections = (
         _arm(content), _tables(content), exact_section(content), ideal if content.beside else "",
         slice_section(content), solid_section(content), workspace_section(content), line_section(content),

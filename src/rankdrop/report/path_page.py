@@ -169,21 +169,24 @@ def _data(check: PathCheck) -> dict[str, Any]:
     x = position if time is None else time
     at, family, series = _series(check)
     tool = check.tool
+    poses = None
+    if tool is not None:
+        poses = _list_values(np.interp(position - 1.0, np.arange(len(tool.place)), tool.place))
     return {
         "robot": robot_data(robot, check.task),
         "view": first_view(robot),
         "generic_rank": generic_rank(robot, check.task),
         "live_tolerance": LIVE,
         "timed": timed,
-        "x": _listed(x),
-        "row": _listed(position),
-        "pose": None if tool is None else _listed(np.interp(position - 1.0, np.arange(len(tool.place)), tool.place)),
-        "q": [_listed(configuration) for configuration in q],
-        "tip": [_listed(point) for point in np.atleast_3d(pose(robot, q))[:, :3, 3]],
-        "at": _listed(at),
+        "x": _list_values(x),
+        "row": _list_values(position),
+        "pose": poses,
+        "q": [_list_values(configuration) for configuration in q],
+        "tip": [_list_values(point) for point in np.atleast_3d(pose(robot, q))[:, :3, 3]],
+        "at": _list_values(at),
         "family": family,
         "min_distance": check.options.min_distance,
-        "series": [{"name": name, "unit": unit, "values": _listed(values)} for name, unit, values in series],
+        "series": [{"name": name, "unit": unit, "values": _list_values(values)} for name, unit, values in series],
         "stretches": [
             {
                 "start": _x(stretch.start), "end": _x(stretch.end), "closest": _x(stretch.closest.place),
@@ -227,5 +230,5 @@ def _x(place: Place) -> float:
     return place.time
 
 
-def _listed(values: Array) -> list[float | None]:
+def _list_values(values: Array) -> list[float | None]:
     return [float(f"{x:.{_DIGITS}g}") if np.isfinite(x) else None for x in np.asarray(values).tolist()]

@@ -180,13 +180,13 @@ def _corank(analysis: Analysis, summary: CorankSummary) -> str:
     joints = iter(analysis.robot.variables)
     head = "".join(_heading(column, joints) for column in columns(analysis.robot, summary.corank))
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-    return f"{heading}{complete}{_SWIPE}{scrolled(table, f'families of corank {summary.corank}')}{ends}"
+    return f"{heading}{complete}{_SWIPE}{scroll_box(table, f'families of corank {summary.corank}')}{ends}"
 
 
 _SWIPE = '<p class="swipe small">The table is wider than the screen: swipe it sideways.</p>'
 
 
-def scrolled(table: str, name: str) -> str:
+def scroll_box(table: str, name: str) -> str:
     """A table in a box that scrolls sideways, by the keyboard too."""
     return f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(name)}">{table}</div>'
 
@@ -277,12 +277,12 @@ def _slice_words(content: Content, plane: Slice) -> str:
     robot = content.analysis.robot
     keys = ", ".join(f"{_key(content, trace.family)} {escape(content.labels[trace.family])}" for trace in plane.traces)
     keys = f"{keys}." if keys else ""
-    held = _held(robot, plane.q, plane.joints)
+    held = _held_joints(robot, plane.q, plane.joints)
     filled = "".join(f" The whole slice lies in {name}." for name in plane.filled)
     return f"{keys} Through a point of <b>{plane.family}</b>{': ' + held if held else ''}.{filled}"
 
 
-def _held(robot: Robot, q: Iterable[float], moving: Sequence[int]) -> str:
+def _held_joints(robot: Robot, q: Iterable[float], moving: Sequence[int]) -> str:
     """Values of the joints that stand still: "θ2 = 30°, q3 = 0.2 m"."""
     parts = []
     for number, (joint, name, value) in enumerate(zip(robot.variables, names_of(robot), q, strict=True), start=1):
@@ -303,7 +303,7 @@ def solid_section(content: Content) -> str:
     names = names_of(robot)
     for number, solid in enumerate(content.solids, start=1):
         axes = ", ".join(names[joint - 1] for joint in solid.joints)
-        held = _held(robot, solid.q, solid.joints)
+        held = _held_joints(robot, solid.q, solid.joints)
         curves = count(len(solid.curves), "closed curve" if solid.closed == len(solid.curves) else "curve")
         curves += f", {solid.closed} of them closed" * (solid.closed < len(solid.curves))
         if solid.curves:
@@ -403,7 +403,7 @@ def verification_section(content: Content) -> str:
     return (
         f'<section id="checks"><h2>How this was checked</h2><ul class="checks">{items}</ul>'
         "<p>These are tests on samples, not proofs. A corank that was not found is not thereby shown to be absent.</p>"
-        f"<details><summary>tolerances</summary>{scrolled(f'<table>{tolerances}</table>', 'tolerances')}</details>"
+        f"<details><summary>tolerances</summary>{scroll_box(f'<table>{tolerances}</table>', 'tolerances')}</details>"
         f"<p class='{'good' if content.verdict.holds else 'bad'}'>{escape(content.verdict.sentence)}</p>"
         "</section>"
     )
@@ -436,11 +436,11 @@ def checks(content: Content) -> Iterator[str]:
         else:
             met = f"; the smallest σ found was {last.smallest_near_miss:.4g}"
         yield f"Corank {last.corank}: none found of {last.starts:,} starts{met}. That is no proof of absence."
-    yield from _drawn(content)
+    yield from _draw_content(content)
     yield f"Singular values have no unit: translations are divided by {settings.length_scale:.4g} m."
 
 
-def _drawn(content: Content) -> Iterator[str]:
+def _draw_content(content: Content) -> Iterator[str]:
     traces = flat_map(lambda plane: plane.traces, content.slices)
     curves = sum(map(len, flat_map(lambda trace: (*trace.curves, trace.points), traces)))
     solid = sum(len(solid.vertices) + sum(map(len, solid.curves)) for solid in content.solids)

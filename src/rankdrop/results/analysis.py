@@ -16,7 +16,7 @@ import msgspec
 import numpy as np
 
 from rankdrop.codec import Record as Record
-from rankdrop.codec import Result, check_record, encode, record_of, restored, shown, table_of
+from rankdrop.codec import Result, check_record, encode, record_of, restore, table_of, value_in_error
 from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
 from rankdrop.distance.share import Near, SlowShare
@@ -162,7 +162,7 @@ class Analysis(Result):
         else:
             found = None
         if found != SCHEMA:
-            raise ResultFileError("this is not an analysis that can be read", got=shown(found), allowed=SCHEMA)
+            raise ResultFileError("this is not an analysis that can be read", got=value_in_error(found), allowed=SCHEMA)
         if believe:
             return cls._from_dict(record)
         check_record("analysis", record)
@@ -173,7 +173,7 @@ class Analysis(Result):
 
     @classmethod
     def _from_dict(cls, record: Record) -> Analysis:
-        settings: Settings = restored(Settings, record["settings"])
+        settings: Settings = restore(Settings, record["settings"])
         robot = at("$.robot", lambda: robot_from_dict(record["robot"]))
         task = at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale))
         families = tuple(
@@ -257,13 +257,13 @@ def robot_from_dict(record: Record) -> Robot:
     chain = [{key: value for key, value in joint.items() if value is not None} for joint in record["chain"]]
     notes = [{"kind": NoteOn.GIVEN, "text": note} for note in record["notes"]]
     fields = {"joints": chain, "task": record["made_for"], "lengths": lengths, "notes": notes}
-    robot: Robot = restored(Robot, record | fields)
+    robot: Robot = restore(Robot, record | fields)
     return robot
 
 
 def task_from_dict(record: Record, length_scale: float) -> Task:
     """The task of a record made by `robot_to_dict`; its length scale [m] stands among the settings."""
-    task: Task = restored(Task, {**record, "name": record["task"], "length_scale": length_scale})
+    task: Task = restore(Task, {**record, "name": record["task"], "length_scale": length_scale})
     return task
 
 
@@ -274,7 +274,7 @@ def _check(record: Record, agree: str) -> Record:
 def corank_from_dict(record: Record) -> CorankSummary:
     """The summary of a record made by `SUMMARY`."""
     entries = record | {"completeness": _check(record["completeness"], "explained")}
-    given = {name: restored(kind, entries[name]) for name, kind in _summary_types().items() if name != "unseen"}
+    given = {name: restore(kind, entries[name]) for name, kind in _summary_types().items() if name != "unseen"}
     unseen = record["unseen"]
     estimate, upper = float(unseen["estimate"]), float(unseen["upper"])
     return CorankSummary(**given, unseen=unseen_of_sentence(unseen["how"], estimate, upper))
@@ -304,7 +304,7 @@ def family_from_dict(record: Record, robot: Robot, task: Task) -> Family:
     """
     checks = {name: _check(record[name], agree) for name, agree in (("soundness", "singular"), ("explained",) * 2)}
     kinds, own = _family_types(), record.keys() - {"called", "equations", "evidence", "exact"}
-    given = {name: restored(kind, (record | checks)[name]) for name, kind in kinds.items() if name in own}
+    given = {name: restore(kind, (record | checks)[name]) for name, kind in kinds.items() if name in own}
     if "lost_freedoms" not in own:
         given["lost_freedoms"] = freedoms_of_sentences(
             record["lost_words"], robot, task, record["corank"], record["witness"]
@@ -330,12 +330,12 @@ def _part(record: Record, entry: str, kind: type[Any]) -> Any:
     """An entry that is absent where it was not computed."""
     if entry not in record:
         return None
-    return at(f"$.{entry}", lambda: restored(kind, record[entry]))
+    return at(f"$.{entry}", lambda: restore(kind, record[entry]))
 
 
 def _aspects(record: Record) -> AspectSummary | None:
     """The entry `aspects`; None where the record has none."""
     if "aspects" not in record:
         return None
-    aspects: AspectSummary = restored(AspectSummary, record["aspects"])
+    aspects: AspectSummary = restore(AspectSummary, record["aspects"])
     return aspects

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, get_type_hints
 
-from rankdrop.codec import Record, restored
+from rankdrop.codec import Record, restore
 from rankdrop.families.contradiction import Contradiction
 from rankdrop.families.not_derived import NotDerived
 from rankdrop.families.record import Derivation
@@ -27,7 +27,7 @@ def derivation_from_dict(record: Record) -> Derivation:
     """
     return Derivation(
         **_fields(_ENTRIES, record),
-        reason=_reason(restored(str, record.get("reason", ""))),
+        reason=_reason(restore(str, record.get("reason", ""))),
         disagreements=_contradictions(record),
     )
 
@@ -42,7 +42,7 @@ def _reason(sentence: str) -> NotDerived | None:
 
 
 def _fields(kinds: Mapping[str, Any], record: Record) -> dict[str, Any]:
-    return {name: restored(kind, record[name]) for name, kind in kinds.items() if name in record}
+    return {name: restore(kind, record[name]) for name, kind in kinds.items() if name in record}
 
 
 def _contradictions(record: Record) -> tuple[Contradiction, ...]:

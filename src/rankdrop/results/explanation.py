@@ -17,7 +17,7 @@ from typing import ClassVar
 import numpy as np
 
 from rankdrop.codec import Result
-from rankdrop.configuration import Cause, Configuration, Rank, at
+from rankdrop.configuration import Cause, Configuration, Rank, configuration_at
 from rankdrop.cover.ball import LARGEST, Certificate, certified_radius
 from rankdrop.distance.distance import FamilyDistance, family_distances
 from rankdrop.errors import OptionError
@@ -58,7 +58,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, words_of
 from rankdrop.task import BASE, TIP, Task, six_rows
 from rankdrop.tolerances import ENTRY, NEAR, SMALL
-from rankdrop.units import counted, counted_length
+from rankdrop.units import counted_as_radian, counted_length
 
 _AS_GOOD = 1e-4  # what a radius may stay below the distance of the singularity that was found, as a share of it
 AT_LIMIT = 1e-3
@@ -136,7 +136,7 @@ def _never_possible(here: Configuration) -> Array:
         return np.zeros((0, 6))
     away = here.q + np.random.default_rng(0).uniform(-1e-3, 1e-3, robot.n) * bool(here.measured.corank)
     rows = six_rows(decompose(robot, away, task).u[:, here.generic :].T, task)
-    rows[:, :3] *= counted(robot) / task.scale(robot)
+    rows[:, :3] *= counted_as_radian(robot) / task.scale(robot)
     return readable_basis(rows.T).T
 
 
@@ -368,7 +368,9 @@ class Explanation(Result):
         if there is None or (own is not None and there.distance >= own.distance):
             return None
         families, source = known_families(model, task, None, here.tolerances)
-        other = replace(self, here=at(model, here.q, task, here.tolerances), families=families, source=source)
+        other = replace(
+            self, here=configuration_at(model, here.q, task, here.tolerances), families=families, source=source
+        )
         place = np.array(there.q)
         return other.incidences_at(place, there.corank)[0].family, there.distance, near, place
 

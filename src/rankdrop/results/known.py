@@ -36,7 +36,7 @@ from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task
 from rankdrop.tolerances import Tolerances
-from rankdrop.units import in_metres, metre_exponent, shifted
+from rankdrop.units import in_metres, metre_exponent, shift_decimal
 from rankdrop.version import VERSION
 
 if TYPE_CHECKING:
@@ -203,7 +203,7 @@ def _known_name(robot: Robot, task: Task, *, any_tip: bool) -> str | None:
 
 def _out_of_metres(analysis: Analysis, robot: Robot) -> Analysis:
     power = metre_exponent(robot)
-    length = shifted(analysis.settings.length_scale, power)
+    length = shift_decimal(analysis.settings.length_scale, power)
     return replace(
         analysis, robot=robot, families=tuple(family_from_metres(family, robot, power) for family in analysis.families),
         task=replace(analysis.task, length_scale=length), settings=replace(analysis.settings, length_scale=length),

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, get_type_hints
 
-from rankdrop.codec import Record, restored
+from rankdrop.codec import Record, restore
 from rankdrop.families.name import Detail, FamilyName, LowRank, Shorter
 from rankdrop.local.dependence import Dependence
 from rankdrop.results.old_files import name_of_words
@@ -39,17 +39,17 @@ def name_from_dict(record: Record) -> FamilyName:
         >>> str(name_from_dict({"parts": ["wrist"], "relations": [{"geometry": "on one line", "joints": [[4, 6]]}]}))
         'wrist: axes 4 and 6 aligned'
     """
-    relations = restored(tuple[Detail, ...], record.get("relations", ()))
-    dependent = restored(tuple[Dependence, ...], record.get("dependent", ()))
+    relations = restore(tuple[Detail, ...], record.get("relations", ()))
+    dependent = restore(tuple[Dependence, ...], record.get("dependent", ()))
     details: tuple[Detail | Dependence | LowRank, ...] = (
         *(replace(one, joints=tuple(map(_before, one.joints))) for one in relations),
         *(replace(one, joints=_before(one.joints), slides=_before(one.slides)) for one in dependent),
-        *restored(tuple[LowRank, ...], record.get("low_rank", ())),
+        *restore(tuple[LowRank, ...], record.get("low_rank", ())),
     )
     shorter = Shorter.NOTHING
     for word in record.get("shorter", ()):
         shorter |= Shorter[word.upper()]
-    fields = {name: restored(kind, record[name]) for name, kind in _KINDS.items() if name in record}
+    fields = {name: restore(kind, record[name]) for name, kind in _KINDS.items() if name in record}
     return FamilyName(**fields, details=details, shorter=shorter)
 
 

@@ -21,7 +21,7 @@ from itertools import takewhile
 
 import numpy as np
 
-from rankdrop.codec import Record, restored
+from rankdrop.codec import Record, restore
 from rankdrop.errors import ResultFileError
 from rankdrop.families.lost import LostFreedom, freedoms_of
 from rankdrop.families.name import ArmPart, FamilyName
@@ -110,10 +110,10 @@ def exact_from_dict(record: Record) -> ExactConditions:
         ResultFileError: another number of LaTeX texts than of conditions.
         ValueError: an entry is missing, or is something else.
     """
-    texts: tuple[str, ...] = restored(tuple[str, ...], record["conditions"])
-    latex: tuple[str, ...] = restored(tuple[str, ...], record["latex"])
-    pinned: tuple[Pin, ...] = restored(tuple[Pin, ...], record["pinned"])
-    return written_conditions(pinned, texts, latex, expressions_of_sentence(restored(str, record["reality"])))
+    texts: tuple[str, ...] = restore(tuple[str, ...], record["conditions"])
+    latex: tuple[str, ...] = restore(tuple[str, ...], record["latex"])
+    pinned: tuple[Pin, ...] = restore(tuple[Pin, ...], record["pinned"])
+    return written_conditions(pinned, texts, latex, expressions_of_sentence(restore(str, record["reality"])))
 
 
 def expressions_of_sentence(sentence: str) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ import numpy as np
 from rankdrop.algebra.polynomial import Polynomial, flint
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.roots import root_values, with_inner
-from rankdrop.codec import Record, plain, restored
+from rankdrop.codec import Record, plain, restore
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import ring_of
 from rankdrop.exact.family import EVIDENCE, Assumption, UnrealSet, pins_in_q, slides_at_zero
@@ -133,11 +133,11 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         shifts=tuple(record["shifts"]),
         remarks=_remarks(record),
         method=record["method"],
-        reason=restored(MethodReason, record["why"]),
-        steps=restored(tuple[Step, ...], record["steps"]),
+        reason=restore(MethodReason, record["why"]),
+        steps=restore(tuple[Step, ...], record["steps"]),
         families=tuple(_family(stored, ring, record, root_values(roots), robot, task) for stored in record["families"]),
         lowest=record["lowest"],
-        assumptions=restored(tuple[Assumption, ...], record["assumptions"]),
+        assumptions=restore(tuple[Assumption, ...], record["assumptions"]),
         not_real=tuple(map(_unreal, record["unreal"])),
         explained=Check(record["explained"]["tested"], record["explained"]["explained"]),
         disagreements=_contradictions(record),
@@ -145,7 +145,7 @@ def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Condition
         interrupted=record["interrupted"],
         left=(),  # of a complete derivation
         seconds=0.0,
-        settings=restored(ConditionsOptions, record["settings"]),
+        settings=restore(ConditionsOptions, record["settings"]),
         anew=anew,
     )
 
@@ -168,7 +168,7 @@ def _contradictions(record: Record) -> tuple[Contradiction, ...]:
 def _remarks(record: Record) -> tuple[DerivationRemark, ...]:
     """The remarks of a stored derivation; up to version 0.2 they were sentences."""
     if "noted" in record:
-        remarks: tuple[DerivationRemark, ...] = restored(tuple[DerivationRemark, ...], record["noted"])
+        remarks: tuple[DerivationRemark, ...] = restore(tuple[DerivationRemark, ...], record["noted"])
         return remarks
     return remarks_of_sentences(record["remarks"])
 
@@ -176,13 +176,13 @@ def _remarks(record: Record) -> tuple[DerivationRemark, ...]:
 def _unreal(record: Record) -> UnrealSet:
     """A set without a known real point; what excludes one is a sentence of the file."""
     facts = {name: value for name, value in record.items() if name != "proof"}
-    found: UnrealSet = restored(UnrealSet, facts | {"negative": negative_of_sentence(record["proof"])})
+    found: UnrealSet = restore(UnrealSet, facts | {"negative": negative_of_sentence(record["proof"])})
     return found
 
 
 def _freedoms(record: Record, robot: Robot, task: Task) -> tuple[LostFreedom, ...]:
     if "lost_freedoms" in record:
-        freedoms: tuple[LostFreedom, ...] = restored(tuple[LostFreedom, ...], record["lost_freedoms"])
+        freedoms: tuple[LostFreedom, ...] = restore(tuple[LostFreedom, ...], record["lost_freedoms"])
         return freedoms
     return freedoms_of_sentences(record["lost_words"], robot, task, record["corank"], record["witness"])
 
@@ -199,7 +199,7 @@ def _family(
         pinned=(*pinned, *slides_at_zero(robot, polynomials)),
         stated=(*pins, *polynomials),
         not_negative=expressions_of_sentence(record["reality"]),
-        rank_check=restored(Check, record["rank_check"]),
+        rank_check=restore(Check, record["rank_check"]),
         numbers={**whole["letters"], **roots},
         shifts=shifts,
         written=tuple(map(WrittenCondition, record["conditions"], record["latex"])),

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import MissingExtraError, RankdropError, RobotError
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.files import Element, read_text, read_xml
 from rankdrop.robot.mesh_file import GREY, MOST_FACES, MOST_VERTICES, Part, check_count, read_meshes
 from rankdrop.robot.model import Array, Robot
@@ -223,7 +223,7 @@ def _package(name: str, file: Path, packages: dict[str, Path], where: str) -> Pa
     if folder is None:
         raise RobotError(
             "a package is not found", where=where, got=repr(name), allowed=f"a package of this name {PLACES}",
-            mend=advised("package", f"{name}=FOLDER", python=f"packages={{{name!r}: FOLDER}}"),
+            mend=advise("package", f"{name}=FOLDER", python=f"packages={{{name!r}: FOLDER}}"),
         )
     packages[name] = folder
     return folder

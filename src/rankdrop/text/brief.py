@@ -15,7 +15,7 @@ from rankdrop.families.name import ArmPart
 from rankdrop.families.parts import FamilyParts
 from rankdrop.families.record import Family, Pin, SpeedDistance, exact_of
 from rankdrop.formula.equation import pretty_angle
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.results.names import name_of
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count, degrees_text
@@ -198,7 +198,7 @@ def compared_sentence(names: Sequence[str], task: str, best: Mapping[str, Sequen
 def compared_arms(names: Sequence[str], records: Sequence[Mapping[str, Any]]) -> Section:
     """Each of several arms in a line: its families by corank, or what could not be measured."""
     lines = tuple(f"{name}: {_measured_arm_words(record)}" for name, record in zip(names, records, strict=True))
-    more = f"every family with its share, and how it was verified: {advised('full')}"
+    more = f"every family with its share, and how it was verified: {advise('full')}"
     return Section("Families", lines=lines, notes=(more,))
 
 
@@ -242,7 +242,7 @@ def assumed_line(conditions: Any) -> str:
 
 def more_line(seconds: float | None = None) -> str:
     """How to print the long form, and the time that the work took [s]; None where the result comes with rankdrop."""
-    more = f"All conditions, lost motions and tests: {advised('full', python='print(result)')}."
+    more = f"All conditions, lost motions and tests: {advise('full', python='print(result)')}."
     if seconds is None:
         return f"{more} {shipped_line()}"
     return f"{more} Time taken: {seconds:.1f} s."

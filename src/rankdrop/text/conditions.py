@@ -14,7 +14,7 @@ from rankdrop.families.record import ExactConditions, Family, exact_of
 from rankdrop.formula.equation import pretty_angle
 from rankdrop.formula.mathml import typeset
 from rankdrop.lists import flat_map
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Formula, Section, html
@@ -143,7 +143,11 @@ def _determinants(conditions: Any) -> Iterator[Section]:
         else:
             title = "Minors"
         folded = any(step.whole for step in conditions.steps) or minors.tells_sizes()
-        notes = (f"the whole of it: {advised('steps-out', 'FILE', python='steps_text(conditions)')}",) if folded else ()
+        notes = (
+            (f"the whole of it: {advise('steps-out', 'FILE', python='steps_text(conditions)')}",)
+            if folded
+            else ()
+        )
         yield Section(title, "", tuple(minors.lines()), notes=notes)
 
 
@@ -303,7 +307,7 @@ def condition_lines(family: Family) -> list[str]:
         parts = []
     for text, condition in zip(exact.conditions[len(pins) :], exact.polynomials, strict=True):
         on = ", ".join(f"{'θ' if j in condition.ring.revolute else 'q'}{j}" for j in condition.joints)
-        whole = f"whole with {advised('latex', python='latex()')}, {advised('json', python='to_dict()')}"
+        whole = f"whole with {advise('latex', python='latex()')}, {advise('json', python='to_dict()')}"
         parts.append(text if len(text) <= _LONGEST else f"a condition on {on}, {len(text):,} characters long ({whole})")
     line = "; ".join(parts)
     return [Formula(part) for part in ([line] if len(line) <= _TOGETHER else parts)]
@@ -336,13 +340,13 @@ def _underived_lines(texts: Sequence[str], *, special: bool) -> Iterator[str]:
     if special:
         more = ""
     else:
-        more = f" ({advised('special')} derives arms with other lengths)"
+        more = f" ({advise('special')} derives arms with other lengths)"
     short = sorted((text for text in texts if not _DIGITS.search(text)), key=len)[:_UNDERIVED]
     number = len(texts) - len(short)
     yield f"true here; what happens otherwise was not derived{more}:"
     yield from (Formula(f"    {text}") for text in short)
     if number:
-        every = advised("json", python="to_dict()")
+        every = advise("json", python="to_dict()")
         yield f"    and {number} more polynomials in the lengths (all of them: {every})"
 
 
@@ -461,7 +465,7 @@ def _tested_lines(conditions: Any) -> Iterator[str]:
 def _unfinished_sections(conditions: Any) -> Iterator[Section]:
     if conditions.left:
         limit = f"the limit is the work of {conditions.settings.seconds:g} s, counted in steps"
-        longer = advised("time-limit", "…", python="seconds=…")
+        longer = advise("time-limit", "…", python="seconds=…")
         if conditions.limited:
             more = f"; {limit}, and a longer {longer} may finish it"
         else:
@@ -476,11 +480,11 @@ def _number(value: float) -> str:
 
 def shipped_line() -> str:
     """What is printed in place of the time that a derivation took."""
-    return f"As shipped with rankdrop {VERSION}; {advised('fresh')} derives it anew."
+    return f"As shipped with rankdrop {VERSION}; {advise('fresh')} derives it anew."
 
 
 def _all_digits() -> str:
-    return f"decimals are shown with six digits; {advised('json', python='to_dict()')} has all of them"
+    return f"decimals are shown with six digits; {advise('json', python='to_dict()')} has all of them"
 
 
 def sections_of(conditions: Any) -> tuple[Section, ...]:

@@ -11,7 +11,7 @@ from math import degrees, inf
 from typing import Any
 
 from rankdrop.distance.share import NearShare
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.results.aspect_summary import POSES, AspectSummary
 from rankdrop.robot.numbers import reach
 from rankdrop.robot.quantities import count
@@ -160,7 +160,7 @@ def _ranking(designs: Any, every: bool) -> Iterator[Section]:
     summary = f"{len(chosen):,} of {len(designs.records):,}{_wants(designs)}"
     after: tuple[str, ...] = ()
     if len(chosen) > most:
-        after = (f"and {len(chosen) - most:,} more: {advised('all', python='sections(every=True)')}",)
+        after = (f"and {len(chosen) - most:,} more: {advise('all', python='sections(every=True)')}",)
     notes = tuple(f"{name}: {MEANINGS[name]}{error_text(designs.records, name)}" for name in names)
     yield Section(title, summary,
                   columns=("variant", *(parameter.name for parameter in designs.parameters), *names), rows=rows,

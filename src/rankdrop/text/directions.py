@@ -24,7 +24,7 @@ from rankdrop.local.directions import (
 )
 from rankdrop.robot.model import Array
 from rankdrop.task import BASE, TIP, Frame
-from rankdrop.units import shifted
+from rankdrop.units import shift_decimal
 
 _LABELS = {
     False: ("vx", "vy", "vz", "m·ωx", "m·ωy", "m·ωz"),
@@ -142,7 +142,7 @@ def frame_name(frame: Frame, power: int = 0) -> str:
         return axes
     if frame.origin == frame.axes and not any(frame.point):
         return f"{axes} at its origin"
-    given = [shifted(x, power) for x in frame.point]
+    given = [shift_decimal(x, power) for x in frame.point]
     if not any(frame.point):
         where = "the origin"
     else:

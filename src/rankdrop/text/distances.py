@@ -7,7 +7,7 @@ from functools import partial
 
 from rankdrop.distance.distance import FamilyDistance
 from rankdrop.local.nearest import Nearest
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.results.explanation import Explanation
 from rankdrop.sections import Section
 from rankdrop.text.special import family_title
@@ -74,7 +74,7 @@ def nearest_sections(explanation: Explanation, full: bool) -> Iterator[Section]:
     rows = tuple((angle(one.distance), f"{title(one.family)} (corank {one.family.corank})") for one in far.families)
     if lines or rows:
         columns = ("distance", "family") if rows else ()
-        more = MORE_NEAREST.format(advised("full"))
+        more = MORE_NEAREST.format(advise("full"))
         yield Section(_how_far(explanation), "", tuple(lines), columns, rows, (0, 1), notes=(more,))
 
 

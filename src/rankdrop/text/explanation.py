@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.configuration import Cause, at
+from rankdrop.configuration import Cause, configuration_at
 from rankdrop.families.record import Incidence
 from rankdrop.kinematics import pose
 from rankdrop.lists import flat_map
 from rankdrop.local.ellipsoids import PartSet
 from rankdrop.local.pointing import pointing_task, tool_stays_level, turn_follows
 from rankdrop.local.rates import DirectionRates
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.results.explained import Blame
 from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array, Robot
@@ -77,7 +77,7 @@ def sections_of(explanation: Explanation, *, full: bool = False, parts: Sequence
 def _summary(explanation: Explanation, full: bool) -> Iterator[Section]:
     hint = degrees_hint(explanation.q, explanation.robot)
     if hint is not None:
-        yield Section("Degrees?", "", (f"{hint}; {advised('deg', python='np.radians(q)')} reads them as degrees",))
+        yield Section("Degrees?", "", (f"{hint}; {advise('deg', python='np.radians(q)')} reads them as degrees",))
     first, *lines = summary_lines(explanation)
     what = (*_never_lines(explanation), *_warnings(explanation, full))
     yield Section(first, "", (*lines, *what), tone=TONE[explanation.verdict])
@@ -94,12 +94,12 @@ def _never_lines(explanation: Explanation) -> Iterator[str]:
         return
     other = pointing_task(robot, task)
     if other is not None:
-        here = at(robot, explanation.q, other, explanation.here.tolerances).measured
+        here = configuration_at(robot, explanation.q, other, explanation.here.tolerances).measured
         if here.corank:
             verdict = "singular"
         else:
             verdict = "regular"
-        asked = advised("task", other.name)
+        asked = advise("task", other.name)
         words = POINTING_HERE.format(task=asked, verdict=verdict, rank=here.rank, r=here.generic_rank)
         yield f"{NEVER_TURNS.format(robot.n)}. {words}."
     elif len(explanation.lost.never) and explanation.cause != Cause.NEVER:
@@ -469,7 +469,7 @@ def _more(_: Explanation, full: bool) -> Iterator[Section]:
     """What else there is, where it is not printed."""
     if not full:
         there = "joint rates, failures, σ and angles, circuits, redundancy, …"
-        yield Section("", "", notes=(f"more with {advised('full')}: {there}",))
+        yield Section("", "", notes=(f"more with {advise('full')}: {there}",))
 
 
 PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {

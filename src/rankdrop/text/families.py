@@ -25,7 +25,7 @@ from rankdrop.distance.distance import nearest_turns
 from rankdrop.distance.share import Near, NearShare, SlowShare
 from rankdrop.families.record import Check, CorankSummary, Derivation, Family, Pin
 from rankdrop.formula.equation import Equation, pretty_angle, share_of_pi
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.model import Robot, joints_beyond_limits
 from rankdrop.robot.quantities import count, degrees_text
 from rankdrop.sections import Section
@@ -226,7 +226,7 @@ def condition_text(equation: Equation) -> str:
     """One condition for reading; a very long one is only counted."""
     if len(equation.terms) <= _MOST_TERMS:
         return f"{equation.pretty()} = 0"
-    joints, every = ", ".join(map(str, equation.joints)), advised("json", python="to_dict()")
+    joints, every = ", ".join(map(str, equation.joints)), advise("json", python="to_dict()")
     return f"fitted: {len(equation.terms)} terms on joints {joints} (all of them: {every})"
 
 
@@ -399,7 +399,7 @@ def hidden_rows_words(robot: Robot, rows: Sequence[Family]) -> str:
         sound = f"{unsound:,} of them failed their test"
     else:
         sound = "all passed their test"
-    every = advised("all", python="to_dict()")
+    every = advise("all", python="to_dict()")
     return f"and {len(rows):,} more rows, {sound}: {'; '.join(parts)}. All of them: {every}."
 
 
@@ -466,7 +466,7 @@ def _exact_lines(row: Family) -> list[str]:
 
 def readable(text: str) -> str:
     """A condition for reading; a very long one is only counted."""
-    whole = f"whole with {advised('json', python='to_dict()')}"
+    whole = f"whole with {advise('json', python='to_dict()')}"
     if len(text) <= _LONGEST:
         return text
     return f"a condition of {len(text):,} characters ({whole})"

@@ -10,7 +10,7 @@ import numpy as np
 
 from rankdrop.local.orientation import orientation_coordinates, rotation_vector
 from rankdrop.local.pointing import fitting_task
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.sections import Section
@@ -201,7 +201,7 @@ def _other_task(found: Any) -> str:
     other = fitting_task(found.robot, found.task)
     if other is None:
         return ""
-    return f". {advised('task', other.name)} leaves free what they cannot do"
+    return f". {advise('task', other.name)} leaves free what they cannot do"
 
 
 def _length(value: float, robot: Robot) -> str:

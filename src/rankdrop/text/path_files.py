@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.model import Array
 
 COLUMNS = {
@@ -59,7 +59,7 @@ def reading_remarks(name: str, hint: str | None, notes: Sequence[str], unused: S
 
 def degrees_advice(hint: str) -> str:
     """A hint that angles look like degrees, with what reads them so."""
-    return f"{hint}; {advised('deg')} reads them as degrees"
+    return f"{hint}; {advise('deg')} reads them as degrees"
 
 
 DECIMAL_COMMAS = "decimals have commas: 0,5 is read as 0.5"

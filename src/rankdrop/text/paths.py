@@ -14,7 +14,7 @@ import numpy as np
 
 from rankdrop.local.block import generic_rank
 from rankdrop.local.pointing import pointing_task, tool_stays_level, turn_follows
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.text.places import row_words, turn_far_words, when
@@ -80,7 +80,7 @@ def evidence_words(stretch: Any, check: Any) -> str:
 
 def _remedies() -> str:
     """What computes changes of a path."""
-    return advised("remedies", python="rankdrop.path.mend_path")
+    return advise("remedies", python="rankdrop.path.mend_path")
 
 
 def branch_chosen(tool: Any) -> str:
@@ -346,7 +346,7 @@ def _never_lines(check: Any) -> Iterator[str]:
     elif tool_stays_level(check.robot, check.task):
         yield f"{NEVER_TILTS}."
     elif pointing_task(check.robot, check.task) is not None:
-        yield f"{NEVER_TURNS.format(check.robot.n)}. {advised('task', 'tool-axis-free')} checks position and tool axis."
+        yield f"{NEVER_TURNS.format(check.robot.n)}. {advise('task', 'tool-axis-free')} checks position and tool axis."
 
 
 def _branches_words(check: Any) -> str:
@@ -403,7 +403,7 @@ def _branches_section(check: Any, *, deg: bool) -> Section:
         else:
             taken = str(number)
         rows.append((taken, _branch_verdict(branch, robot), ", ".join(branch.posture) or "–", *values))
-    other = f"by the configuration at pose 1, those first that people use; {advised('start', '…')} takes another"
+    other = f"by the configuration at pose 1, those first that people use; {advise('start', '…')} takes another"
     return Section("Branches", other,
                    columns=("", "verdict", "posture", *heads), rows=tuple(rows), texts=(0, 1, 2))  # fmt: skip
 
@@ -429,29 +429,29 @@ def _advice(check: Any) -> str:
         if advice is not None:
             return advice
     if check.verdict == "undecided":
-        return f"a larger {advised('evaluations', '…')} may decide it"
+        return f"a larger {advise('evaluations', '…')} may decide it"
     if check.verdict == "crossing" and check.tool is None:
         return f"{_joint_move(check)}; {_remedies()} computes changes for a tool move"
-    return f"{_remedies()} computes changes that avoid it; {advised('full')} prints every stretch"
+    return f"{_remedies()} computes changes that avoid it; {advise('full')} prints every stretch"
 
 
 def _tool_advice(check: Any) -> str | None:
     """What to do about a move of the tool: ask for less, turn first, take another branch, allow a wider tube."""
     tool = check.tool
     if not tool.complete and turn_follows(check.robot, check.task):
-        axis, place = advised("task", "tool-axis-free"), advised("task", "position")
-        far = advised("pose", "…", python="rankdrop.inverse(arm, pose)")
+        axis, place = advise("task", "tool-axis-free"), advise("task", "position")
+        far = advise("pose", "…", python="rankdrop.inverse(arm, pose)")
         return (f"{check.robot.n} joints reach few poses: {axis} or {place} leave free what they cannot do; "
                 f"explain with {far} says how far a pose is out of reach")  # fmt: skip
     if tool.turn is not None and tool.turn.place == 1.0:
-        return f"make the turn first, then check the path again with {advised('start', '…')} at its end"
+        return f"make the turn first, then check the path again with {advise('start', '…')} at its end"
     number = _better_branch(tool.branches)
     if number is not None:
         start = ",".join(f"{x:.6g}" for x in tool.branches[number - 1].start.tolist())
-        taken = advised("start", f'"{start}"', python=f"start=[{start}]")
+        taken = advise("start", f'"{start}"', python=f"start=[{start}]")
         return f"branch {number} is free to the end: {taken} (rad)"
     if check.verdict == "undecided" and not tool.complete:
-        tip, turn = advised("tip-tolerance", "…"), advised("turn-tolerance", "…")
+        tip, turn = advise("tip-tolerance", "…"), advise("turn-tolerance", "…")
         return f"a larger {tip} and {turn} need fewer rows; or begin another file at that pose"
     return None
 
@@ -568,7 +568,7 @@ def _met_lines(check: Any, *, deg: bool, full: bool) -> list[str]:
         more = f"and {len(met) - LISTED} more; "
     else:
         more = ""
-    return [*lines, f"{more}{advised('full')} describes each of them"]
+    return [*lines, f"{more}{advise('full')} describes each of them"]
 
 
 def crossing_lines(stretch: Any, check: Any, *, deg: bool, full: bool) -> Iterable[str]:

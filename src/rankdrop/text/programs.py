@@ -7,7 +7,7 @@ from math import degrees, isfinite
 from typing import Any
 
 from rankdrop.lists import flat_map
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.text.paths import (
@@ -195,7 +195,7 @@ def _read_lines(check: Any) -> Iterator[str]:
     tools = [skipped.line for skipped in program.skipped if skipped.reason == "tool frame"]
     if tools:
         yield (f"Tool: the tool frames of {_lines_words(tools)} are not evaluated. Poses are read as those of the "
-               f"arm's tip; {advised('tcp', '…', python='the tip of the robot')} sets the tool point.")  # fmt: skip
+               f"arm's tip; {advise('tcp', '…', python='the tip of the robot')} sets the tool point.")  # fmt: skip
     if check.raised and any(move.target.pose is not None for move in moves):
         size = 1e3 / counted_length(check.robot)
         yield f"Base frame: at the height of axis 2, {short(size * check.raised, 4)} mm above the base of the arm."
@@ -223,7 +223,7 @@ def _begin_lines(check: Any) -> Iterator[str]:
             continue
         posed = f"Start: line {part.moves[0].line} is a pose."
         if part.begins == "posture":
-            yield f"{posed} The posture that people use is taken; {advised('start', '…')} takes another."
+            yield f"{posed} The posture that people use is taken; {advise('start', '…')} takes another."
         else:
             yield f"{posed} The solution nearest to the configuration before it is taken."
 
@@ -292,7 +292,7 @@ def sections(check: Any, *, full: bool, remedies: Sequence[Any] = ()) -> tuple[S
     found = [Section(first, lines=tuple(others), tone=tone)]
     if remedies:
         words = [f"line {remedy.move.line}: {remedy_words(remedy, check.robot)}" for remedy in remedies]
-        more = [] if full or len(words) <= _LISTED else [f"{advised('full')} prints all {len(words)}"]
+        more = [] if full or len(words) <= _LISTED else [f"{advise('full')} prints all {len(words)}"]
         found.append(Section("Remedies, computed on the literal targets; programs are not written",
                              lines=tuple(words if full else words[:_LISTED]), notes=tuple(more)))  # fmt: skip
     lines = []
@@ -316,7 +316,7 @@ def _moves_section(check: Any, *, full: bool) -> Section:
         shown = [move for move in moves if move.verdict not in (None, "free")][:_LISTED]
     notes = []
     if len(shown) < len(moves):
-        notes = [f"{len(moves) - len(shown)} more moves; {advised('full')} prints all"]
+        notes = [f"{len(moves) - len(shown)} more moves; {advise('full')} prints all"]
     return Section(
         "Moves", columns=("line", "kind", "verdict", "nearest singularity", "largest turn", "time [s]", "text"),
         rows=tuple(_move_row(move) for move in shown), texts=(1, 2, 6), notes=tuple(notes),
@@ -347,7 +347,7 @@ def _skipped_section(check: Any, *, full: bool) -> Section:
         lines.append(f"{_lines_words([skipped.line for skipped in part])}: {_REASONS[key]}")
         if full:
             lines += [f"    {skipped.line}: {skipped.text}" for skipped in part]
-    return Section("Not read", lines=tuple(lines), notes=() if full else (f"{advised('full')} prints these lines",))
+    return Section("Not read", lines=tuple(lines), notes=() if full else (f"{advise('full')} prints these lines",))
 
 
 def remedy_words(remedy: Any, robot: Robot) -> str:

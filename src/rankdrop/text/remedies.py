@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.lists import flat_map
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.text.places import between, turn_far_words, when
@@ -175,13 +175,15 @@ def _detour_note(bound: float, missing: Sequence[Any], many: int) -> str:
 
 def _bound(name: str, bound: float) -> str:
     """A bound of a remedy as it is given."""
-    return advised(name, f"{short(degrees(bound), 3)}deg", python=f"{name}={short(bound, 3)}")
+    return advise(name, f"{short(degrees(bound), 3)}deg", python=f"{name}={short(bound, 3)}")
 
 
 def _wider(name: str, needed: float) -> str:
     """The bound that is large enough, rounded up to a tenth of a degree."""
     tenths = np.ceil(10.0 * degrees(needed) * 1.001)
-    return advised(name, f"{tenths / 10.0:g}deg", python=f"{name}={np.ceil(1e4 * np.radians(tenths / 10)) / 1e4:g}")
+    return advise(
+        name, f"{tenths / 10.0:g}deg", python=f"{name}={np.ceil(1e4 * np.radians(tenths / 10)) / 1e4:g}"
+    )
 
 
 def remedies_sentence(mending: Any) -> str:
@@ -317,7 +319,9 @@ def best_words(mending: Any) -> str:
         return ""
     robot = best.check.robot
     kind = best.kind.replace(" ", "-")
-    options = advised("remedy", f"{kind} {advised('fixed', 'FILE')}", python=f"mend_path(check, kinds=[{best.kind!r}])")
+    options = advise(
+        "remedy", f"{kind} {advise('fixed', 'FILE')}", python=f"mend_path(check, kinds=[{best.kind!r}])"
+    )
     if best.kind == "slow-down":
         where = _slower_words(best.changes)
         return f"{where} keeps the joint limits and is free (proven), the tool on its path. {options} writes it"
@@ -411,5 +415,5 @@ def poses_written(target: str, remedy: Any, made: Any, robot: Robot, *, arm: str
     if not given_start and not made.moved:
         return words
     values = ",".join(f"{x:.9g}" for x in made.start.tolist())
-    start = advised("start", f'"{values}"', python=f"start=[{values}]")
+    start = advise("start", f'"{values}"', python=f"start=[{values}]")
     return f"{words}; its branch: rankdrop path {arm} {target} {start}"

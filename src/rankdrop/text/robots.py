@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import degrees, isfinite, radians
 
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.ideal import AxesHold, Hold, Near
 from rankdrop.robot.model import Robot
 from rankdrop.robot.note import NoteOn, RobotNote
@@ -89,7 +89,7 @@ left out (left, right)"
         value_in_rad=radians(note.value), lower=lower, upper=upper, most=most, in_rad=radians(most),
         joints=count(note.number, "moving joint"), fixed=_fixed(note.fixed), gripper=_gripper(note.gripper),
         made_exact="; ".join(_made_exact(note)), idealised=_idealised(note), within=note.within,
-        as_written=advised("as-written"), text=note.text,
+        as_written=advise("as-written"), text=note.text,
     )  # fmt: skip
 
 
@@ -193,4 +193,4 @@ def near_line(near: Near) -> str:
     if within.angle is not None:
         given.append(f"angle={within.angle:.12g}")
     function = f"rankdrop.robot.ideal.ideal(robot, {', '.join(given)})"
-    return f"{near_text(near)}: see {advised('ideal', within.text, python=function)}"
+    return f"{near_text(near)}: see {advise('ideal', within.text, python=function)}"

@@ -8,7 +8,7 @@ from rankdrop.algebra.halt import Halt, HaltKind
 from rankdrop.algebra.roots import PRIMES
 from rankdrop.families.not_derived import NotDerived, NotDerivedKind
 from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.quantities import count
 
 _HALTS = {
@@ -156,7 +156,7 @@ def _without_points(unfinished: Unfinished) -> str:
     shortest = unfinished.conditions
     if unfinished.number > 1:
         shortest = f"one is {shortest}"
-    advice = f"; {advised('lengths', 'letters')} may avoid this"
+    advice = f"; {advise('lengths', 'letters')} may avoid this"
     if unfinished.letters:
         advice = ""
     return (

@@ -13,7 +13,7 @@ import numpy as np
 
 from rankdrop.configuration import Cause
 from rankdrop.local.slowest import StraightMotion
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.results.explained import Difference, DifferenceKind, Summary
 from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array, Robot
@@ -149,7 +149,7 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
         if summary.lost:
             facts["lost"] = motions_words(summary.lost, shown)
         else:
-            facts["lost"] = f"see {advised('full')}"
+            facts["lost"] = f"see {advise('full')}"
         words = [text.format_map(facts) for text in templates]
         lines = (f"{explanation.robot.name} is {words[0]}.", f"{words[1]}.", f"{words[2]}.", following,
                  f"Verified: {size}{words[3]}.")  # fmt: skip
@@ -184,7 +184,7 @@ def _next_words(explanation: Explanation) -> str:
     if summary.next_searches and explanation.families:
         return f"Next: none found by {summary.next_searches} searches."
     if summary.next_searches:
-        more = f"{advised('analysis', '…')} with a file of analyze finds more"
+        more = f"{advise('analysis', '…')} with a file of analyze finds more"
         return f"Next: none found by {summary.next_searches} searches; {more}."
     return NOT_SEARCHED
 

@@ -17,7 +17,7 @@ from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions, Tolerant
 from rankdrop.local.directions import Screw
 from rankdrop.local.failures import Failures
 from rankdrop.local.ways_out import Escape
-from rankdrop.options import advised
+from rankdrop.options import advise
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import count, degrees_text
 from rankdrop.sections import Section
@@ -216,7 +216,7 @@ def wrench_text(screw: Screw) -> str:
 
 def sweep_next() -> str:
     """Last line of what a sweep begins with."""
-    every, maps = advised("all", python="sections(every=True)"), advised("html", "FILE", python="report.design_page")
+    every, maps = advise("all", python="sections(every=True)"), advise("html", "FILE", python="report.design_page")
     return f"Next: {every} lists every variant, {maps} draws maps of the measures."
 
 

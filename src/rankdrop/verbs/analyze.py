@@ -76,7 +76,7 @@ def derive(
     if exact == "off":
         return None, None
     seconds = SECONDS[exact]
-    derived, reason = _derived(robot, task, exact, seconds, seed=seed, fresh=fresh, progress=progress)
+    derived, reason = _derive(robot, task, exact, seconds, seed=seed, fresh=fresh, progress=progress)
     if derived is None:
         return None, Derivation(NOT_DERIVED, exact, seconds, reason)
     return derived, Derivation(
@@ -84,7 +84,7 @@ def derive(
     )  # fmt: skip
 
 
-def _derived(
+def _derive(
     robot: Robot, task: Task, exact: str, seconds: float, *, seed: int, fresh: bool, progress: Progress | None
 ) -> tuple[Conditions | None, NotDerived | None]:
     """The complete derivation, shipped or made now; else None and why there is none."""
@@ -129,17 +129,17 @@ def _shipped_or_made(
     )  # fmt: skip
 
 
-def _compared(
+def _compare_with_tables(
     derivation: Derivation | None, derived: Conditions | None, rank: int, tables: Sequence[CorankFamilies], *,
     limits: bool,
 ) -> Derivation | None:  # fmt: skip
     """The derivation tested against the tables, where anything was derived."""
     if derivation is None or derived is None:
         return derivation
-    return _tested(derivation, derived, rank, tables, limits=limits)
+    return _test_derivation(derivation, derived, rank, tables, limits=limits)
 
 
-def _tested(
+def _test_derivation(
     derivation: Derivation, derived: Conditions, rank: int, tables: Sequence[CorankFamilies], *, limits: bool
 ) -> Derivation:
     found = list(derived.disagreements)
@@ -232,18 +232,18 @@ def analyze(
         robot, resolved, exact=how.exact, seed=how.seed, fresh=how.fresh,
         progress=lambda label, done, total: report(f"exact: {label}", done, total),
     )  # fmt: skip
-    known = _known(derived, robot)
+    known = _known_families(derived, robot)
     starts = _starts(how, known)
     tables: list[CorankFamilies] = []
     complete = derivation is None or not derivation.interrupted
     if complete:
-        tables, complete = _finished(_tables(*own, rank, known, how, starts, tolerances, report))
-    rows = _listed(robot, resolved, tables)
+        tables, complete = _finish_tables(_tables(*own, rank, known, how, starts, tolerances, report))
+    rows = _list_families(robot, resolved, tables)
     near = None
     if complete:
         problem = Problem(robot, resolved, limits=how.limits)
-        derivation = _compared(derivation, derived, rank, tables, limits=how.limits)
-        near = _near(problem, rows, how, report)
+        derivation = _compare_with_tables(derivation, derived, rank, tables, limits=how.limits)
+        near = _shares_near(problem, rows, how, report)
     else:
         rows = _without_exact(rows)  # nothing is said about the derivation
     speeds, slow, unmade = _speeds(region, rows, how.seed, report, complete=complete)
@@ -269,14 +269,14 @@ def _without_exact(families: Sequence[Family]) -> tuple[Family, ...]:
     return tuple(replace(family, exact=None) for family in families)
 
 
-def _near(problem: Problem, families: Sequence[Family], how: AnalyzeOptions, report: Progress) -> Near | None:
+def _shares_near(problem: Problem, families: Sequence[Family], how: AnalyzeOptions, report: Progress) -> Near | None:
     """Shares of the joint space near the families, where they are asked for."""
     if how.within is None:
         return None
     return near_shares(families, problem, how.within, seed=how.seed, progress=partial(report, "shares"))
 
 
-def _known(derived: Conditions | None, robot: Robot) -> list[Family] | None:
+def _known_families(derived: Conditions | None, robot: Robot) -> list[Family] | None:
     """The derived families in the arm's own unit of length; None where nothing was derived."""
     if derived is None:
         return None
@@ -292,7 +292,7 @@ def _starts(how: AnalyzeOptions, known: Sequence[Family] | None) -> int:
     return TESTED
 
 
-def _finished(tables: Iterator[CorankFamilies]) -> tuple[list[CorankFamilies], bool]:
+def _finish_tables(tables: Iterator[CorankFamilies]) -> tuple[list[CorankFamilies], bool]:
     """The tables of the coranks that were done, and whether Ctrl-C let all of them be done."""
     done: list[CorankFamilies] = []
     try:
@@ -303,7 +303,7 @@ def _finished(tables: Iterator[CorankFamilies]) -> tuple[list[CorankFamilies], b
     return done, True
 
 
-def _listed(robot: Robot, task: Task, tables: Sequence[CorankFamilies]) -> tuple[Family, ...]:
+def _list_families(robot: Robot, task: Task, tables: Sequence[CorankFamilies]) -> tuple[Family, ...]:
     """All families as the analysis lists them, in the arm's own unit of length."""
     found = flat_map(lambda table: table.families, tables)
     rows = tuple(family_out_of_units(family, robot) for family in found)

@@ -67,10 +67,10 @@ def conditions(
         shipped = known_conditions(robot, task, anew=anew)
         if shipped is not None:
             return replace(shipped, settings=replace(shipped.settings, seconds=how.seconds))
-    from rankdrop.verbs.deriving import derived  # what is shipped does without all that derives
+    from rankdrop.verbs.deriving import derive_conditions  # what is shipped does without all that derives
 
     if how.basic is None:
         basic = None
     else:
         basic = read_joints(how.basic)
-    return derived(robot, task, replace(how, lengths=read_lengths(how.lengths), basic=basic), progress)
+    return derive_conditions(robot, task, replace(how, lengths=read_lengths(how.lengths), basic=basic), progress)

@@ -141,7 +141,7 @@ def _read_or_make(
     robot: Robot, task: Task, plan: Plan, out: Path | None, budget: int, engine: Engine, tell: Report
 ) -> Covering:
     """The covering of a plan: that of the file, where one is finished there; else made, and written there."""
-    kept = None if out is None else _kept(out, plan)
+    kept = None if out is None else _finished_covering(out, plan)
     if kept is not None:
         return kept
     folder = None if out is None else _parts_of(out)
@@ -154,7 +154,7 @@ def _read_or_make(
     return found
 
 
-def _kept(out: Path, plan: Plan) -> Covering | None:
+def _finished_covering(out: Path, plan: Plan) -> Covering | None:
     """The finished covering of a file; None where the file is missing or empty, or of another plan."""
     if not out.is_file() or not out.stat().st_size:
         return None
@@ -252,11 +252,11 @@ def _account(
 ) -> Account:
     scale = joint_scale(robot, task)
     explainer = FamilyBoxes(found, robot, families, scale)
-    by_families, left, proven = explainer.all(lambda done, total: tell("boxes explained", done, total))
+    by_families, left, proven = explainer.families_of_all(lambda done, total: tell("boxes explained", done, total))
     open_ = np.flatnonzero(~proven)
     judged, by = classify_boxes(
         robot, task, found, left[open_], threads=threads,
-        near=lambda parts, halvings: FamilyBoxes(found, robot, families, scale, halvings).by(parts),
+        near=lambda parts, halvings: FamilyBoxes(found, robot, families, scale, halvings).families_of(parts),
     )  # fmt: skip
     proven = proven.copy()
     proven[open_] = judged == 1

@@ -84,7 +84,7 @@ _NEXT = 1e-5  # from a point with rounded coordinates to the singular configurat
 _POINTS = 24  # real points looked at on each set that has none modulo primes
 
 
-def derived(
+def derive_conditions(
     robot: Robot,
     task: str | Task | None,
     asked: ConditionsOptions,
@@ -100,16 +100,16 @@ def derived(
     left: _Left = []
     nothing = Tree(generic_rank(given.own, given.own_task), complete=False)
     underived: _Derived = given, nothing, work, ()
-    chain, tree, work, remarks = _guarded(
+    chain, tree, work, remarks = _guard(
         Phase.TREE, lambda: _tree(given, lowest, optional=asked.lengths == "auto", work=work), underived, left
     )
-    left += _unstated(tree)
+    left += _unstated_cases(tree)
     found: list[Family] = []
     not_real: list[UnrealSet] = []
     wrong: list[Contradiction] = []
     unsettled: list[OpenCase] = []
     with work.share(_SHARE, _LEAST * asked.seconds):
-        found, not_real, wrong = _guarded(
+        found, not_real, wrong = _guard(
             Phase.FAMILIES, lambda: _families(chain, tree, work, left, unsettled), (found, not_real, wrong), left
         )
     first = _unless_interrupted(
@@ -129,7 +129,7 @@ def derived(
     if asked.steps:
         determinants = _unless_interrupted(work, left, Phase.DETERMINANT, lambda own: determinants_of(chain, own), None)
     unmet: list[UnrealSet] = []
-    unmet = _guarded(
+    unmet = _guard(
         Phase.POINTS,
         lambda: _sets_without_points(chain, tree, found, asked.seed, left, unsettled), unmet, left,
     )  # fmt: skip
@@ -137,10 +137,10 @@ def derived(
     lowest = _stated_rank(tree, lowest)
     stated = replace(tree, cases=[*tree.cases, *unsettled])
     undivided: Sequence[UndividedSet] = ()
-    undivided = _guarded(Phase.UNDIVIDED, lambda: _undivided(chain, stated, found, work, left), undivided, left)
+    undivided = _guard(Phase.UNDIVIDED, lambda: _undivided_sets(chain, stated, found, work, left), undivided, left)
     not_real += unmet
     assumed: Sequence[Assumption] = ()
-    assumed = _guarded(
+    assumed = _guard(
         Phase.ASSUMPTIONS, lambda: _assumptions(chain, tree, lowest, work, left, derive=asked.special), assumed, left
     )
     left += _not_holding(assumed)
@@ -191,7 +191,7 @@ def _with_numbers_where_missed(
     if not (over and optional) or work.interrupted or work.remaining <= 0 or work.time_left <= 0:
         return result
     seconds = SLOWER * work.remaining
-    found = derived(result.robot, result.task, replace(asked, lengths="numbers", seconds=seconds), progress)
+    found = derive_conditions(result.robot, result.task, replace(asked, lengths="numbers", seconds=seconds), progress)
     missed = DerivationRemark(RemarkOn.MISSED_BY_LETTERS)
     return replace(found, remarks=(*found.remarks, missed), settings=asked)
 
@@ -398,7 +398,7 @@ def _singular_ends(problem: Problem, q: Array) -> Array:
     return np.array(ends).reshape(-1, len(q))
 
 
-def _guarded(phase: Phase, make: Callable[[], Made], otherwise: Made, left: _Left) -> Made:
+def _guard(phase: Phase, make: Callable[[], Made], otherwise: Made, left: _Left) -> Made:
     """What is made; `otherwise`, and the reason in `left`, where it fails: no failure ends what else was found."""
     try:
         return make()
@@ -415,7 +415,7 @@ def _unless_interrupted(
         work.show(PHASES[phase], 0, 1)
         own = Work(max(_SHARE * work.remaining, 0.1), work.seed)
         try:
-            return _guarded(phase, lambda: make(own), otherwise, left)
+            return _guard(phase, lambda: make(own), otherwise, left)
         except KeyboardInterrupt:
             work.interrupt()
     return otherwise
@@ -428,7 +428,7 @@ def _stated_rank(tree: Tree, lowest: int) -> int:
     return lowest
 
 
-def _undivided(
+def _undivided_sets(
     chain: Chain, tree: Tree, families: Sequence[Family], work: Work, left: _Left
 ) -> tuple[UndividedSet, ...]:
     """The cases that were not taken apart; one goes to `left` where its configuration is not singular with `DIGITS`
@@ -463,7 +463,7 @@ def _undivided(
     return cases
 
 
-def _unstated(tree: Tree) -> list[Unfinished]:
+def _unstated_cases(tree: Tree) -> list[Unfinished]:
     """What a tree leaves open: nothing where its cases hold the rest."""
     if tree.is_stated:
         return []
@@ -515,7 +515,7 @@ def _cloud(
             break
         work.show("checks", corank - 1, generic_rank - lowest)
         try:
-            met = cloud(chain.own, chain.own_task, corank, _wanted(points, corank), work.seed)
+            met = cloud(chain.own, chain.own_task, corank, _wanted_points(points, corank), work.seed)
             if not len(met.q):
                 break
             found = _on_families(chain, met.up_to(generic_rank - lowest), corank, families)
@@ -582,7 +582,7 @@ def _own_equations(chain: Chain, family: Family | UndividedSet) -> tuple[Equatio
     return equations_in_parts(family, chain.robot)
 
 
-def _wanted(points: int, corank: int) -> int:
+def _wanted_points(points: int, corank: int) -> int:
     """How many numeric configurations a corank is tried with: all of them, or a tenth."""
     if corank == 1:
         return points
@@ -612,7 +612,7 @@ def _sets_without_points(
         theta = [point for point, _ in zip(round_points(piece, chain, seed=seed), range(_POINTS), strict=False)]
         if not theta:
             unmet[piece.key] = piece
-        elif piece.key not in lost and not _settled(chain, tree, families, np.array(theta), order, last):
+        elif piece.key not in lost and not _is_settled(chain, tree, families, np.array(theta), order, last):
             lost[piece.key] = OpenCase(piece, order)
     unreal = [UnrealSet(row.text, Unreal.NOR_MODULO_PRIMES, tried=len(PRIMES)) for row in merge(list(unmet.values()))]
     if tree.is_stated:
@@ -627,7 +627,7 @@ def _sets_without_points(
     return unreal
 
 
-def _settled(
+def _is_settled(
     chain: Chain,
     tree: Tree,
     families: Sequence[Family],

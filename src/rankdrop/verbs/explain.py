@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from rankdrop.configuration import at
+from rankdrop.configuration import configuration_at
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import check_robot, one_configuration
 from rankdrop.local.pointing import asked_task
@@ -83,6 +83,6 @@ def explain(
     if task is None and analysis is None:
         resolved = asked_task(robot, resolved)
     families, source = known_families(robot, resolved, analysis, tolerances)
-    here = at(robot, configuration, resolved, tolerances)
+    here = configuration_at(robot, configuration, resolved, tolerances)
     here.check_moves()
     return Explanation(here, families, source, how)

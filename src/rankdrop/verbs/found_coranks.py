@@ -26,10 +26,10 @@ def tried_numerically(higher: Iterable[HigherCorank], seed: int) -> tuple[Higher
         higher: derivations of coranks above 1.
         seed: of the search.
     """
-    return tuple(_tried(corank, seed) if corank.derived.complete else corank for corank in higher)
+    return tuple(_try_corank(corank, seed) if corank.derived.complete else corank for corank in higher)
 
 
-def _tried(corank: HigherCorank, seed: int) -> HigherCorank:
+def _try_corank(corank: HigherCorank, seed: int) -> HigherCorank:
     derived = corank.derived
     return replace(corank, singular=_singular(derived, seed), regular=_regular(derived, seed))
 

@@ -17,7 +17,7 @@ from rankdrop.families.record import Family, rescale_equation, slides_of
 from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
-from rankdrop.problem import Problem, wrapped
+from rankdrop.problem import Problem, wrap_joints
 from rankdrop.results.explanation import Explanation
 from rankdrop.results.ideal_vs_actual import Here, Idealised, Nearby, Spread
 from rankdrop.robot.ideal import Tolerance
@@ -90,7 +90,7 @@ def _points(given: Robot, model: Robot, task: Task, family: Family, seed: int) -
     found = np.empty((0, model.n))
     if equations:
         q, solved = System(equations).solve(sample(model, task, POINTS, seed))
-        q = wrapped(model, q[solved])
+        q = wrap_joints(model, q[solved])
         found = q[Problem(model, task, family.corank).singular(q)]
     if len(found):
         return found

@@ -88,7 +88,7 @@ def link_jacobian(
         closed = _inverse(chain, rows, seconds) if inverse else None
     numbers = None
     if q is not None:
-        numbers = _at(chain, one_configuration(robot, q), k, at, inverse)
+        numbers = _numbers_at(chain, one_configuration(robot, q), k, at, inverse)
     return LinkJacobian(
         robot=robot,
         task=chain.task,
@@ -166,7 +166,7 @@ def _inverse(chain: Chain, rows: Sequence[Sequence[Polynomial]], seconds: float)
         ) from end  # fmt: skip
 
 
-def _at(chain: Chain, q: Array, k: int, at: int | None, inverse: bool) -> Numbers:
+def _numbers_at(chain: Chain, q: Array, k: int, at: int | None, inverse: bool) -> Numbers:
     matrix = numeric(chain, q, k, at)
     sigma = np.linalg.svd(matrix, compute_uv=False)
     square = matrix.shape[0] == matrix.shape[1]

@@ -22,7 +22,7 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose as pose_of
 from rankdrop.local.failures import worst_case
 from rankdrop.poses.branches import Curve, self_motion_curves
-from rankdrop.poses.inverse import Aim, within
+from rankdrop.poses.inverse import Aim, within_limits
 from rankdrop.problem import into_limits, whole_turns
 from rankdrop.questions import InverseOptions
 from rankdrop.robot.model import Array, Robot
@@ -66,7 +66,7 @@ def self_motions(
     for curve in curves:
         points = _finer(aim, pose, curve)
         if limits:
-            pieces = _inside(robot, points)
+            pieces = _pieces_within(robot, points)
         else:
             pieces = [points]
         usable += bool(pieces)
@@ -83,7 +83,7 @@ def self_motions(
     return SelfMotions(
         pose, q, float(values[0]), place, float(values[best]), float(values.min()),
         len(curves), usable, all(curve.complete for curve in curves) and not more,
-        tuple(_locked(robot, j, arcs, limits=limits) for j in range(robot.n)),
+        tuple(_locked_joint(robot, j, arcs, limits=limits) for j in range(robot.n)),
     )  # fmt: skip
 
 
@@ -101,36 +101,36 @@ def _finer(aim: Aim, pose: Array, curve: Curve) -> Array:
     return np.asarray(found[arrived & near])
 
 
-def _inside(robot: Robot, points: Array) -> list[Array]:
+def _pieces_within(robot: Robot, points: Array) -> list[Array]:
     """The pieces of a curve inside the joint limits, angles turned by whole turns into them."""
     placed = into_limits(robot, points)
-    there = within(robot, placed)
+    there = within_limits(robot, placed)
     jumps = np.abs(np.diff(placed, axis=0)).max(axis=1, initial=0.0) > _JUMP
     cuts = np.flatnonzero(jumps | (there[1:] != there[:-1])) + 1
     pieces = zip(np.split(placed, cuts), np.split(there, cuts), strict=True)
     return [piece for piece, good in pieces if len(piece) and good[0]]
 
 
-def _locked(robot: Robot, j: int, arcs: list[Array], *, limits: bool) -> LockedJoint:
+def _locked_joint(robot: Robot, j: int, arcs: list[Array], *, limits: bool) -> LockedJoint:
     """The values that joint j takes on the arcs, and their share of its range."""
     lower, upper = float(robot.lower[j]), float(robot.upper[j])
     turns, bounded = bool(robot.periodic[j]), np.isfinite(lower) and np.isfinite(upper)
     taken = [(float(arc[:, j].min()), float(arc[:, j].max())) for arc in arcs]
     if turns and limits and bounded:
-        ranges = merged(_between(taken, lower, upper))
+        ranges = union_of_ranges(_angles_between(taken, lower, upper))
         share: float | None = min(1.0, _length(ranges) / (upper - lower))
     elif turns:
-        ranges = merged(_on_circle(taken))
+        ranges = union_of_ranges(_on_circle(taken))
         share = _length(ranges) / (2.0 * np.pi)
     else:
-        ranges = merged(taken)
+        ranges = union_of_ranges(taken)
         share = None
     if not turns and bounded:
         share = min(1.0, _length(ranges) / (upper - lower))
     return LockedJoint(j + 1, robot.variables[j].name, ranges, share)
 
 
-def _between(taken: list[Range], lower: float, upper: float) -> list[Range]:
+def _angles_between(taken: list[Range], lower: float, upper: float) -> list[Range]:
     """The angles of ranges that lie between two limits, at every whole turn."""
     found, most = list[Range](), int(np.ceil((upper - lower) / (2.0 * np.pi)))
     for low, high in taken:
@@ -155,7 +155,7 @@ def _on_circle(taken: list[Range]) -> list[Range]:
     return found
 
 
-def merged(ranges: list[Range]) -> tuple[Range, ...]:
+def union_of_ranges(ranges: list[Range]) -> tuple[Range, ...]:
     """The union of ranges, in order."""
     union: list[Range] = []
     for low, high in sorted(ranges):

@@ -32,7 +32,7 @@ _MARGIN = 1e-6
 _FAR = 0.02  # what is missing from here on is reported [length scales, rad]
 
 
-def put(handle: Any, value: Any) -> None:
+def set_input(handle: Any, value: Any) -> None:
     """Set what an input shows; viser declares it read-only where it declares the type."""
     handle.value = value
 
@@ -163,7 +163,7 @@ class Controls:
             slider.min = min(slider.min, shown)
             slider.max = max(slider.max, shown)
         if slider.value != shown:
-            put(slider, shown)
+            set_input(slider, shown)
 
     def explained(self, found: Explanation) -> None:
         """A configuration was explained."""
@@ -195,7 +195,7 @@ class Controls:
 
     def pull(self, target: Array) -> None:
         """Move the arm towards a pose (4, 4) of its tip."""
-        q, missing = pulled(self.robot, self.live.task, self.session.q, target)
+        q, missing = pull_towards(self.robot, self.live.task, self.session.q, target)
         self.session.set(q, self._handle)
         if missing > _FAR:
             self.say("the tip cannot follow to there from here: a limit, a singularity, or out of reach")
@@ -212,7 +212,7 @@ _MOST = 0.25  # of one step, in joints [rad] and lengths per length scale
 _THERE = 1e-6  # what may be missing at the end [length scales, rad]
 
 
-def pulled(robot: Robot, task: Task, q: Array, target: Array) -> tuple[Array, float]:
+def pull_towards(robot: Robot, task: Task, q: Array, target: Array) -> tuple[Array, float]:
     """From q towards a pose of the tip, inside the joint limits.
 
         q ← q + J⁺(λ) e,  e = (Δp; θ u)

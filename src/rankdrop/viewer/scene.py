@@ -61,7 +61,7 @@ def body_of(robot: Robot) -> Body:
     ends = [np.zeros(3), *points, robot.home[:3, 3]]
     own = {joint.name: number for number, joint in enumerate(robot.variables, start=1)}
     links = tuple(
-        Bar(link, carried(into[link], start), carried(into[link], end), thin)
+        Bar(link, carry_points(into[link], start), carry_points(into[link], end), thin)
         for link, (start, end) in enumerate(pairwise(ends)) if np.linalg.norm(end - start) > _SHORT * size
     )  # fmt: skip
     barrels, rods = [], []
@@ -69,15 +69,15 @@ def body_of(robot: Robot) -> Body:
         slides = joint.kind is JointKind.PRISMATIC
         half = _HALF * thin * (joint.screw[:3] if slides else joint.screw[3:])
         marks = (number, own[joint.name if joint.mimic is None else joint.mimic.leader])
-        low, high = (carried(into[number - slides], middle + way) for way in (-half, half))
+        low, high = (carry_points(into[number - slides], middle + way) for way in (-half, half))
         barrels.append(Bar(number - slides, low, high, 1.55 * thin, *marks))
         if slides:
-            before, after = (carried(into[k], point) for k in (number - 1, number))
+            before, after = (carry_points(into[k], point) for k in (number - 1, number))
             rods.append(Bar(number - 1, before, after, 0.8 * thin, *marks))
     return {"link": links, "joint": tuple(barrels), "rod": tuple(rods)}
 
 
-def carried(pose: Array, points: Array) -> Array:
+def carry_points(pose: Array, points: Array) -> Array:
     """(..., 3) points moved by a pose (4, 4)."""
     return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])
 
@@ -126,7 +126,7 @@ def task_frame(links: Array, task: Task) -> tuple[Array, Array]:
     """
     frame, joints = task.frame, len(links) - 2
     axes, carrier = (links[link_index(which, joints, "frame")] for which in (frame.axes, frame.origin))
-    return axes[:3, :3], carried(carrier, np.array(frame.point))
+    return axes[:3, :3], carry_points(carrier, np.array(frame.point))
 
 
 def arrows(directions: Array, links: Array, task: Task, size: float, share: float = LENGTH) -> tuple[Arrow, ...]:
@@ -154,7 +154,9 @@ def arrows(directions: Array, links: Array, task: Task, size: float, share: floa
 
 def rods(body: Body, links: Array) -> Array:
     """(R, 2, 3) ends of the slides' rods in the base frame [m]."""
-    ends = [[carried(links[rod.link], rod.start), carried(links[rod.link + 1], rod.end)] for rod in body["rod"]]
+    ends = [
+        [carry_points(links[rod.link], rod.start), carry_points(links[rod.link + 1], rod.end)] for rod in body["rod"]
+    ]
     return np.array(ends, dtype=np.float64).reshape(-1, 2, 3)
 
 
@@ -164,7 +166,7 @@ def axis_lines(body: Body, links: Array, variables: Sequence[int]) -> Array:
     One line for each of them, in their order; of a variable that moves several joints, the axis of the first.
     """
     barrels = [next(barrel for barrel in body["joint"] if barrel.variable == variable) for variable in variables]
-    ends = [carried(links[barrel.link], np.stack([barrel.start, barrel.end])) for barrel in barrels]
+    ends = [carry_points(links[barrel.link], np.stack([barrel.start, barrel.end])) for barrel in barrels]
     lines = np.array(ends, dtype=np.float64).reshape(-1, 2, 3)
     middles = lines.mean(axis=1, keepdims=True)
     return np.asarray(middles + _AXIS * (lines - middles))
@@ -194,7 +196,7 @@ def turn_onto(axis: Array) -> Array:
     return np.asarray(np.eye(3) + skew + skew @ skew / (1 + cosine))
 
 
-def revolved(start: Array, end: Array, outline: Array, sides: int) -> tuple[Array, NDArray[np.uint32]]:
+def solid_of_revolution(start: Array, end: Array, outline: Array, sides: int) -> tuple[Array, NDArray[np.uint32]]:
     """Vertices (V, 3) and triangles (F, 3), outward normals, of a solid of revolution about the way from start to end.
 
     Args:
@@ -224,7 +226,7 @@ def capsule_mesh(start: Array, end: Array, radius: float) -> tuple[Array, NDArra
     polar = np.linspace(0.0, np.pi / 2, RINGS)
     cap = radius * np.stack([-np.cos(polar), np.sin(polar)], axis=1)
     far = cap[::-1] * [-1.0, 1.0] + [float(np.linalg.norm(end - start)), 0.0]
-    return revolved(start, end, np.concatenate([cap, far]), AROUND)
+    return solid_of_revolution(start, end, np.concatenate([cap, far]), AROUND)
 
 
 def barrel_mesh(
@@ -240,7 +242,7 @@ def barrel_mesh(
     """
     low, high = np.array([0.0, radius]), np.array([float(np.linalg.norm(end - start)), taper * radius])
     outline = np.array([low * [1, 0], low, low, high, high, high * [1, 0]])
-    return revolved(start, end, outline, sides)
+    return solid_of_revolution(start, end, outline, sides)
 
 
 @dataclass(frozen=True, eq=False)

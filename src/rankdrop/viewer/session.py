@@ -97,13 +97,13 @@ class Session:
             self._motion += 1
             q = self._q.copy()
             q[index] = value
-            self._put(q, source)
+            self._set_joints(q, source)
 
     def set(self, q: Array, source: object = None) -> None:
         """All joints at once: ends a motion."""
         with self._changed:
             self._motion += 1
-            self._put(np.array(q, dtype=np.float64), source)
+            self._set_joints(np.array(q, dtype=np.float64), source)
 
     def stop(self) -> None:
         """End the motion under way, if there is one."""
@@ -135,7 +135,7 @@ class Session:
         """Whether a motion is under way."""
         return self._mover is not None and self._mover.is_alive()
 
-    def _put(self, q: Array, source: object) -> None:
+    def _set_joints(self, q: Array, source: object) -> None:
         self._q, self._source = q, source
         self._version += 1
         self._moved = monotonic()
@@ -148,7 +148,7 @@ class Session:
                 with self._changed:
                     if self._motion != mine:
                         break
-                    self._put(np.array(q, dtype=np.float64), source)
+                    self._set_joints(np.array(q, dtype=np.float64), source)
                     frame += 1
                     self._changed.wait_for(lambda: self._motion != mine, begun + frame / FRAMES - monotonic())
         except Exception as error:

@@ -119,7 +119,7 @@ class Stage:
                                     axes_radius=0.006 * self.size, origin_radius=0.0)  # fmt: skip
         self._add_body()
         self._meshes = [
-            scene.add_mesh_simple(f"/arm/{mesh.link}/mesh{i}", mesh.vertices, mesh.faces, color=_lifted(mesh.colour),
+            scene.add_mesh_simple(f"/arm/{mesh.link}/mesh{i}", mesh.vertices, mesh.faces, color=_lighter(mesh.colour),
                                   flat_shading=False, side="double")
             for i, mesh in enumerate(meshes)
         ]  # fmt: skip
@@ -325,6 +325,6 @@ def _circuit_colour(index: int) -> Rgb:
     return rgb(CIRCUITS[min(index, len(CIRCUITS) - 1)])
 
 
-def _lifted(colour: Rgb) -> Rgb:
+def _lighter(colour: Rgb) -> Rgb:
     r, g, b = (round(value + _DULL * max(0, 110 - max(colour))) for value in colour)
     return r, g, b

@@ -27,7 +27,7 @@ from rankdrop.path import Trajectory, parse_trajectory
 from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.text import angle, short
 from rankdrop.viewer import panel
-from rankdrop.viewer.controls import Controls, put
+from rankdrop.viewer.controls import Controls, set_input
 from rankdrop.viewer.scene import Now
 from rankdrop.viewer.session import FRAMES
 
@@ -69,12 +69,12 @@ def track_of(trajectory: Trajectory, monitor: Monitor) -> Track:
         sigma = seen.sigma[:, r - 1]
     else:
         sigma = np.zeros(len(trajectory.q))
-    shown = thinned(sigma)
+    shown = plotted_rows(sigma)
     far = monitor.distances(trajectory.q[shown], along=True).nearest()[1]
     return Track(trajectory.times, sigma, shown, far, int(sigma.argmin()), int((seen.corank > 0).sum()))
 
 
-def thinned(sigma: Array, count: int = PLOTTED) -> NDArray[np.intp]:
+def plotted_rows(sigma: Array, count: int = PLOTTED) -> NDArray[np.intp]:
     """(P,) indices of rows to plot of those with σ (T,); see `Track.shown`."""
     total = len(sigma)
     if total <= count:
@@ -143,7 +143,7 @@ class PathTab:
         time.step = max((last - first) / 1000, 1e-6)
         for handle in (time, self.ui.speed, self.ui.buttons):
             handle.visible = True
-        put(time, first)
+        set_input(time, first)
         self._plot(track, r)
         self.controls.session.go(trajectory.q[0])
 
@@ -166,11 +166,11 @@ class PathTab:
             "legend": {"show": False},
         }  # fmt: skip
         plot = self.controls.server.gui.add_uplot(
-            data=self._marked(values), height=140, title=name, order=self.ui.time.order + below, **options
+            data=self._with_mark(values), height=140, title=name, order=self.ui.time.order + below, **options
         )
         return plot, values
 
-    def _marked(self, values: Array) -> tuple[Array, Array, Array]:
+    def _with_mark(self, values: Array) -> tuple[Array, Array, Array]:
         """Times, values, and a spike at the time of the slider, on a base line along the bottom."""
         marker = np.full(len(values), float(values.min()))
         marker[int(np.abs(self._times - self.ui.time.value).argmin())] = float(values.max())
@@ -182,7 +182,7 @@ class PathTab:
 
     def _show_worst(self) -> None:
         if self.trajectory is not None and self._track is not None:
-            put(self.ui.time, float(self._track.times[self._track.worst]))
+            set_input(self.ui.time, float(self._track.times[self._track.worst]))
             self.controls.session.go(self.trajectory.q[self._track.worst])
 
     def _playing(self, trajectory: Trajectory) -> Iterator[Array]:
@@ -193,10 +193,10 @@ class PathTab:
         else:
             time = float(trajectory.times[0])
         while time < last:
-            put(self.ui.time, time)
+            set_input(self.ui.time, time)
             yield trajectory.at(time)
             time += self.ui.speed.value / FRAMES
-        put(self.ui.time, last)
+        set_input(self.ui.time, last)
         yield trajectory.q[-1]
 
     def _dragged(self, event: viser.GuiEvent[Any]) -> None:
@@ -207,7 +207,7 @@ class PathTab:
         """Move the marks of the plots, where the trajectory moves the arm."""
         if source is self:
             for plot, values in self._plots:
-                plot.data = self._marked(values)
+                plot.data = self._with_mark(values)
 
 
 ROBOT_FILES = (".urdf", ".toml")
@@ -278,8 +278,8 @@ class ShareTab:
         """A configuration was looked at."""
         text = state_text(self.controls.robot, now.q)
         link, line = f"{self._url}?q={text}", f"{self._command} --deg --q={text}"
-        put(self.ui.link, link)
-        put(self.ui.line, line)
+        set_input(self.ui.link, link)
+        set_input(self.ui.line, line)
         self.ui.copy.content = panel.copy_html((("copy the link", link), ("copy the command", line)))
         if self.recording and len(self.rows) < _MOST_ROWS:
             self.rows.append((monotonic(), now.q))

@@ -27,7 +27,7 @@ from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.numbers import Line, Normal, axis_lines, common_normals, frame_at, reach
 from rankdrop.robot.quantities import LETTERS_ALLOWED, is_letter
 from rankdrop.tolerances import ALIGNED, NOTHING
-from rankdrop.units import exponent, shifted
+from rankdrop.units import exponent, shift_decimal
 
 _NOISE = {"angle": 1e-12, "twist": 1e-12, "a": 1e-13, "d": 1e-13}
 """What floating-point numbers leave of angles [rad] and lengths [the arm's own unit] that a file gives exactly."""
@@ -376,7 +376,7 @@ def _own_letters(robot: Robot) -> dict[str, Fraction]:
     """The letters that a robot names itself [m]."""
     own = {name: value for name, value in robot.lengths if name not in ROOTS}
     power = exponent(robot)
-    known = decimals(shifted(value, -power) for value in own.values())
+    known = decimals(shift_decimal(value, -power) for value in own.values())
     return {name: value * Fraction(10) ** power for name, value in zip(own, known, strict=True)}
 
 

@@ -54,7 +54,7 @@ from rankdrop.path.curve import Curve, Place, curve
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.path.read.poses import Poses, holds_poses, length_hint, read_poses
 from rankdrop.path.read.trajectory import Trajectory, checked, checked_times, refuse_degrees, rows_of, unit_hint
-from rankdrop.poses.inverse import Aim, apart, distinct, near_and_within
+from rankdrop.poses.inverse import Aim, distinct, joint_difference, near_and_within
 from rankdrop.problem import whole_turns
 from rankdrop.questions import PathOptions
 from rankdrop.results.analysis import Analysis
@@ -384,7 +384,7 @@ def _branches(
     """Every branch that begins at a solution of the first pose, each followed and proven for itself."""
     if len(taken.q):
         first = taken.q[0]
-    away = np.linalg.norm(apart(robot, first, solutions) / joint_scale(robot, task), axis=1)
+    away = np.linalg.norm(joint_difference(robot, first, solutions) / joint_scale(robot, task), axis=1)
     same = away <= _SAME
     if same.any():
         starts = solutions
@@ -503,7 +503,7 @@ def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
     low, high = sampling_box(robot, task, limits=True)
     home = np.clip(np.zeros(robot.n), robot.lower, robot.upper)
     starts = np.concatenate([home[None], np.random.default_rng(0).uniform(low, high, (STARTS, robot.n))])
-    q = near_and_within(robot, Aim(robot, task).reached(goal, starts), home, limits=True)
+    q = near_and_within(robot, Aim(robot, task).solve_from(goal, starts), home, limits=True)
     far = np.linalg.norm((q - home) / joint_scale(robot, task), axis=1)
     found = distinct(robot, task, q[np.argsort(far, kind="stable")], _SAME)
     if len(found) and robot.n <= task.m:

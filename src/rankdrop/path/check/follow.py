@@ -570,7 +570,7 @@ class _Walk:
 
     def _cut_at_miss(self, found: Followed) -> Followed:
         """The rows up to the first one whose forward kinematics misses its pose; else all of them."""
-        good = self.aim.confirmed(poses_at(self.poses, found.place - 1.0), found.q)
+        good = self.aim.confirms(poses_at(self.poses, found.place - 1.0), found.q)
         if good.all():
             return found
         count = int(good.argmin())

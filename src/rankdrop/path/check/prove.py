@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from rankdrop import _core
 from rankdrop.cover.setting import Setting, enclose, regular
 from rankdrop.kinematics import chain_of
-from rankdrop.local.departure import unlocked
+from rankdrop.local.departure import release_mimics
 from rankdrop.path.curve import Curve, Index, Spot, boxes, halves, straightened
 from rankdrop.robot.model import Array, JointKind, Robot
 
@@ -88,7 +88,7 @@ class Along:
     @cached_property
     def _free(self) -> tuple[Robot, Array, Array]:
         """The chain with every joint a variable, its values at q = 0, and the shares (N, n) of the variables."""
-        return unlocked(self.setting.seen(self.robot), np.zeros(self.robot.n))
+        return release_mimics(self.setting.with_tip_frame(self.robot), np.zeros(self.robot.n))
 
     @cached_property
     def _view(self) -> _core.View:

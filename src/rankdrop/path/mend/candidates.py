@@ -42,7 +42,7 @@ from rankdrop.local.redundant import CLOSED, self_motion
 from rankdrop.path.check.follow import Followed, Pull, follow
 from rankdrop.path.curve import Curve, Index, numbered
 from rankdrop.path.read.trajectory import Trajectory, regular_times
-from rankdrop.poses.inverse import Aim, distinct, near_and_within, within
+from rankdrop.poses.inverse import Aim, distinct, near_and_within, within_limits
 from rankdrop.problem import Mask
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import about_axis, translation
@@ -169,7 +169,7 @@ class ToolPath:
     def inside(self, q: Array) -> Mask:
         """(N,) within the joint limits, where they count."""
         if self.limits:
-            return within(self.robot, q)
+            return within_limits(self.robot, q)
         return np.ones(len(q), dtype=np.bool_)
 
     def refined(self, run: Run) -> tuple[Self, Followed]:
@@ -254,7 +254,7 @@ def tool_path(robot: Robot, task: Task, path: Curve) -> ToolPath:
         parts = np.ones(len(parts), dtype=np.int64)
     stretch, part = numbered(parts)
     place = np.append(stretch + part / parts[stretch], float(len(parts)))
-    limits = bool(within(robot, path.control.reshape(-1, robot.n)).all())
+    limits = bool(within_limits(robot, path.control.reshape(-1, robot.n)).all())
     q = path.at(*path.split(place))
     return ToolPath(robot, task, path, place, q, pose(robot, q), limits)
 
@@ -364,7 +364,7 @@ def _branches(tool: ToolPath) -> list[Array]:
     robot, task = tool.robot, tool.task
     low, high = sampling_box(robot, task, limits=tool.limits)
     starts = np.random.default_rng(_SEED).uniform(low, high, (_STARTS, robot.n))
-    found = near_and_within(robot, tool.aim.reached(tool.poses[0], starts), tool.q[0], limits=tool.limits)
+    found = near_and_within(robot, tool.aim.solve_from(tool.poses[0], starts), tool.q[0], limits=tool.limits)
     if tool.redundant:
         known = _self_motion(tool)
     else:

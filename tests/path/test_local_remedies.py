@@ -500,3 +500,14 @@ def test_no_joint_motion_along_the_normal_moves_the_tool_less(rng: np.random.Gen
         equal = np.linalg.solve(jacobian.T @ jacobian, normal)
         gains.append(size(jacobian, equal / (normal @ equal)) / size(jacobian, found))
     assert max(gains) > 1.1
+
+
+def test_detours_beside_bumps_are_told_in_rows_of_the_file() -> None:
+    """One row a second: where a bump before a detour has many rows of its own, rows and times agree all the same."""
+    q, t = np.array([[0.0, 0.5], [0.4, 0.0], [0.8, 0.5], [1.2, -0.5]]), np.arange(4.0)
+    remedy = mend_path(rankdrop.check_path(open_robot("planar2r"), q, t), kinds=("detour",)).best
+    assert remedy is not None
+    assert len(remedy.changes) == 2
+    for change in remedy.changes:
+        assert change.start.position == pytest.approx(1.0 + change.start.time, abs=1e-9)
+        assert change.end.position == pytest.approx(1.0 + change.end.time, abs=1e-9)

@@ -99,6 +99,11 @@ class Curve:
         start, end = self.times[stretch], self.times[stretch + 1]
         return np.asarray(start + share * (end - start))
 
+    @property
+    def samples(self) -> Array:
+        """(T, n) the configurations that the path goes through [rad, m]."""
+        return np.concatenate([self.control[:, 0], self.control[-1:, -1]])
+
     def place(self, spot: Spot) -> Place:
         """A point with its row and time."""
         stretch, share = spot

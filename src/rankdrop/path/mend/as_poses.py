@@ -308,7 +308,7 @@ class _Writer:
             again = check_curve(self.robot, path, task, check.options, self.analysis, check.tolerances)
             free, complete = again.clear, again.complete
         else:
-            rows = np.concatenate([path.control[:, 0], path.control[-1:, -1]])
+            rows = path.samples
             proof = proof_of(self.robot, task, rows, check.tolerances, check.options.evaluations)
             free, complete = not proof.slivers, proof.complete
         if not complete:

@@ -24,7 +24,7 @@ two sides crosses it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property, partial
@@ -149,6 +149,40 @@ class Change:
     off: tuple[float, float]
     at_end: Array
     longer: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class RowsBefore:
+    """Rows of a changed path as rows of the path before: outside its changes they are the same rows.
+
+    Attributes:
+        after, before: (A,) rows that are the same, from 0, in the changed path and in the one before.
+    """
+
+    after: Array
+    before: Array
+
+    @classmethod
+    def of(cls, original: Curve, changed: Curve, changes: Sequence[Change]) -> RowsBefore:
+        """By the last row before each change and the first one after it; changes are in order."""
+        rows, others = original.samples, changed.samples
+        after, before = [0], [0]
+        added = 0
+        for change in changes:
+            last_same = int(np.floor(change.start.position - 1.0))
+            next_same = min(int(np.ceil(change.end.position - 1.0)), len(rows) - 1)
+            same = (others[last_same + added :] == rows[next_same]).all(axis=1)
+            before += [last_same, next_same]
+            after.append(last_same + added)
+            after.append(last_same + added + int(same.argmax()))
+            added = after[-1] - next_same
+        return cls(np.array([*after, len(others) - 1]), np.array([*before, len(rows) - 1]))
+
+    def place(self, place: Place) -> Place:
+        """A place of the changed path as one of the path before."""
+        position = float(np.interp(place.position - 1.0, self.after, self.before))
+        row = int(position)
+        return Place(row + 1, position - row, place.time)
 
 
 @dataclass(frozen=True, eq=False)
@@ -567,7 +601,7 @@ class Bumper:
         """The changed path: rows outside its windows as they were."""
         place = self._places(bumps)
         q, whole = self.changed(bumps, place), place == np.floor(place)
-        rows = np.concatenate([self.path.control[:, 0], self.path.control[-1:, -1]])
+        rows = self.path.samples
         still = np.ones(len(place), dtype=np.bool_)
         for bump in bumps:
             low, high = self.window(bump)

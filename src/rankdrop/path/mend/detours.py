@@ -331,7 +331,7 @@ class Detourer:
         tool is from the old path at most [m], [rad].
         """
         bumper, count = self.bumper, len(self.bumper.path.control)
-        rows = np.concatenate([bumper.path.control[:, 0], bumper.path.control[-1:, -1]])
+        rows = bumper.path.samples
         first = np.arange(int(np.ceil(detours[0].low)))
         places, values = [first.astype(np.float64)], [rows[first]]
         for k, one in enumerate(detours):

@@ -28,7 +28,7 @@ from rankdrop.path.check.check import check_path
 from rankdrop.path.check.record import FREE, UNDECIDED, PathCheck, Stretch
 from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve
-from rankdrop.path.mend.bumps import CLEARANCE, ON_PATH, SPARE, Bump, Bumper, Change, NoBump, Obstacle
+from rankdrop.path.mend.bumps import CLEARANCE, ON_PATH, SPARE, Bump, Bumper, Change, NoBump, Obstacle, RowsBefore
 from rankdrop.path.mend.candidates import (
     Candidate,
     Parameter,
@@ -527,8 +527,10 @@ class _Mender:
         if not _poses_determine(bumper.tool) or bumper.path.degree != 1:
             return DETOUR, None
         changes: list[Change] = []
+        rows = RowsBefore.of(bumper.path, bumper.path, ())
         if bumped is not None:
             before, again = bumped
+            rows = RowsBefore.of(bumper.path, again.curve, before.changes)
             bumper = replace(bumper, check=again, tool=tool_path(again.robot, again.task, again.curve))
             changes += before.changes
         stretches = sorted(
@@ -541,11 +543,13 @@ class _Mender:
         results = work.found(cores, clearance)
         self._report(DETOUR, len(results), len(cores))
         detours = [result for result in results if isinstance(result, Detour)]
-        failed = [(bumper.path.place(bumper.spot(result.core)), result.hindrance, result.needed)
+        failed = [(rows.place(bumper.path.place(bumper.spot(result.core))), result.hindrance, result.needed)
                   for result in results if isinstance(result, NoDetour)]  # fmt: skip
         if failed or not detours:
             return DETOUR, (most, failed, 0)
-        changes = sorted([*changes, *work.changes(detours)], key=attrgetter("start"))
+        for change in work.changes(detours):
+            changes.append(replace(change, start=rows.place(change.start), end=rows.place(change.end)))
+        changes.sort(key=attrgetter("start"))
         trajectory, rest = work.trajectory(detours)
         off = max(rest[0], *(change.off[0] for change in changes)), max(rest[1], *(change.off[1] for change in changes))
         proposal = Proposal(("detour", len(detours)), (), trajectory, off, tuple(changes))

@@ -175,7 +175,7 @@ def _squared_speeds(spans: _Spans, near: Mask, fast: _Fast, end: float) -> Array
 
 def _rows(path: Curve, spans: _Spans) -> Array:
     """(N + 1, n) configurations where spans begin, and the last of the path; rows of the path to the last bit."""
-    rows = np.concatenate([path.control[:, 0], path.control[-1:, -1]])
+    rows = path.samples
     begins_stretch = spans.part[:, None] == 0
     begins = np.where(begins_stretch, rows[spans.stretch], path.at(spans.stretch, spans.share))
     return np.concatenate([begins, rows[-1:]])

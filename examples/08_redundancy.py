@@ -17,7 +17,7 @@ found = rankdrop.redundancy(arm, q)
 print(f"rank {found.check.rank} + nullity {found.check.nullity} = {arm.n} joints")
 
 traced = self_motion(arm, q)  # the end effector stays where it is
-print(f"self-motion: {traced.end_kind}; the end effector moved by less than 1e-9: {traced.task_error.max() < 1e-9}")
+print(f"self-motion: {traced.ended}; the end effector moved by less than 1e-9: {traced.task_error.max() < 1e-9}")
 low, high = traced.q.min(axis=0), traced.q.max(axis=0)
 for number, (a, b) in enumerate(zip(low, high, strict=True), start=1):
     print(f"  joint {number} from {a:+.2f} to {b:+.2f} rad")

@@ -134,14 +134,14 @@ def test_each_solution_has_signs_of_its_own_where_that_is_the_proof(name: str, c
 
 def searched(robot: Robot, monkeypatch: pytest.MonkeyPatch, poses: int) -> Postures:
     """By search alone: nothing is known beforehand."""
-    monkeypatch.setattr(search, "decided", lambda robot, task: (Decision(OPEN, "not asked"), None, ()))
+    monkeypatch.setattr(search, "decide_exactly", lambda robot, task: (Decision(OPEN, "not asked"), None, ()))
     return aspects_of(robot, poses=poses, most=poses, starts=200)
 
 
 @pytest.mark.slow
 def test_more_poses_are_solved_until_a_path_is_proven_or_the_budget_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     """Three random poses of Wenger's arm decide nothing with seed 1; the eighth does."""
-    monkeypatch.setattr(search, "decided", lambda robot, task: (Decision(OPEN, "not asked"), None, ()))
+    monkeypatch.setattr(search, "decide_exactly", lambda robot, task: (Decision(OPEN, "not asked"), None, ()))
     few = aspects_of(arm(WENGER), poses=3, most=3, starts=60, seed=1)
     more = aspects_of(arm(WENGER), poses=3, most=50, starts=60, seed=1)
     assert (few.verdict, len(few.solved)) == (NOT_FOUND, 3)
@@ -153,7 +153,7 @@ def test_more_poses_are_solved_until_a_path_is_proven_or_the_budget_ends(monkeyp
 @pytest.mark.slow
 def test_random_poses_follow_where_those_near_cusps_show_no_path(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cusps are known and none of their neighbours is of use: before, the search ended after three random poses."""
-    monkeypatch.setattr(search, "decided", lambda robot, task: (Decision(CUSPS), None, ()))
+    monkeypatch.setattr(search, "decide_exactly", lambda robot, task: (Decision(CUSPS), None, ()))
     found = aspects_of(arm(WENGER), poses=3, most=50, starts=60, seed=1)
     holds(found)
     assert 3 < len(found.solved) < 50

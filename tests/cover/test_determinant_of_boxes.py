@@ -280,5 +280,5 @@ def test_a_range_halved_forty_times_costs_no_table_of_its_parts(tmp_path, monkey
         assert next(calls) < 100_000, "a table of all parts"
         return made(*given)
 
-    monkeypatch.setattr(determinant, "_turned", turned)
+    monkeypatch.setattr(determinant, "_shifted_waves", turned)
     assert verify(file, arm).holds

@@ -98,7 +98,7 @@ def try_arm(robot: Robot, q: Array, cover: Covering | None, rng: np.random.Gener
         chord = way * size * scale * (np.abs(way) > 0)
         share = np.where(rng.random((len(there), 1)) < 0.5, 1 - 1e-9, rng.uniform(-1, 1, (len(there), 1)))
         start = np.ascontiguousarray(there - share * chord)
-        tally.add("curves", Along(robot, setting).enclosed(start, chord, np.zeros_like(chord)).free)
+        tally.add("curves", Along(robot, setting).enclose_curves(start, chord, np.zeros_like(chord)).free)
         arm, some = checker(robot, setting), range(0, len(there), 1000)
         none = np.zeros(n)
         wrong = [again(arm, setting, middle[k], half[k] * scale, None) for k in some]

@@ -8,7 +8,7 @@ from reference import arms, region
 
 from rankdrop.cover.setting import settings_for
 from rankdrop.path.check.prove import Along, regular
-from rankdrop.path.curve import Curve, curve, halves, straightened
+from rankdrop.path.curve import Curve, chord_form, curve, halves
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -52,7 +52,7 @@ def test_nothing_along_a_curve_exceeds_the_bound(name: str) -> None:
     for along, middle, chord in cases(name):
         for size, loose in ((1e-3, 0.0), (0.05, 1e-3), (0.3, 0.05), (0.3, 0.0)):
             extra = loose * rng.uniform(0.0, 1.0, chord.shape) * along.setting.scale
-            found = along.enclosed(middle, size * chord, extra)
+            found = along.enclose_curves(middle, size * chord, extra)
             for i in range(len(middle)):
                 tau = np.concatenate([[-1.0, 1.0], rng.uniform(-1, 1, 60)])[:, None]
                 sign = np.where(rng.random((62, 1)) < 0.5, rng.choice([-1.0, 1.0], (62, chord.shape[1])), 1.0)
@@ -68,7 +68,7 @@ def test_nothing_along_a_curve_exceeds_the_bound(name: str) -> None:
 def test_the_slope_is_that_of_the_arm_entry_by_entry(name: str) -> None:
     seen = 0
     for along, middle, chord in cases(name, count=2):
-        found = along.enclosed(middle[:1], 1e-5 * chord[:1], np.zeros_like(chord[:1]))
+        found = along.enclose_curves(middle[:1], 1e-5 * chord[:1], np.zeros_like(chord[:1]))
         plus, minus = (
             region.change(along.robot, middle[0], along.setting, sign * 1e-5 * chord[0] / along.setting.scale,
                           found.sigma[0], found.u[0], found.v[0])
@@ -87,7 +87,7 @@ def test_the_curvature_is_that_of_the_arm_entry_by_entry(name: str) -> None:
     seen, steps = 0, np.array([1.0, 2.0, 3.0]) * 1e-3
     for along, middle, chord in cases(name, count=2):
         q, way = np.tile(middle[:1], (3, 1)), steps[:, None] * chord[:1]
-        found = along.enclosed(q, way, np.zeros_like(way))
+        found = along.enclose_curves(q, way, np.zeros_like(way))
         powers = steps[:, None] ** np.arange(1, 4)
         terms = np.linalg.solve(powers, (found.bound - found.floor).reshape(3, -1)).reshape(found.bound.shape)
         h = 2e-3
@@ -123,7 +123,7 @@ def test_the_remainder_of_third_order_is_nearly_reached() -> None:
     along, q = short_arm()
     h = 0.02
     way = np.array([[0.0, h]])
-    found = along.enclosed(q, way, np.zeros_like(way))
+    found = along.enclose_curves(q, way, np.zeros_like(way))
     error = region.change(along.robot, q[0], along.setting, np.stack([way[0], -way[0]]), found.sigma[0], found.u[0],
                           found.v[0])  # fmt: skip
     slope = region.change(along.robot, q[0], along.setting, np.array([[0, 1e-5], [0, -1e-5]]), found.sigma[0],
@@ -137,7 +137,7 @@ def test_the_remainder_of_third_order_is_nearly_reached() -> None:
 def test_what_lies_beside_the_chord_is_nearly_reached() -> None:
     along, q = short_arm()
     beside = np.array([[0.0, 1e-3]])
-    found = along.enclosed(q, np.zeros_like(beside), beside)
+    found = along.enclose_curves(q, np.zeros_like(beside), beside)
     error = changes(along, found, 0, q[0], np.stack([beside[0], -beside[0]])).max(axis=0)
     assert (error <= found.bound[0]).all()
     assert (error / found.bound[0]).max() > 0.9
@@ -154,7 +154,7 @@ def test_a_slide_beside_the_chord_is_nearly_reached() -> None:
     (setting,) = settings_for(robot, resolve_task("position", robot))
     along, q = Along(robot, setting), np.array([[0.0, 0.02, 0.3]])
     beside = np.array([[0.0, 0.01, 0.0]])
-    found = along.enclosed(q, np.zeros_like(beside), beside)
+    found = along.enclose_curves(q, np.zeros_like(beside), beside)
     error = changes(along, found, 0, q[0], np.stack([beside[0], -beside[0]])).max(axis=0)
     assert (error <= found.bound[0]).all()
     assert (error / found.bound[0]).max() > 0.9
@@ -166,7 +166,7 @@ def test_a_curve_lies_where_its_chord_says(degree: str) -> None:
     q, v, a = rng.normal(size=(3, 5, 4))
     made = curve(q, np.arange(5.0), v, a, degree)
     control = halves(halves(made.control))
-    middle, chord, extra = straightened(control)
+    middle, chord, extra = chord_form(control)
     share = np.linspace(0, 1, 101)
     ratios = []
     for k in range(4):
@@ -186,7 +186,7 @@ def test_how_far_a_curve_leaves_its_chord_is_reached(degree: int) -> None:
     """All control points but the ends equally far to one side."""
     control = np.linspace([0.0, 1.0], [2.0, 3.0], degree + 1)[None]
     control[:, 1:-1] += [0.3, -0.7]
-    middle, chord, extra = straightened(control)
+    middle, chord, extra = chord_form(control)
     share = np.linspace(0, 1, 101)
     there = Curve(control, None).at(np.zeros(101, dtype=np.int64), share)
     off = np.abs(there - middle - (2 * share - 1)[:, None] * chord).max(axis=0)

@@ -102,11 +102,11 @@ def test_enclosures_of_curves_and_boxes_allow_for_the_rounding_of_large_joint_va
     setting = settings_for(robot, task)[0]
     beside, nothing = wrist_far_away(9.5e-9)[None], np.zeros((1, 6))
     assert enclose(robot, setting, beside, nothing)[0][0]
-    assert not Along(robot, setting).enclosed(beside, nothing, nothing).free[0]
+    assert not Along(robot, setting).enclose_curves(beside, nothing, nothing).free[0]
     work = Proof(setting, 10, 1, None)
     assert not free_boxes(robot, beside, beside, work)[0]
     clear = wrist_far_away(1e-5)[None]
-    assert Along(robot, setting).enclosed(clear, nothing, nothing).free[0]
+    assert Along(robot, setting).enclose_curves(clear, nothing, nothing).free[0]
     assert free_boxes(robot, clear, clear, work)[0]
     _, rho = ball(beside, beside, setting)
     assert rho[0] >= ROUNDED * FAR

@@ -15,7 +15,7 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale, singular_values
 from rankdrop.path import mend_path
 from rankdrop.path.curve import curve
-from rankdrop.path.mend.candidates import along, planned, tool_path
+from rankdrop.path.mend.candidates import plan_as_run, plan_path, tool_path
 from rankdrop.path.mend.remedies import NULL
 from rankdrop.poses.inverse import Aim
 from rankdrop.results.known import known_analysis
@@ -57,12 +57,12 @@ def test_a_path_through_a_singularity_is_led_around_it_from_the_same_start() -> 
     found = rankdrop.check_path(robot, q)
     assert found.verdict in ("crossing", "touching")
     tool = tool_path(robot, found.task, found.curve)
-    place, plan, free = planned(tool, q[:1], lambda done, count: None, around=False)
+    place, plan, free = plan_path(tool, q[:1], lambda done, count: None, around=False)
     assert len(plan)
     assert place[-1] == ROWS - 1
     assert free > 0.15
-    assert tool.room(tool.coarse().followed(q[0]).q).min() < 0.005
-    finer, followed = tool.refined(along(place, plan))
+    assert tool.room(tool.coarse().follow_branch(q[0]).q).min() < 0.005
+    finer, followed = tool.refine_run(plan_as_run(place, plan))
     assert followed.complete
     np.testing.assert_array_equal(followed.q[0], q[0])
     rows = np.flatnonzero(finer.place == np.round(finer.place))
@@ -78,7 +78,7 @@ def test_where_all_self_motions_are_singular_there_is_no_plan_and_its_place_is_t
     q = np.linspace([0.1, 0.6, 0.3, 0.3, 0.4, 0.9, 0.2], [0.2, 0.7, 0.2, -0.3, 0.3, 0.8, 0.3], 61)  # the elbow, θ4 = 0
     found = rankdrop.check_path(robot, q)
     assert found.verdict == "crossing"
-    place, plan, _ = planned(tool_path(robot, found.task, found.curve), q[:1], lambda done, count: None, around=True)
+    place, plan, _ = plan_path(tool_path(robot, found.task, found.curve), q[:1], lambda done, count: None, around=True)
     assert not len(plan)
     assert 25.0 < place[-1] < 30.0
 

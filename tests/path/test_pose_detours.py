@@ -74,7 +74,7 @@ def test_the_tool_is_led_around_and_all_other_poses_stay(name: str) -> None:
     poses, t, check = checked(name)
     assert not check.clear
     work = PoseDetourer(check, float(np.radians(2.0)), CLEARANCE)
-    windows = work.found(lambda done, count: None)
+    windows = work.find_windows(lambda done, count: None)
     assert not isinstance(windows, Blocked)
     (window,) = windows
     made = work.trajectory()
@@ -125,7 +125,7 @@ def test_the_way_lost_before_the_joints_turn_leads_around(monkeypatch: pytest.Mo
 
 
 def _windows(work: PoseDetourer) -> list[Window]:
-    found = work.found(lambda done, count: None)
+    found = work.find_windows(lambda done, count: None)
     assert not isinstance(found, Blocked)
     return found
 
@@ -134,7 +134,7 @@ def _windows(work: PoseDetourer) -> list[Window]:
 def test_where_no_window_does_the_bound_is_named() -> None:
     """With a bound that is too small: the one that would do."""
     _, _, check = checked("pa10")
-    found = PoseDetourer(check, 2e-4, CLEARANCE).found(lambda done, count: None)
+    found = PoseDetourer(check, 2e-4, CLEARANCE).find_windows(lambda done, count: None)
     assert isinstance(found, Blocked)
     assert found.hindrance == Hindrance.TOOL
     assert 2e-4 < found.needed < np.radians(2.0)

@@ -11,7 +11,7 @@ from scipy.interpolate import BPoly
 from scipy.optimize import linprog
 
 from rankdrop.path.curve import Curve, curve
-from rankdrop.path.mend.retime import fastest, retimed, usage
+from rankdrop.path.mend.retime import fastest, retime_path, usage
 from rankdrop.path.read.trajectory import Trajectory
 
 RATES = np.array([2.0, 1.5, 2.5, 3.0, np.inf, 3.0])
@@ -51,7 +51,7 @@ def test_limits_hold_at_every_instant_and_the_bounds_are_tight(how: str, seed: i
     one = bow(12, 0.9, seed)
     path = path_of(one, how)
     assert usage(path, RATES, LIMITS).slower > 1.3
-    made = retimed(path, RATES, LIMITS, SCALE)
+    made = retime_path(path, RATES, LIMITS, SCALE)
     spline, at = polynomial(made, how), instants(made.times)
     most = (np.abs(spline.derivative()(at)) / RATES).max(), (np.abs(spline.derivative(2)(at)) / LIMITS).max()
     took = usage(curve(made.q, made.times, made.velocities, made.accelerations, how), RATES, LIMITS)
@@ -66,7 +66,7 @@ def test_limits_hold_at_every_instant_and_the_bounds_are_tight(how: str, seed: i
 def test_smooth_paths_stay_where_they_were_to_1e_9(how: str, rows: int) -> None:
     one = bow(rows, 1.0, 7)
     path = path_of(one, how)
-    made = retimed(path, RATES, LIMITS, SCALE)
+    made = retime_path(path, RATES, LIMITS, SCALE)
     old, new = polynomial(Trajectory("", one["t"], one["q"], True, (), one["v"], one["a"]), how), polynomial(made, how)
     at = np.sort(np.random.default_rng(1).choice(instants(made.times, 7), 120, replace=False))
     q = new(at)
@@ -83,7 +83,7 @@ def test_smooth_paths_stay_where_they_were_to_1e_9(how: str, rows: int) -> None:
 def test_straight_paths_keep_their_rows_and_their_limits() -> None:
     one = bow(200, 0.8)
     path = path_of(one, "linear")
-    made = retimed(path, RATES, LIMITS, SCALE)
+    made = retime_path(path, RATES, LIMITS, SCALE)
     np.testing.assert_array_equal(made.q[np.searchsorted(made.times, made.times)], made.q)
     rows = np.array([np.abs(made.q - point).max(axis=1).argmin() for point in one["q"]])
     np.testing.assert_allclose(made.q[rows], one["q"], atol=1e-15)
@@ -101,7 +101,7 @@ def test_only_what_is_too_fast_is_slowed_down() -> None:
     t = np.linspace(0.0, 4.0, 401)
     q = np.zeros((401, 6))
     q[:, 1] = np.cumsum(np.where(np.abs(t - 2.0) < 0.1, 6.0, 0.5)) * 0.01
-    made = retimed(curve(q, t), RATES, NONE, SCALE)
+    made = retime_path(curve(q, t), RATES, NONE, SCALE)
     new, old = np.diff(made.times), np.diff(t)
     quick = np.abs(np.diff(q[:, 1])) > 0.03
     np.testing.assert_allclose(new[~quick], old[~quick], rtol=1e-9)
@@ -111,7 +111,7 @@ def test_only_what_is_too_fast_is_slowed_down() -> None:
 @pytest.mark.parametrize("how", ["linear", "cubic", "quintic"])
 def test_a_path_inside_its_limits_takes_the_time_it_took(how: str) -> None:
     one = bow(40, 30.0)
-    made = retimed(path_of(one, how), RATES, NONE if how == "linear" else LIMITS, SCALE)
+    made = retime_path(path_of(one, how), RATES, NONE if how == "linear" else LIMITS, SCALE)
     assert np.ptp(made.times) == pytest.approx(30.0, rel=1e-9)
 
 
@@ -124,14 +124,14 @@ def test_a_straight_path_is_bounded_from_rest_to_rest() -> None:
 def test_from_rest_to_rest_it_takes_the_time_of_the_closed_form(way: float, rate: float, limit: float) -> None:
     best = 2 * np.sqrt(way / limit) if way * limit < rate**2 else way / rate + rate / limit
     path = curve(np.array([[0.0], [way]]), None)
-    took = np.ptp(retimed(path, np.array([rate]), np.array([limit]), np.ones(1)).times)
+    took = np.ptp(retime_path(path, np.array([rate]), np.array([limit]), np.ones(1)).times)
     assert best <= took <= 1.03 * best
 
 
 def test_a_corner_is_passed_slowly_and_a_rest_is_kept() -> None:
     q = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [1.0, 1.0], [0.0, 1.0]])
     rates, limits = np.array([3.0, 3.0]), np.array([5.0, 5.0])
-    made = retimed(curve(q, np.array([0.0, 1.0, 2.0, 2.5, 3.5])), rates, limits, np.ones(2))
+    made = retime_path(curve(q, np.array([0.0, 1.0, 2.0, 2.5, 3.5])), rates, limits, np.ones(2))
     assert np.isfinite(made.times).all()
     took = usage(curve(made.q, made.times), rates, limits)
     assert took.slower <= 1 + 1e-9
@@ -182,7 +182,7 @@ def test_toppra_is_not_faster_by_much_nor_we_faster_than_it() -> None:
     one = bow(15, 0.2, 5)
     rates, limits = np.full(6, 2.0), np.full(6, 8.0)
     path = path_of(one, "cubic")
-    made = retimed(path, rates, limits, SCALE)
+    made = retime_path(path, rates, limits, SCALE)
     spline = polynomial(Trajectory("", one["t"], one["q"], True, (), one["v"], one["a"]), "cubic")
 
     class Path(toppra.interpolator.AbstractGeometricPath):

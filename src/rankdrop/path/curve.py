@@ -114,7 +114,7 @@ class Curve:
             stretch, share = spot
         return Place(stretch + 1, share, None if time is None else float(time[0]))
 
-    def here(self, place: Place) -> tuple[Array, Array]:
+    def configuration_and_slope(self, place: Place) -> tuple[Array, Array]:
         """(n,) configuration at a place, and the derivative by the share."""
         stretch, share = (np.array([part]) for part in self.spot(place))
         return self.at(stretch, share)[0], self.slope(stretch, share)[0]
@@ -219,7 +219,7 @@ def largest(control: Array, measure: Callable[[Array], Array], enough: float) ->
     return reached, bound
 
 
-def numbered(parts: Index) -> tuple[Index, Index]:
+def number_parts(parts: Index) -> tuple[Index, Index]:
     """Of stretches cut into so many parts each: the stretch of every part, and its number there, from 0."""
     stretch = np.repeat(np.arange(len(parts)), parts)
     return stretch, np.arange(len(stretch)) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -230,7 +230,7 @@ def boxes(control: Array) -> tuple[Array, Array]:
     return control.min(axis=1), control.max(axis=1)
 
 
-def straightened(control: Array) -> tuple[Array, Array, Array]:
+def chord_form(control: Array) -> tuple[Array, Array, Array]:
     """Each curve as c + Δ τ + e, |τ| ≤ 1, |e_k| ≤ ε_k: middle c, half the chord Δ, and ε, each (P, n).
 
     e is the same polynomial with control points e_j = b_j − (c + Δ (2j/d − 1)), the first and the last of them zero.

@@ -14,7 +14,7 @@ import numpy as np
 from rankdrop.cover.ball import LARGEST, ModelTolerance, certified_radius, displaced_jacobian
 from rankdrop.cover.certificates import file_hash, record_of
 from rankdrop.cover.setting import Setting, enclose, regular, settings_for, settings_for_near_arms
-from rankdrop.path.check.prove import centred, chosen, first_open
+from rankdrop.path.check.prove import centre_and_half_sides, chosen, first_open
 from rankdrop.path.check.record import CROSSING as CROSSES
 from rankdrop.path.check.record import FREE
 from rankdrop.path.curve import Curve, Place, boxes
@@ -161,23 +161,23 @@ def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluat
     displaced_jacobian(robot, setting, tolerance, rows)  # refuses what it is not for
     spent = 0
 
-    def kept(low: Array, high: Array) -> Mask:
+    def prove_boxes(low: Array, high: Array) -> Mask:
         nonlocal spent
         spent += len(low)
-        found = enclose(robot, setting, *centred(low, high, setting))
+        found = enclose(robot, setting, *centre_and_half_sides(low, high, setting))
         drift = displaced_jacobian(robot, setting, tolerance, rows, np.maximum(np.abs(low), np.abs(high)))
         return regular(found[3], found[2] + np.einsum("bi,bij->bj", drift, np.abs(found[5]))[:, None, :])
 
-    def decided(control: Array) -> tuple[Mask, Mask]:
+    def prove_pieces(control: Array) -> tuple[Mask, Mask]:
         low, high = boxes(control)
         if spent < evaluations:
-            done = kept(low, high)
+            done = prove_boxes(low, high)
         else:
             done = np.zeros(len(low), dtype=np.bool_)
         narrow = (high - low < _SHORTEST * setting.scale).all(axis=1)
         return done, ~done & (narrow | (spent >= evaluations))
 
-    return first_open(check.curve, kept, decided) < 0
+    return first_open(check.curve, prove_boxes, prove_pieces) < 0
 
 
 def margin(
@@ -202,7 +202,7 @@ def margin(
         return 0, 0
     spent = 0
 
-    def kept(low: Array, high: Array) -> Mask:
+    def prove_boxes(low: Array, high: Array) -> Mask:
         nonlocal spent
         spent += len(low)
         centre, rho = ball(low, high, setting)
@@ -213,13 +213,13 @@ def margin(
             done[tried] = radius * (1 - _OUTRIGHT) >= distance + rho[tried]
         return done
 
-    def decided(control: Array) -> tuple[Mask, Mask]:
+    def prove_pieces(control: Array) -> tuple[Mask, Mask]:
         nonlocal spent
         done, lost = np.zeros((2, len(control)), dtype=np.bool_)
         if spent + len(control) > evaluations:
             spent += len(control)
             return done, ~done
-        done = kept(*boxes(control))
+        done = prove_boxes(*boxes(control))
         centre, rho = ball(*boxes(control), setting)
         for i in np.flatnonzero(~done & (rho < _SHORT * distance)):
             radius = min((distance + float(rho[i])) * (1 + _OUTRIGHT), LARGEST)
@@ -231,10 +231,10 @@ def margin(
                 break
         return done, lost
 
-    return first_open(path, kept, decided), spent
+    return first_open(path, prove_boxes, prove_pieces), spent
 
 
 def ball(low: Array, high: Array, setting: Setting) -> tuple[Array, Array]:
     """Middles of boxes, and how far their corners are [rad; slides scaled]."""
-    centre, half = centred(low, high, setting)
+    centre, half = centre_and_half_sides(low, high, setting)
     return centre, np.linalg.norm(half[:, setting.matters], axis=1)

@@ -338,7 +338,7 @@ def check_poses(
     """
     check_robot(robot)
     how = PathOptions.of(options, given)
-    wanted = _checked(poses)
+    wanted = _validate_poses(poses)
     times = _times(t, len(wanted), "pose")
     resolved = followed_task(robot, task)
     check_tilt(robot, resolved, wanted, "poses")
@@ -479,7 +479,7 @@ def tip_apart(aim: Aim, q: Array, poses: Array) -> tuple[float, float]:
     return float(away.max(initial=0.0)), float(turned.max(initial=0.0))
 
 
-def _checked(poses: ArrayLike) -> Array:
+def _validate_poses(poses: ArrayLike) -> Array:
     wanted = as_numbers(poses, "poses", ConfigurationError)
     if wanted.ndim != 3 or wanted.shape[1:] != (4, 4) or not len(wanted):
         raise ConfigurationError("a tool path has one matrix for each pose", where="poses",

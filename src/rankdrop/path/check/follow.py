@@ -23,7 +23,7 @@ from rankdrop.local.block import singular_values
 from rankdrop.path.check.passing import Departure, Move, Turn, departures, internal_turn
 from rankdrop.path.check.solution_curve import CurvePart, follow_curve
 from rankdrop.path.check.tool_line import poses_at
-from rankdrop.path.curve import numbered
+from rankdrop.path.curve import number_parts
 from rankdrop.poses.inverse import Aim
 from rankdrop.problem import Mask
 from rankdrop.robot.model import Array, Robot
@@ -645,7 +645,7 @@ class _Walk:
             parts = np.where(wide > 1.0, np.clip(np.ceil(np.sqrt(_SPARE * wide)), 2, _PARTS), 1).astype(np.int64)
             if int(parts.sum()) > _PUT_IN:  # the step is halved instead
                 return None
-            k, part = numbered(parts)
+            k, part = number_parts(parts)
             at = np.append(known[k] + part / parts[k] * (known[k + 1] - known[k]), known[-1])
         return None
 

@@ -378,7 +378,7 @@ def check_program(
     """
     task = followed_task(robot, question.task)
     if program.raised:
-        raised = _raised(robot)
+        raised = _shoulder_height(robot)
     else:
         raised = 0.0
     walker = _Walker(robot, task, program, question, raised)
@@ -395,7 +395,7 @@ def check_program(
                 mend="write targets as numbers, or check parts of the program for themselves",
             )  # fmt: skip
         walked = walker.walk(moves, before, given=not parts and start is not None)
-        part = walker.checked(walked, progress)
+        part = walker.check_part(walked, progress)
         parts.append(part)
         if walked.rows:
             before = walked.rows[-1]
@@ -432,7 +432,7 @@ def _runs(program: Program) -> list[list[Move]]:
     return [run for run in runs if run]
 
 
-def _raised(robot: Robot) -> float:
+def _shoulder_height(robot: Robot) -> float:
     """Height of axis 2 above the base [m], where axis 1 is the vertical axis of the base and axis 2 is horizontal."""
     if len(robot.joints) < 2:
         return 0.0
@@ -686,14 +686,14 @@ class _Walker:
         """The solution in a posture that is nearest to a configuration, whole turns within the limits included."""
         if near is None or not len(solutions):
             return None
-        every = np.concatenate([self._turned(solution) for solution in solutions])
+        every = np.concatenate([self._add_whole_turns(solution) for solution in solutions])
         fits = every[[_fits(solution, posture) for solution in every]]
         if not len(fits):
             return None
         away = np.linalg.norm((fits - near) / joint_scale(self.robot, self.task), axis=1)
         return np.asarray(fits[away.argmin()])
 
-    def _turned(self, q: Array) -> Array:
+    def _add_whole_turns(self, q: Array) -> Array:
         """(k, n) a solution with all whole turns that the joint limits allow, at most one either way."""
         options = []
         for value, joint, low, high in zip(q, self.robot.variables, self.robot.lower, self.robot.upper, strict=True):
@@ -703,7 +703,7 @@ class _Walker:
             return q[None]
         return np.array(list(product(*options)))
 
-    def checked(self, walked: _Walked, progress: Callable[[int, int], None] | None) -> Part:
+    def check_part(self, walked: _Walked, progress: Callable[[int, int], None] | None) -> Part:
         """A part with its path checked."""
         question = self.question
         check = None

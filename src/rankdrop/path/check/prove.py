@@ -34,7 +34,7 @@ from rankdrop import _core
 from rankdrop.cover.setting import Setting, enclose, regular
 from rankdrop.kinematics import chain_of
 from rankdrop.local.departure import release_mimics
-from rankdrop.path.curve import Curve, Index, Spot, boxes, halves, straightened
+from rankdrop.path.curve import Curve, Index, Spot, boxes, chord_form, halves
 from rankdrop.robot.model import Array, JointKind, Robot
 
 Outcome = TypeVar("Outcome")
@@ -100,11 +100,11 @@ class Along:
             factors=[1 / length] * 3 + [1.0] * 3,
         )  # fmt: skip
 
-    def enclosed(self, middle: Array, chord: Array, extra: Array) -> Enclosed:
+    def enclose_curves(self, middle: Array, chord: Array, extra: Array) -> Enclosed:
         """Bounds over curves c + Δ τ + e.
 
         Args:
-            middle, chord, extra: (P, n) c, Δ and ε [rad, m], as from `straightened`.
+            middle, chord, extra: (P, n) c, Δ and ε [rad, m], as from `chord_form`.
         """
         setting = self.setting
         extra = extra + ROUNDED * (setting.scale + np.abs(middle) + np.abs(chord))
@@ -190,7 +190,7 @@ class Pieces:
     def __getitem__(self, which: Mask | slice) -> Pieces:
         return Pieces(self.stretch[which], self.start[which], self.end[which], self.control[which])
 
-    def halved(self) -> Pieces:
+    def halves(self) -> Pieces:
         """Both halves of each, in order."""
         middle = (self.start + self.end) / 2
         start, end = np.stack([self.start, middle], axis=1), np.stack([middle, self.end], axis=1)
@@ -280,12 +280,12 @@ def prove(
         work.report(len(np.unique(pieces.stretch)))
         kept = []
         for part in (pieces[i : i + _BATCH] for i in range(0, len(pieces), _BATCH)):
-            found = work.attempt(len(part), partial(_undecided, along, part, work, singular))
+            found = work.attempt(len(part), partial(_split_undecided, along, part, work, singular))
             if found is None:
                 work.give_up(part, narrow=False)
                 continue
             work.give_up(found[1], narrow=True)
-            kept.append(found[0].halved())
+            kept.append(found[0].halves())
         columns = (np.concatenate([getattr(part, name) for part in kept] or [getattr(pieces, name)[:0]])
                    for name in Pieces.__dataclass_fields__)  # fmt: skip
         pieces = Pieces(*columns)
@@ -312,19 +312,19 @@ def stretches_left(path: Curve, free: Callable[[Array, Array], Mask]) -> Index:
 
 
 def first_open(
-    path: Curve, kept: Callable[[Array, Array], Mask], decided: Callable[[Array], tuple[Mask, Mask]]
+    path: Curve, prove_boxes: Callable[[Array, Array], Mask], prove_pieces: Callable[[Array], tuple[Mask, Mask]]
 ) -> int:
     """A stretch for which something could not be shown, −1 where it is shown for all of a path.
 
     Args:
         path: the curve.
-        kept: (lower, upper) corners of boxes -> for which it is shown: of runs of stretches, tried first.
-        decided: control points of pieces -> for which it is shown, and which are given up; the others are halved.
+        prove_boxes: (lower, upper) corners of boxes -> for which it is shown: of runs of stretches, tried first.
+        prove_pieces: control points of pieces -> for which it is shown, and which are given up; the others are halved.
     """
-    stretch = stretches_left(path, kept)
+    stretch = stretches_left(path, prove_boxes)
     control = path.control[stretch]
     while len(control):
-        done, lost = decided(control)
+        done, lost = prove_pieces(control)
         if lost.any():
             return int(stretch[lost.argmax()])
         control, stretch = halves(control[~done]), np.repeat(stretch[~done], 2)
@@ -344,7 +344,7 @@ def box_tree(path: Curve) -> list[tuple[Array, Array]]:
 
 def free_boxes(robot: Robot, low: Array, high: Array, work: Proof) -> Mask:
     """(P,) which boxes are proven free; those too wide to be are not tried."""
-    centre, half = centred(low, high, work.setting)
+    centre, half = centre_and_half_sides(low, high, work.setting)
     free = np.zeros(len(low), dtype=np.bool_)
     tried = np.flatnonzero(np.linalg.norm(half[:, work.setting.matters], axis=1) < _WIDE)
     for part in (tried[i : i + _BATCH] for i in range(0, len(tried), _BATCH)):
@@ -355,15 +355,15 @@ def free_boxes(robot: Robot, low: Array, high: Array, work: Proof) -> Mask:
     return free
 
 
-def centred(low: Array, high: Array, setting: Setting) -> tuple[Array, Array]:
+def centre_and_half_sides(low: Array, high: Array, setting: Setting) -> tuple[Array, Array]:
     """Middles of boxes, and halves of their sides in scaled joints, rounding included."""
     centre = np.ascontiguousarray((low + high) / 2)
     return centre, ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
 
 
-def _undecided(along: Along, pieces: Pieces, work: Proof, singular: float) -> tuple[Pieces, Pieces]:
+def _split_undecided(along: Along, pieces: Pieces, work: Proof, singular: float) -> tuple[Pieces, Pieces]:
     """Those that are not free: to be halved, and as narrow as can be."""
-    middle, chord, extra = straightened(pieces.control)
+    middle, chord, extra = chord_form(pieces.control)
     scale, matters = along.setting.scale, along.setting.matters
     length = np.linalg.norm(((np.abs(chord) + extra) / scale)[:, matters], axis=1)
     free = np.zeros(len(pieces), dtype=np.bool_)
@@ -373,7 +373,7 @@ def _undecided(along: Along, pieces: Pieces, work: Proof, singular: float) -> tu
         free[~small] = free_boxes(along.robot, low, high, work)
     stuck = np.zeros(len(pieces), dtype=np.bool_)
     if small.any():
-        found = along.enclosed(middle[small], chord[small], extra[small])
+        found = along.enclose_curves(middle[small], chord[small], extra[small])
         free[small] = found.free
         stuck[small] = _stuck(along, pieces[small], found, length[small], singular)
     return pieces[~free & ~stuck], pieces[stuck & ~free]

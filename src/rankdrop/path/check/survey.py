@@ -476,7 +476,7 @@ class Survey:
             self.remarks = (*self.remarks, ("distances", (_SPOTS, len(without))))
         for k, (start, end, family, row) in enumerate(parts):
             place = self._place(best[k])
-            q, _ = self.path.here(place)
+            q, _ = self.path.configuration_and_slope(place)
             number, name, foot, distance = "", "", np.zeros(0), np.inf
             if family >= 0:
                 foot = self._ruler.feet(q[None], family, self._feet[row][None])[0]
@@ -587,7 +587,7 @@ class Survey:
 
     def _shares(self, place: Place, q: Array, corank: int) -> tuple[float, float]:
         """Of the tool's travel along the direction that is lost first; of the joints' motion that does not move it."""
-        travel = self.path.here(place)[1]
+        travel = self.path.configuration_and_slope(place)[1]
         parts = decompose(self.robot, q, self.task)
         moved = _core.jacobian(chain_of(self.robot), task_view(self.robot, self.task), q[None])[0] @ travel
         size, joints, weak, null = float(np.linalg.norm(moved)), float(np.linalg.norm(travel)), np.nan, np.nan

@@ -92,7 +92,7 @@ def mended_poses(
     assert given is not None
     writer = _Writer(check, given, remedy, analysis, acceleration)
     rows = writer.rows()
-    changed = rows.changed(given)
+    changed = rows.changed_moves(given)
     if not changed.any():
         return NoPoses.SAME
     times = writer.proven_times(rows, changed)
@@ -110,7 +110,7 @@ class _Rows:
     given: Index
     q: Array
 
-    def changed(self, poses: GivenPoses) -> Mask:
+    def changed_moves(self, poses: GivenPoses) -> Mask:
         """(K − 1,) moves that are not moves of the file as they were."""
         begin, end = self.given[:-1], self.given[1:]
         same = (begin >= 0) & (end == begin + 1)
@@ -269,9 +269,10 @@ class _Writer:
         times = None if rows.times is None else rows.times[part]
         tolerance = tip_tolerance(self.check.options, self.robot)
         branch = followed_branch(self.robot, matrices, q[0], self.task, tolerance, free=False)
+        if not branch.complete or branch.passed:
+            return NoPoses.UNPROVEN
         last = len(rows.given) - 1
-        on_branch = branch.complete and not branch.passed and (high == last or self._at(branch.last, q[-1]))
-        if not on_branch:
+        if high != last and not self._same_configuration(branch.last, q[-1]):
             return NoPoses.UNPROVEN
         path, times = self._within_rates(matrices, times, branch)
         if not self._holds(path):
@@ -298,7 +299,7 @@ class _Writer:
             path = timed_branch(self.robot, self.task, matrices, times, branch)
         return path, times
 
-    def _at(self, q: Array, other: Array) -> bool:
+    def _same_configuration(self, q: Array, other: Array) -> bool:
         return bool(np.abs((q - other) / self.aim.joints).max() <= _ON_BRANCH)
 
     def _holds(self, path: Curve) -> bool:

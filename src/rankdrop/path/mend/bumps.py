@@ -249,7 +249,7 @@ class Bumper:
             return [found[""]]
         return list(found.values())
 
-    def at(self, place: Array) -> Array:
+    def configurations(self, place: Array) -> Array:
         """(N, n) configurations of the path."""
         return self.path.at(*self.path.split(place))
 
@@ -303,7 +303,7 @@ class Bumper:
     def _depth(self, first: Stretch, second: Stretch) -> float:
         """Largest room between two crossings."""
         low, high = first.closest.place.position - 1.0, second.closest.place.position - 1.0
-        return float(self.tool.room(self.at(self._spread(low, high, _LOOKS))).max())
+        return float(self.tool.room(self.configurations(self._spread(low, high, _LOOKS))).max())
 
     def core(self, stretch: Stretch, clearance: float) -> Core:
         """The part of a path around one stretch that is nearer to a singularity than the clearance."""
@@ -325,7 +325,7 @@ class Bumper:
         while True:
             end = float(np.clip(here + sign * far, 0.0, self.lengths[-1]))
             place_at = np.interp(np.linspace(here, end, _OUTWARDS), self.lengths, rows)
-            clear = self.tool.room(self.at(place_at)) >= clearance
+            clear = self.tool.room(self.configurations(place_at)) >= clearance
             if clear.any():
                 return float(place_at[clear.argmax()])
             if end == last:
@@ -337,7 +337,7 @@ class Bumper:
         if core.low <= 0.0 or core.high >= len(self.path.control):
             return NoBump(core, Obstacle.END)
         places = self._spread(core.low, core.high, _LOOKS)
-        q, home = self.at(places), self.at(np.array([core.low, core.high]))
+        q, home = self.configurations(places), self.configurations(np.array([core.low, core.high]))
         sides = [(side, np.asarray(side(home), dtype=np.float64)) for side in self.sides]
         if any((at != 0).all() and at[0] != at[1] for _, at in sides):
             return NoBump(core, Obstacle.SIDE)
@@ -359,14 +359,14 @@ class Bumper:
         near = [candidate for candidate in found if candidate[0] <= _SIMPLER * least]
         return self._add_ramps(min(near, key=lambda candidate: (candidate[1], candidate[0]))[2])
 
-    def led(self, bump: Bump, clearance: float) -> Bump:
+    def lead_aside(self, bump: Bump, clearance: float) -> Bump:
         """A bump with the tool brought back to its path, led aside along the lost direction by the
         least that leaves room; the bump itself where that is no better.
         """
         size = self._size(bump.off)
         if size <= ON_PATH or self.aim is None or self.path.degree != 1:
             return bump
-        crossing = self.at(np.array([bump.core.stretches[0].closest.place.position - 1.0]))[0]
+        crossing = self.configurations(np.array([bump.core.stretches[0].closest.place.position - 1.0]))[0]
         for motion in lost_motions(self.aim, self.tool.rank, crossing):
             led = self._lead_along(bump, motion, size, clearance)
             if led is not None and self._size(led.off) < size:
@@ -378,13 +378,13 @@ class Bumper:
         room and keeps limits; None where that is not below `most`.
         """
         place = self._spread(*self.window(bump), _LOOKS)
-        before = self.at(place)
+        before = self.configurations(place)
         inner = (place >= bump.core.low) & (place <= bump.core.high)
 
         def good(way: Array, size: float) -> bool:
             led = replace(bump, twist=size * way)
-            q = self.changed([led], place)
-            if not np.isfinite(q).all() or (self.tool.limits and not self.tool.inside(q).all()):
+            q = self.changed_configurations([led], place)
+            if not np.isfinite(q).all() or (self.tool.limits and not self.tool.in_limits(q).all()):
                 return False
             if np.abs((q - before) / self.scale).max() > self.bound:
                 return False
@@ -411,7 +411,7 @@ class Bumper:
         """Directions of joint motion away from the singular set, and whether the tool is brought back."""
         normal = self.tool.rising(home[:1])[1][0]
         normal = normal / max(float(np.linalg.norm(normal)), 1e-300)
-        middle = self.at(np.array([(core.low + core.high) / 2]))
+        middle = self.configurations(np.array([(core.low + core.high) / 2]))
         kinds: list[tuple[Array, bool]] = [
             (np.eye(self.robot.n)[joint] * np.sign(normal[joint]), False)
             for joint in np.flatnonzero(np.abs(normal) >= _TURNED * np.abs(normal).max())
@@ -458,7 +458,7 @@ class Bumper:
 
         def clear(height: float) -> bool:
             moved = self._move_joints(q, height * way, null=null)
-            if not np.isfinite(moved).all() or (self.tool.limits and not self.tool.inside(moved).all()):
+            if not np.isfinite(moved).all() or (self.tool.limits and not self.tool.in_limits(moved).all()):
                 return False
             right = all((side(moved) == at[0]).all() for side, at in sides if (at != 0).all())
             return bool(right and (self.tool.room(moved) >= clearance).all())
@@ -497,7 +497,7 @@ class Bumper:
         larger than before.
         """
         low, high = self.window(bump)
-        if not np.isfinite(self.changed([bump], self._places([bump], low, high))).all():
+        if not np.isfinite(self.changed_configurations([bump], self._places([bump], low, high))).all():
             return False
         if self.path.times is None:
             return True
@@ -508,7 +508,7 @@ class Bumper:
     def _needs(self, bumps: list[Bump], first: float, last: float) -> tuple[float, float]:
         """Shares of the rate and acceleration limits between two rows."""
         place = self._places(bumps, first, last)
-        q, times = self.changed(bumps, place), self.time(place)
+        q, times = self.changed_configurations(bumps, place), self.time(place)
         speed = np.diff(q, axis=0) / np.diff(times)[:, None]
         rate = float((np.abs(speed) / self.rates).max(initial=0.0))
         bend = np.diff(speed, axis=0) / ((times[2:] - times[:-2]) / 2)[:, None]
@@ -516,11 +516,11 @@ class Bumper:
 
     def _window_off(self, bump: Bump) -> tuple[float, float]:
         place = self._places([bump], *self.window(bump))
-        q = self.changed([bump], place)
+        q = self.changed_configurations([bump], place)
         if bump.twist is not None:  # between rows the joints go straight
             place = np.concatenate([place, (place[1:] + place[:-1]) / 2])
             q = np.concatenate([q, (q[1:] + q[:-1]) / 2])
-        return self._off(self.at(place), q)
+        return self._off(self.configurations(place), q)
 
     def window(self, bump: Bump) -> tuple[float, float]:
         """Places between which a path is changed."""
@@ -545,7 +545,7 @@ class Bumper:
     def most_moved(self, bump: Bump) -> Array:
         """(n,) how far each joint is moved from the old path at most, with its sign [rad, m]."""
         place = self._places([bump], *self.window(bump))
-        return largest_move(self.changed([bump], place) - self.at(place))
+        return largest_move(self.changed_configurations([bump], place) - self.configurations(place))
 
     def _places(self, bumps: list[Bump], first: float = 0.0, last: float = np.inf) -> Array:
         """Rows between two places, and places between those of ramps that are far apart."""
@@ -563,9 +563,9 @@ class Bumper:
         place = np.unique(np.concatenate([np.arange(len(self.clock), dtype=np.float64), *added]))
         return place[(place >= first) & (place <= last)]
 
-    def changed(self, bumps: list[Bump], place: Array) -> Array:
+    def changed_configurations(self, bumps: list[Bump], place: Array) -> Array:
         """(N, n) configurations of the changed path."""
-        q = self.at(place)
+        q = self.configurations(place)
         kept, pull = q.copy(), np.zeros_like(q)
         twist = np.zeros((len(place), self.check.task.m))
         time = self.time(place)
@@ -600,7 +600,7 @@ class Bumper:
     def trajectory(self, bumps: list[Bump]) -> Trajectory:
         """The changed path: rows outside its windows as they were."""
         place = self._places(bumps)
-        q, whole = self.changed(bumps, place), place == np.floor(place)
+        q, whole = self.changed_configurations(bumps, place), place == np.floor(place)
         rows = self.path.samples
         still = np.ones(len(place), dtype=np.bool_)
         for bump in bumps:

@@ -40,7 +40,7 @@ from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box,
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.redundant import CLOSED, self_motion
 from rankdrop.path.check.follow import Followed, Pull, follow
-from rankdrop.path.curve import Curve, Index, numbered
+from rankdrop.path.curve import Curve, Index, number_parts
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.poses.inverse import Aim, distinct, near_and_within, within_limits
 from rankdrop.problem import Mask
@@ -144,11 +144,11 @@ class ToolPath:
         """(K,) of the joint path up to each place, increasing [rad; slides divided by the length scale]."""
         return np.concatenate([[0.0], np.cumsum(self._steps(self.q) + 1e-9)])
 
-    def shifted(self, left: Array, right: Array) -> ToolPath:
+    def shift(self, left: Array, right: Array) -> ToolPath:
         """The tool's path left · T · right: the base moved by left⁻¹, or the tool held in another way."""
         return replace(self, poses=left @ self.poses @ right, moved=(left @ self.moved[0], self.moved[1] @ right))
 
-    def followed(self, start: Array, pull: Pull | None = None) -> Followed:
+    def follow_branch(self, start: Array, pull: Pull | None = None) -> Followed:
         """The joint path on the branch of a start."""
         return follow(self.robot, self.poses, start, self.task, limits=self.limits, pull=pull)
 
@@ -166,13 +166,13 @@ class ToolPath:
         sigma, slope = self.rising(q)
         return np.asarray(sigma / np.maximum(np.linalg.norm(slope, axis=1), 1e-2))
 
-    def inside(self, q: Array) -> Mask:
+    def in_limits(self, q: Array) -> Mask:
         """(N,) within the joint limits, where they count."""
         if self.limits:
             return within_limits(self.robot, q)
         return np.ones(len(q), dtype=np.bool_)
 
-    def refined(self, run: Run) -> tuple[Self, Followed]:
+    def refine_run(self, run: Run) -> tuple[Self, Followed]:
         """A joint path at more places where it moves far between two, or far for how near it is to a
         singularity: a path that bounces off one comes nearer with every place, and is not complete.
         """
@@ -191,7 +191,7 @@ class ToolPath:
                 return tool, found
             if len(tool.place) + int(parts.sum()) > _MOST:
                 break
-            k, part = numbered(np.maximum(parts, 1))
+            k, part = number_parts(np.maximum(parts, 1))
             added = tool.place[k] + part / np.maximum(parts, 1)[k] * (tool.place[k + 1] - tool.place[k])
             tool = tool.at_places(np.append(added, tool.place[-1]))
         return tool, replace(found, complete=False)
@@ -252,7 +252,7 @@ def tool_path(robot: Robot, task: Task, path: Curve) -> ToolPath:
     parts = np.maximum(1, np.ceil(length / _FINE)).astype(np.int64)
     if int(parts.sum()) > max(_MOST, 2 * len(parts)):
         parts = np.ones(len(parts), dtype=np.int64)
-    stretch, part = numbered(parts)
+    stretch, part = number_parts(parts)
     place = np.append(stretch + part / parts[stretch], float(len(parts)))
     limits = bool(within_limits(robot, path.control.reshape(-1, robot.n)).all())
     q = path.at(*path.split(place))
@@ -269,7 +269,7 @@ def start_moved(tool: ToolPath) -> Array | None:
         return np.asarray(lead.q[-1])
     found, arrived = tool.aim.solve(tool.poses[:1], tool.q[:1])
     near = float(np.linalg.norm((found[0] - tool.q[0]) / tool.aim.joints)) < _REACHED
-    if arrived[0] and near and tool.inside(found)[0]:
+    if arrived[0] and near and tool.in_limits(found)[0]:
         return np.asarray(found[0])
     return None
 
@@ -299,7 +299,7 @@ Ranking = tuple[list[Candidate], Counter[str]]
 """Candidates that run the whole tool path, widest first; and how many of the others end for each reason."""
 
 
-def ranked(starts: Iterable[Start], count: int, report: Progress) -> Ranking:
+def rank_starts(starts: Iterable[Start], count: int, report: Progress) -> Ranking:
     """Each start followed on some places of its path.
 
     Args:
@@ -315,12 +315,12 @@ def ranked(starts: Iterable[Start], count: int, report: Progress) -> Ranking:
             ended["start"] += 1
             continue
         look = tool.coarse()
-        run, start = _begin_turn_away(look, start, pull, look.followed(start, pull))
+        run, start = _begin_turn_away(look, start, pull, look.follow_branch(start, pull))
         if not run.complete:
             ended[run.reason] += 1
             continue
         own = bool((start == tool.q[0]).all())
-        again = partial(ToolPath.followed, start=start, pull=pull)
+        again = partial(ToolPath.follow_branch, start=start, pull=pull)
         found.append(Candidate(tool, again, how, parameters, float(tool.room(run.q).min()), own))
     found.sort(key=lambda one: -one.room)
     report(count, count)
@@ -335,7 +335,7 @@ def _begin_turn_away(tool: ToolPath, start: Array, pull: Pull | None, found: Fol
         other = start.copy()
         other[joint] -= 2 * np.pi * np.sign(found.last[joint] - start[joint])
         if robot.lower[joint] <= other[joint] <= robot.upper[joint]:
-            again = tool.followed(other, pull)
+            again = tool.follow_branch(other, pull)
             if again.complete:
                 return again, other
     return found, start
@@ -348,7 +348,7 @@ def branches(tool: ToolPath, report: Progress) -> Ranking:
         pull = _pull(tool, 1.0)
     else:
         pull = None
-    ranking = ranked(((tool, start, pull, "branch", (_entry("start", start),)) for start in starts), len(starts),
+    ranking = rank_starts(((tool, start, pull, "branch", (_entry("start", start),)) for start in starts), len(starts),
                      report)  # fmt: skip
     if starts and not ranking[0] and tool.redundant:
         _plan(ranking, tool, starts, report, around=True)
@@ -424,7 +424,7 @@ def null_spaces(tool: ToolPath, report: Progress) -> Ranking:
     if traced is not None:
         rows = np.unique(np.linspace(0, len(traced) - 1, _ALONG).astype(int))[1:]
         starts += [(start, "elsewhere") for start in traced[rows]]
-    ranking = ranked(
+    ranking = rank_starts(
         ((tool, start, _pull(tool, strength), how, (_entry("start", start), ("pull to larger σ", strength, "")))
          for (start, how), strength in product(starts, _PULLS)), len(starts) * len(_PULLS), report,
     )  # fmt: skip
@@ -437,8 +437,9 @@ def null_spaces(tool: ToolPath, report: Progress) -> Ranking:
 def shifts(tool: ToolPath, most: float, report: Progress) -> Ranking:
     """The base moved by up to a length [m], in directions that the task knows."""
     steps = [most * share * way for way, share in product(_ways([row for row in tool.task.rows if row < 3]), _SHARES)]
-    moved = ((tool.shifted(translation(*(-step)), np.eye(4)), (_entry("base shift", step, "m"),)) for step in steps)
-    return ranked(((path, start_moved(path), None, "shift", numbers) for path, numbers in moved), len(steps), report)
+    moved = ((tool.shift(translation(*(-step)), np.eye(4)), (_entry("base shift", step, "m"),)) for step in steps)
+    starts = ((path, start_moved(path), None, "shift", numbers) for path, numbers in moved)
+    return rank_starts(starts, len(steps), report)
 
 
 def tilts(tool: ToolPath, most: float, report: Progress) -> Ranking:
@@ -446,9 +447,10 @@ def tilts(tool: ToolPath, most: float, report: Progress) -> Ranking:
     """
     rows = [row - 3 for row in tool.task.rows if row >= 3]
     turns = [(way, most * share) for way, share in product(_ways([row for row in rows if row < 2] or rows), _SHARES)]
-    moved = ((tool.shifted(np.eye(4), about_axis(way, angle)), (("tool tilt", angle, "rad"), _entry("axis", way, "")))
+    moved = ((tool.shift(np.eye(4), about_axis(way, angle)), (("tool tilt", angle, "rad"), _entry("axis", way, "")))
              for way, angle in turns)  # fmt: skip
-    return ranked(((path, start_moved(path), None, "tilt", numbers) for path, numbers in moved), len(turns), report)
+    starts = ((path, start_moved(path), None, "tilt", numbers) for path, numbers in moved)
+    return rank_starts(starts, len(turns), report)
 
 
 def _ways(axes: Sequence[int]) -> Iterator[Array]:
@@ -463,7 +465,7 @@ def _ways(axes: Sequence[int]) -> Iterator[Array]:
 def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], report: Progress, *, around: bool) -> bool:
     """One more for a ranking, planned over all self-motions; whether there is one."""
     found, ended = ranking
-    place, plan, free = planned(tool, np.array(starts), report, around=around)
+    place, plan, free = plan_path(tool, np.array(starts), report, around=around)
     if not len(plan):
         ended["plan"] += 1
         return False
@@ -471,11 +473,11 @@ def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], report: Pro
         how = "planned elsewhere"
     else:
         how = "planned"
-    found.append(Candidate(tool, along(place, plan), how, (_entry("start", plan[0]),), free, not around))
+    found.append(Candidate(tool, plan_as_run(place, plan), how, (_entry("start", plan[0]),), free, not around))
     return True
 
 
-def planned(tool: ToolPath, starts: Array, report: Progress, *, around: bool) -> tuple[Array, Array, float]:
+def plan_path(tool: ToolPath, starts: Array, report: Progress, *, around: bool) -> tuple[Array, Array, float]:
     """The best joint path that was found for a tool path of a redundant arm.
 
     Args:
@@ -507,14 +509,14 @@ def planned(tool: ToolPath, starts: Array, report: Progress, *, around: bool) ->
     return layers.place, q, float(_room(layers, q).min())
 
 
-def along(place: Array, plan: Array) -> Run:
+def plan_as_run(place: Array, plan: Array) -> Run:
     """A plan (K, n) at places (K,) as a joint path at the places of any tool path, polished to the poses there."""
 
     def run(tool: ToolPath) -> Followed:
         guess = _interpolate_plan(place, plan, tool.place)
         q, arrived = tool.aim.solve(tool.poses, guess)
         off = np.linalg.norm((q - guess) / tool.aim.joints, axis=1)
-        good = arrived & (off <= _OFF) & tool.inside(q)
+        good = arrived & (off <= _OFF) & tool.in_limits(q)
         if good.all():
             return Followed(q, tool.place + 1.0, True, float(len(q)), q[-1])
         count = int(good.argmin())
@@ -545,7 +547,7 @@ def _next_layer(tool: ToolPath, now: Layer, k: int) -> Layer:
     guess, origin = _null_motion_guesses(aim, before)
     q, arrived = aim.solve(np.broadcast_to(tool.poses[k], (len(guess), 4, 4)), guess)
     far = np.linalg.norm((q - before[origin]) / aim.joints, axis=1)
-    good = arrived & (far <= _JUMP * _sizes(aim)[0]) & tool.inside(q)
+    good = arrived & (far <= _JUMP * _sizes(aim)[0]) & tool.in_limits(q)
     q, origin, far = q[good], origin[good], far[good]
     if not len(q):
         return q, far, origin
@@ -561,7 +563,7 @@ def _self_motion_layer(tool: ToolPath, now: Layer) -> Layer:
     while len(fresh) and len(q) < _WIDEST:
         guess, _ = _null_motion_guesses(tool.aim, fresh)
         moved, arrived = tool.aim.solve(np.broadcast_to(tool.poses[0], (len(guess), 4, 4)), guess)
-        moved = moved[arrived & tool.inside(moved)]
+        moved = moved[arrived & tool.in_limits(moved)]
         if len(moved):
             moved = moved[_room(tool, moved) > _NEAR]
         else:
@@ -602,7 +604,7 @@ def _smooth(tool: ToolPath, q: Array, *, fixed: bool) -> Array:
         padded = np.concatenate([q[:1], q, q[-1:]])
         wanted = (padded[:-2] + 2 * q + padded[2:]) / 4
         moved, arrived = tool.aim.solve(tool.poses[first:], wanted[first:])
-        if not arrived.all() or not tool.inside(moved).all() or float(_room(tool, moved).min()) < least:
+        if not arrived.all() or not tool.in_limits(moved).all() or float(_room(tool, moved).min()) < least:
             break
         q = np.concatenate([q[:first], moved])
     return q

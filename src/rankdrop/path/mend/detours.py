@@ -137,7 +137,7 @@ class Detourer:
     bumper: Bumper
     bound: float
 
-    def found(self, crossings: list[Core], clearance: float) -> list[Detour | NoDetour]:
+    def find_detours(self, crossings: list[Core], clearance: float) -> list[Detour | NoDetour]:
         """One for each crossing in order, up to the first that has none; between them the tool is on its path."""
         start: Array | None = None  # at the beginning of the next window; None: on the old path
         final, out = float(len(self.bumper.path.control)), list[Detour | NoDetour]()
@@ -177,7 +177,7 @@ class Detourer:
         return self._same(made.high, made.q[-1])
 
     def _same(self, place: float, q: Array) -> bool:
-        return bool((np.abs(q - self.bumper.at(np.array([place]))[0]) < _BACK).all())
+        return bool((np.abs(q - self.bumper.configurations(np.array([place]))[0]) < _BACK).all())
 
     def _at_crossing(
         self, core: Core, ends: tuple[float, float, float, float], low: float, high: float, start: Array | None,
@@ -252,7 +252,7 @@ class Detourer:
         """Tool motions along the direction that is lost at a crossing, in the axes of `Aim`."""
         bumper = self.bumper
         place = core.stretches[0].closest.place.position - 1.0
-        return lost_motions(bumper.tool.aim, bumper.tool.rank, bumper.at(np.array([place]))[0])
+        return lost_motions(bumper.tool.aim, bumper.tool.rank, bumper.configurations(np.array([place]))[0])
 
     def _clear(self, moved: MovedTool, found: Followed, clearance: float) -> bool:
         return found.complete and float(moved.room(found.q).min()) >= _NEARER * clearance
@@ -287,12 +287,12 @@ class Detourer:
         place = np.unique(np.concatenate([rows, close.clip(low, high), [low, high]]))
         plain = {name: getattr(bumper.tool, name) for name in ToolPath.__dataclass_fields__}
         moved = MovedTool(**plain, twist=twist, ends=window.ends, clock=bumper.clock).at_places(place)
-        return moved, moved.followed(self._begin(window))
+        return moved, moved.follow_branch(self._begin(window))
 
     def _begin(self, window: Window) -> Array:
         """(n,) the configuration at the beginning of a window."""
         if window.start is None:
-            return np.asarray(self.bumper.at(np.array([window.low]))[0])
+            return np.asarray(self.bumper.configurations(np.array([window.low]))[0])
         return window.start
 
     def _refine_detour(self, moved: MovedTool, window: Window, clearance: float) -> Detour | None:
@@ -300,9 +300,9 @@ class Detourer:
         start = self._begin(window)
 
         def run(path: ToolPath) -> Followed:
-            return path.followed(start)
+            return path.follow_branch(start)
 
-        fine, found = moved.refined(run)
+        fine, found = moved.refine_run(run)
         if not found.complete or float(fine.room(found.q).min()) < _NEARER * clearance:
             return None
         off = self._off(fine.place, found.q)
@@ -311,14 +311,15 @@ class Detourer:
     def _off(self, place: Array, q: Array) -> tuple[float, float]:
         """How far the tool leaves the old path at rows, and in the middle between two: [m], [rad]."""
         places = np.concatenate([place, (place[1:] + place[:-1]) / 2])
-        return tool_off(self.bumper.robot, self.bumper.at(places), np.concatenate([q, (q[1:] + q[:-1]) / 2]))
+        old, new = self.bumper.configurations(places), np.concatenate([q, (q[1:] + q[:-1]) / 2])
+        return tool_off(self.bumper.robot, old, new)
 
     def changes(self, detours: list[Detour]) -> list[Change]:
         """What each of them changes."""
         bumper, out = self.bumper, []
         for one in detours:
             start, end = (bumper.path.place(bumper.point(place)) for place in (one.low, one.high))
-            moves = one.q - bumper.at(one.place)
+            moves = one.q - bumper.configurations(one.place)
             if self._back_on_path(one):
                 after = np.zeros_like(moves[-1])
             else:
@@ -360,9 +361,9 @@ class Detourer:
         place = np.concatenate([[low], between, [high]])
 
         def run(path: ToolPath) -> Followed:
-            return path.followed(start)
+            return path.follow_branch(start)
 
-        fine, found = tool.at_places(place).refined(run)
+        fine, found = tool.at_places(place).refine_run(run)
         if found.complete:
             return (fine.place[1:], found.q[1:])
         return None

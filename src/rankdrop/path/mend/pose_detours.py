@@ -140,7 +140,7 @@ class PoseDetourer:
         turned = np.linalg.norm(orientation_coordinates(turn, "rotvec"), axis=1)
         return np.concatenate([[0.0], np.cumsum(move + turned + 1e-9)])
 
-    def found(self, report: Callable[[int, int], None]) -> list[Window] | Blocked:
+    def find_windows(self, report: Callable[[int, int], None]) -> list[Window] | Blocked:
         """Windows after which the whole path is followed; else where there is none."""
         tool = self.check.tool
         assert tool is not None
@@ -402,7 +402,7 @@ class PoseDetourer:
     def _place(self, time: Array) -> Array:
         return np.asarray(np.interp(time, self.clock, np.arange(len(self.clock))))
 
-    def at(self, place: float) -> Place:
+    def place_at(self, place: float) -> Place:
         """A place by the number of its pose."""
         given = self.check.poses
         timed = given is not None and given.times is not None

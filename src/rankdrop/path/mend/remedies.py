@@ -42,7 +42,7 @@ from rankdrop.path.mend.candidates import (
 )
 from rankdrop.path.mend.detours import Detour, Detourer, NoDetour
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
-from rankdrop.path.mend.retime import Usage, retimed, usage
+from rankdrop.path.mend.retime import Usage, retime_path, usage
 from rankdrop.path.mend.slow_down import slowed_down
 from rankdrop.path.read.trajectory import Trajectory
 from rankdrop.questions import RemedyOptions
@@ -197,7 +197,7 @@ class Mending(Result):
 def blends(check: PathCheck, most: float) -> Iterator[Proposal]:
     """Paths with the corners nearest to where it reaches singularities cut, less first, the tool within `most` [m]."""
     robot, path = check.robot, check.curve
-    near = _reached(check)
+    near = _stretches_to_mend(check)
     steps = np.diff(path.control, axis=1)[:, 0] / joint_scale(robot, check.task)
     size = np.linalg.norm(steps, axis=1)
     cosine = (steps[1:] * steps[:-1]).sum(axis=1) / np.maximum(size[1:] * size[:-1], 1e-300)
@@ -237,7 +237,7 @@ def _ends_early(check: PathCheck) -> float | None:
     return check.tool.reached
 
 
-def _reached(check: PathCheck) -> list[Stretch]:
+def _stretches_to_mend(check: PathCheck) -> list[Stretch]:
     """The stretches that are not free; where all are, those that come nearer to a singularity than is asked."""
     bad = [stretch for stretch in check.stretches if stretch.verdict != FREE]
     return bad or [stretch for stretch in check.stretches if stretch.closest.distance < check.options.min_distance]
@@ -441,9 +441,9 @@ class _Mender:
     def _poses_detour(self, most: float) -> Iterator[Remedy | Failure]:
         """The poses moved around each singularity that they lead through, and the joints along them."""
         work = PoseDetourer(self.found, most, self._clearance())
-        windows = work.found(partial(self._report, DETOUR))
+        windows = work.find_windows(partial(self._report, DETOUR))
         if isinstance(windows, Blocked):
-            place = work.at(windows.place)
+            place = work.place_at(windows.place)
             yield DETOUR, (most, [(place, windows.hindrance, windows.needed)], 0)
             if windows.joint:
                 yield "range", (windows.joint, windows.beyond, self.found.robot)
@@ -453,7 +453,8 @@ class _Mender:
             return
         still = np.zeros(self.found.robot.n)
         changes = tuple(
-            Change(work.at(window.low), work.at(window.high), still, window.off, still) for window in windows
+            Change(work.place_at(window.low), work.place_at(window.high), still, window.off, still)
+            for window in windows
         )
         off = max(window.off[0] for window in windows), max(window.off[1] for window in windows)
         proposal = Proposal(("detour", len(windows)), (), work.trajectory(), off, changes)
@@ -540,7 +541,7 @@ class _Mender:
             return DETOUR, (most, [], len(stretches))
         cores = [bumper.core(stretch, clearance) for stretch in stretches]
         work = Detourer(bumper, most)
-        results = work.found(cores, clearance)
+        results = work.find_detours(cores, clearance)
         self._report(DETOUR, len(results), len(cores))
         detours = [result for result in results if isinstance(result, Detour)]
         failed = [(rows.place(bumper.path.place(bumper.spot(result.core))), result.hindrance, result.needed)
@@ -561,7 +562,7 @@ class _Mender:
 
     def _proposals(self, candidates: list[Candidate]) -> Iterator[Proposal]:
         for other in candidates[:_CHECKED]:
-            tool, followed = other.tool.refined(other.run)
+            tool, followed = other.tool.refine_run(other.run)
             if followed.complete:
                 made = tool.trajectory(followed.q, self.interpolate)
                 off = tool.deviation(made, self.interpolate)
@@ -594,7 +595,7 @@ class _Mender:
         made = slowed_down(path, *self.limits)
         if made is not None:
             return made[0]
-        return retimed(path, *self.limits, self.scale)
+        return retime_path(path, *self.limits, self.scale)
 
     def _slower(self) -> Remedy | Failure:
         """The path itself, slower around the places where it is too fast."""
@@ -614,7 +615,7 @@ class _Mender:
     def _in_new_time(self) -> Remedy | Failure:
         """The path itself inside its limits."""
         self._report(RETIME, 0, 1)
-        made = retimed(self.found.curve, *self.limits, self.scale)
+        made = retime_path(self.found.curve, *self.limits, self.scale)
         if usage(made.curve(self.interpolate), *self.limits).slower > _SLOWER:
             return RETIME, None
         remedy = self._as_remedy(RETIME, Proposal(("retime", None), (), made, (0.0, 0.0)), again=True)
@@ -647,7 +648,7 @@ class _Mender:
 
 def _bump_proposals(bumper: Bumper, bumps: list[Bump], clearance: float) -> Iterator[Proposal]:
     """A path with bumps: the tool brought back to its path where that is better; then as the bumps are."""
-    led = [bumper.led(bump, clearance) for bump in bumps]
+    led = [bumper.lead_aside(bump, clearance) for bump in bumps]
     if any(bump.twist is not None for bump in led):
         yield _bump_proposal(bumper, led)
     yield _bump_proposal(bumper, bumps)

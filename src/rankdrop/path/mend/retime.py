@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.path.curve import Curve, halves, numbered
+from rankdrop.path.curve import Curve, halves, number_parts
 from rankdrop.path.read.trajectory import Trajectory
 from rankdrop.robot.model import Array
 from rankdrop.text.remedies import BOUNDED
@@ -81,7 +81,7 @@ def _share(values: Array, limits: Array) -> float:
     return float((most / limits).max(initial=0.0))
 
 
-def retimed(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Trajectory:
+def retime_path(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Trajectory:
     """The same path in time: inside the limits everywhere, nowhere faster than it was, fast where it may be.
 
     Straight paths keep their rows, and get more on long stretches where accelerations are limited; others get rows on
@@ -104,7 +104,7 @@ def _straight(path: Curve, rates: Array, accelerations: Array, scale: Array) -> 
     if bounded:
         length = np.linalg.norm(steps / scale, axis=1)
         parts = np.maximum(1, np.ceil(_PARTS * length / max(float(length.sum()), 1e-300))).astype(np.int64)
-    stretch, part = numbered(parts)
+    stretch, part = number_parts(parts)
     q = np.concatenate([path.at(stretch, part / parts[stretch]), path.control[-1:, -1]])
     move = steps[stretch] / parts[stretch, None]
     if path.times is None:
@@ -130,7 +130,7 @@ def _smooth(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Tr
     lasts = np.diff(path.times)
     length = np.linalg.norm(np.diff(path.control, axis=1) / scale, axis=2).sum(axis=1)
     parts = np.clip(np.ceil(length / _PIECE[path.degree]), _FEWEST, _MOST).astype(np.int64)
-    stretch, part = numbered(parts)
+    stretch, part = number_parts(parts)
     step = lasts[stretch] / parts[stretch]
     low, middle, high = (derivatives(path, stretch, (part + at) / parts[stretch]) for at in (0.0, 0.5, 1.0))
     slope = np.concatenate([low[1], high[1][-1:]])

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.path.curve import Curve, Index, Spot, numbered
+from rankdrop.path.curve import Curve, Index, Spot, number_parts
 from rankdrop.path.mend.retime import usage
 from rankdrop.path.read.trajectory import Trajectory
 from rankdrop.problem import Mask
@@ -155,7 +155,7 @@ def _divide_stretches(times: Array, finely: Mask, longest: float) -> _Spans:
     """Stretches divided into equal spans no longer than `longest` [s] where they are to be, else as they are."""
     lasts = np.diff(times)
     parts = np.where(finely, np.ceil(lasts / longest), 1.0).astype(np.int64).clip(1)
-    stretch, part = numbered(parts)
+    stretch, part = number_parts(parts)
     share = part / parts[stretch]
     return _Spans(stretch, part, share, times[stretch] + share * lasts[stretch])
 

@@ -167,7 +167,7 @@ def through(
     direction, curved = (_vector(name, value, resolved) for name, value in (("along", along), ("bend", bend)))
     if not direction.any():
         raise OptionError("the path has no direction", where="along", got=direction.tolist())
-    found = _Path(there, there_task, into_metres(robot, at), direction * length, curved * length).classified()
+    found = _Path(there, there_task, into_metres(robot, at), direction * length, curved * length).classify()
     if len(found.joints):
         joints = out_of_metres(robot, found.joints)
     else:
@@ -205,7 +205,7 @@ class _Path:
     def _through(self, kind: str, *rest: Any) -> Through:
         return Through(self.robot, self.task, self.q, self.along, self.bend, kind, self.outside, *rest)
 
-    def classified(self) -> Through:
+    def classify(self) -> Through:
         """The kind, the order, and the law checked by finite motion."""
         if self.rank == self.full:
             return self._through(REGULAR, 1)

@@ -89,7 +89,7 @@ def bag_rows(name: str, joints: list[str], topic: str | None) -> bytes:
     Raises:
         TrajectoryError: as `read_bag`.
     """
-    store, reader, digest = _opened(Path(name))
+    store, reader, digest = _open_bag(Path(name))
     with _reading(name), reader as bag:
         chosen = _topic(list(bag.connections), name, topic)
         where = f"{name}, topic {chosen[0].topic}"
@@ -110,10 +110,10 @@ def bag_rows(name: str, joints: list[str], topic: str | None) -> bytes:
             if number < promised:
                 raise TrajectoryError("the bag is cut off", where=where, mend=BAG_MEND,
                                       got=f"{number} of {promised} messages")  # fmt: skip
-    return rows.packed(number)
+    return rows.pack(number)
 
 
-def _opened(path: Path) -> tuple[Callable[[bytes, str], Any], Any, Callable[[str], str]]:
+def _open_bag(path: Path) -> tuple[Callable[[bytes, str], Any], Any, Callable[[str], str]]:
     """How to read a message, the reader, and the digest that a type of ROS's own has."""
     from rosbags.rosbag1 import Reader as Reader1
     from rosbags.rosbag2 import Reader as Reader2
@@ -315,7 +315,7 @@ class _Rows:
                 raise TrajectoryError(f"the {what} is not finite", where=f"{at}, joint {joint!r}", got=value)
         return np.asarray(given[places])
 
-    def packed(self, count: int) -> bytes:
+    def pack(self, count: int) -> bytes:
         """Everything that was read of so many messages, in the order of time, as NumPy's archive."""
         if not self.rows:
             got = f"{count} messages" + (f" of {', '.join(sorted(self.others))}" if self.others else "")

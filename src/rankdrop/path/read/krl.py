@@ -25,12 +25,12 @@ from rankdrop.path.read.program_record import (
     Target,
     angle_target,
     in_base,
-    inside,
     joint_target,
     lines_of,
     number,
     parts_of,
     positive,
+    split_bracket,
     without_comment,
 )
 from rankdrop.robot.model import Array
@@ -105,7 +105,7 @@ class _Reader:
         elif word in _MOVES:
             kind = _MOVES[word]
             target, after = _target(rest, self.names, where)
-            speed = self.state.of(kind, after, self.names)
+            speed = self.state.speed_of(kind, after, self.names)
             blend = any(word in after.upper() for word in _BLENDS)
             self.listing.move(count, line, kind, in_base(target, self.state.base), speed, blend=blend)
         elif word == "$BASE" and not _is_label(rest):
@@ -183,7 +183,7 @@ class _State:
             self.base = np.eye(4) if value == "0" else None
         return what != "TOOL" or value == "0"
 
-    def of(self, kind: str, after: str, names: Names) -> Speed:
+    def speed_of(self, kind: str, after: str, names: Names) -> Speed:
         """The speed of a move; what stands behind its target may set it: WITH $VEL.CP = 0.2."""
         if kind == "joint":
             speed = self.joint
@@ -221,7 +221,7 @@ def _declare(names: Names, line: str, where: str) -> None:
         names.changed.add(base)
         return
     value = _literal(right, where) if right.startswith("{") else number(right)
-    names.put(name, right, value)
+    names.assign(name, right, value)
 
 
 def _assignment(line: str) -> tuple[str, str] | None:
@@ -240,7 +240,7 @@ def _assignment(line: str) -> tuple[str, str] | None:
 def _target(rest: str, names: Names, where: str) -> tuple[Target | Reason, str]:
     """The target that a text begins with, and what follows it."""
     if rest.startswith("{"):
-        found = inside(rest, "{")
+        found = split_bracket(rest, "{")
         if found is None:
             return Reason.EXPRESSION, ""
         after = found[1].strip()
@@ -276,7 +276,7 @@ def _literal(text: str, where: str) -> Target | Reason:
 
 def _components(text: str) -> dict[str, float] | None:
     """The components of a literal {…} by their names; None where it is none, or a value is no number."""
-    found = inside(text, "{")
+    found = split_bracket(text, "{")
     if found is None:
         return None
     within = found[0]

@@ -195,7 +195,7 @@ class Listing:
 
     def skip(self, line: int, text: str, reason: Reason) -> None:
         """Keep a line that was not read."""
-        self.items.append(Skipped(line, shown(text), reason))
+        self.items.append(Skipped(line, shorten_line(text), reason))
 
     def move(
         self, line: int, text: str, kind: Literal["joint", "line"], target: Target | Reason, speed: Speed, *,
@@ -213,7 +213,7 @@ class Listing:
         if self.moves > MOST_MOVES:
             raise TrajectoryError("the program has too many moves", where=f"{self.where}, line {line}",
                                   allowed=f"at most {MOST_MOVES:,}")  # fmt: skip
-        self.items.append(Move(line, shown(text), kind, target, speed, blend))
+        self.items.append(Move(line, shorten_line(text), kind, target, speed, blend))
 
 
 @dataclass
@@ -224,7 +224,7 @@ class Names:
     texts: dict[str, str] = field(default_factory=dict)
     changed: set[str] = field(default_factory=set)
 
-    def put(self, name: str, text: str, literal: object | None) -> None:
+    def assign(self, name: str, text: str, literal: object | None) -> None:
         """An assignment: its text, and the literal, None where it is none."""
         plain = "".join(text.split())
         if literal is None or (name in self.texts and self.texts[name] != plain):
@@ -252,7 +252,7 @@ class Names:
         return number(text)
 
 
-def shown(text: str) -> str:
+def shorten_line(text: str) -> str:
     """The beginning of a line, for people."""
     plain = visible(" ".join(text.split()))
     if len(plain) <= _SHOWN:
@@ -326,7 +326,7 @@ def parts_of(text: str, mark: str = ",", *, brackets: bool = True) -> list[str]:
     return [*parts, text[begin:].strip()]
 
 
-def inside(text: str, opens: str = "(") -> tuple[str, str] | None:
+def split_bracket(text: str, opens: str = "(") -> tuple[str, str] | None:
     """What is in the bracket that a text begins with, and what follows it; None where it is not closed."""
     plain = text.lstrip()
     if not plain.startswith(opens):
@@ -362,7 +362,7 @@ def is_program(path: str | Path) -> bool:
 
 
 def _numbers(text: str, depth: int) -> list[object] | None:
-    found = inside(text, "[")
+    found = split_bracket(text, "[")
     if found is None or found[1].strip() or depth > _DEEPEST:
         return None
     listed: list[object] = []

@@ -169,7 +169,7 @@ def _declare(names: Names, text: str, where: str) -> None:
     if base != name:
         names.changed.add(base)
         return
-    names.put(name, right, _literal(right.strip(), where))
+    names.assign(name, right, _literal(right.strip(), where))
 
 
 def _literal(text: str, where: str) -> object | None:
@@ -234,7 +234,7 @@ def _move(
 
 def _arguments(rest: str) -> list[tuple[str, dict[str, str]]]:
     """The arguments of a move with their switches, from the target on: switches alone in front of it are left out."""
-    arguments = [_switched(part) for part in parts_of(rest) if part]
+    arguments = [_split_switches(part) for part in parts_of(rest) if part]
     while arguments and not arguments[0][0]:
         arguments.pop(0)
     return arguments
@@ -254,7 +254,7 @@ def _goal(text: str, names: Names, where: str) -> Target | Reason:
     return Reason.EXPRESSION
 
 
-def _switched(part: str) -> tuple[str, dict[str, str]]:
+def _split_switches(part: str) -> tuple[str, dict[str, str]]:
     """An argument, and the optional ones behind it: v100\\V:=50 -> ("v100", {"v": "50"})."""
     value, *switches = parts_of(part, "\\")
     keys = (switch.partition(":=") for switch in switches)

@@ -20,13 +20,13 @@ from rankdrop.path.read.program_record import (
     Target,
     flat,
     in_range,
-    inside,
     joint_target,
     lines_of,
     number,
     numbers_of,
     parts_of,
     positive,
+    split_bracket,
     turned_target,
     without_comment,
 )
@@ -108,7 +108,7 @@ def _declare(names: Names, line: str, where: str) -> None:
             literal = found
         else:
             literal = None
-    names.put(name, right, literal)
+    names.assign(name, right, literal)
 
 
 def _assignment(line: str) -> tuple[str, str] | None:
@@ -145,7 +145,7 @@ def _target(text: str, names: Names, where: str) -> Target | Reason:
 
 def _move(listing: Listing, names: Names, count: int, line: str, word: str, rest: str) -> None:
     """movej(target, a = 1.4, v = 1.05, t = 0, r = 0), its settings in this order or by name."""
-    found = inside(rest)
+    found = split_bracket(rest)
     if found is None:
         listing.skip(count, line, Reason.EXPRESSION)
         return

@@ -21,7 +21,7 @@ from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
-from rankdrop.text.words import raised
+from rankdrop.text.words import superscript
 from rankdrop.tolerances import Tolerances
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain
@@ -367,4 +367,4 @@ def test_ways_out_of_a_high_order_are_printed() -> None:
     orders = [one.order for one in found.escape.single if one.order]
     rows = next(section.rows for section in found.sections(full=True) if section.title == "How to get out")
     assert sum(" per " in " ".join(row) for row in rows) == len(orders)
-    assert [raised(k) for k in (2, 5, 12)] == ["²", "⁵", "¹²"]
+    assert [superscript(k) for k in (2, 5, 12)] == ["²", "⁵", "¹²"]

@@ -86,7 +86,7 @@ def _short_condition(family: Family) -> str:
 def _asked_and_tested(analysis: Any, family: Family, exact: str) -> str:
     """What a family asks of the joints, the values outside the limits, and the share of a test that failed."""
     shown, outside = restrict_to_limits(family, analysis.robot, limits=analysis.settings.limits)
-    asked = _asked(analysis.robot, shown, exact)
+    asked = _family_condition(analysis.robot, shown, exact)
     if outside:
         asked += f"; outside the limits: {outside}"
     if family.soundness.agree < family.soundness.tested:
@@ -128,7 +128,7 @@ def _table(
     return Section("", columns=columns, rows=tuple(rows), texts=(1, 2), after=tuple(after))
 
 
-def _asked(robot: Robot, family: Family, exact: str) -> str:
+def _family_condition(robot: Robot, family: Family, exact: str) -> str:
     """What a family asks of the joints: values of pinned joints in degrees, then the condition or the joints in it."""
     if not family.named:
         return "no condition found"
@@ -303,7 +303,10 @@ def speed_section(analysis: Any) -> Section | None:
     else:
         lines = (slow_line(analysis.slow),)
     rows = [
-        (distance.family, names.get(distance.family, ""), _joints_of(distance), _kept(distance), _slower(distance))
+        (
+            distance.family, names.get(distance.family, ""), _joints_of(distance), _proven_distance(distance),
+            _slower(distance),
+        )  # fmt: skip
         for distance in told.distances
     ]
     return Section(
@@ -356,7 +359,7 @@ def _joints_of(distance: SpeedDistance) -> str:
     return ", ".join(map(str, distance.numbers))
 
 
-def _kept(distance: SpeedDistance) -> str:
+def _proven_distance(distance: SpeedDistance) -> str:
     """The proven distance, rounded up: "from 8.7° off 0°"."""
     if distance.kept_from is None:
         return "nowhere proven"

@@ -334,7 +334,7 @@ def notes_of(found: Derivation) -> tuple[str, ...]:
 def _note(words: Words, note: Note) -> Iterator[str]:
     what, facts = note
     if what == "unfactored":
-        yield _unfactored(**facts)
+        yield _unfactored_words(**facts)
         return
     if what == "screws":
         yield from _screws(words, **facts)
@@ -344,24 +344,24 @@ def _note(words: Words, note: Note) -> Iterator[str]:
         return
     case, elements = facts["case"], facts["elements"]
     if len(elements) == 6:
-        screw = _written(case.ring, elements)
+        screw = _screw_text(case.ring, elements)
     else:
         screw = _size(elements)
-    yield Formula(f"{_there(words, case)}: the screw reciprocal to joints {_joints(facts['joints'])} is {screw}")
+    yield Formula(f"{_case_words(words, case)}: the screw reciprocal to joints {_joints(facts['joints'])} is {screw}")
     known = list(dict.fromkeys(words.conjunction(one) for one in facts["vanishes"]))
     count = {6: "six", 3: "three"}.get(len(elements), str(len(elements)))
     said = f"all {count} elements vanish, and it says nothing, where {', or where '.join(known)}"
     yield f"  {said if known else 'it never vanishes there'}"
 
 
-def _there(words: Words, case: ZeroSet) -> str:
+def _case_words(words: Words, case: ZeroSet) -> str:
     """Where a case is: its pinned joints, or "in general"."""
     if case.pins:
         return words.conjunction(Conjunction(conditions_on(case)))
     return "in general"
 
 
-def _written(ring: Ring, elements: Sequence[Polynomial]) -> str:
+def _screw_text(ring: Ring, elements: Sequence[Polynomial]) -> str:
     """A screw by its elements, a long one by its number of terms."""
     if sum(map(len, elements)) > WRITTEN:
         return _size(elements)
@@ -385,8 +385,8 @@ def _screws(
 ) -> Iterator[str]:
     """The k screws that a case rests on, and the minor that makes them independent."""
     ring = case.ring
-    yield Formula(f"{_there(words, case)}: screws reciprocal to joints {_joints(joints) or 'none'}:")
-    yield from (Formula(f"  {_written(ring, screw)}") for screw in screws)
+    yield Formula(f"{_case_words(words, case)}: screws reciprocal to joints {_joints(joints) or 'none'}:")
+    yield from (Formula(f"  {_screw_text(ring, screw)}") for screw in screws)
     if len(minor) > WRITTEN:
         value = f"of {len(minor)} terms"
     else:
@@ -396,7 +396,7 @@ def _screws(
         yield Formula(f"  independent where |{_names(joints)}| of rows {names} is not zero: {value}")
 
 
-def _unfactored(choice: MinorChoice, terms: int, degree: int, zero: tuple[float, ...] | None) -> str:
+def _unfactored_words(choice: MinorChoice, terms: int, degree: int, zero: tuple[float, ...] | None) -> str:
     """A minor that stands as it is, and a configuration at which it vanishes."""
     of, joints, rows = choice
     name = minor_name(of, joints, [ROWS[row] for row in rows])
@@ -462,10 +462,10 @@ class Words:
     def _polynomial(self, sign: str, f: Polynomial) -> str:
         key = sign, str(f)
         if key not in self._known:
-            self._known[key] = self._written(f, sign)
+            self._known[key] = self._condition_text(f, sign)
         return self._known[key]
 
-    def _written(self, f: Polynomial, sign: str) -> str:
+    def _condition_text(self, f: Polynomial, sign: str) -> str:
         """A half-angle polynomial; a long one in sines and cosines where it has whole angles, else multiplied out."""
         if len(f) <= READABLE:
             return Condition(self._ring, f).text(sign)

@@ -26,7 +26,7 @@ from rankdrop.families.summary import (
     FamilySummary,
     RankSummary,
     Verdict,
-    summarised,
+    summarise_families,
 )
 from rankdrop.robot.quantities import count
 from rankdrop.text.families import share_text
@@ -131,14 +131,14 @@ def summary_of_analysis(analysis: Any) -> FamilySummary:
     tests = sum(summary.completeness.tested for summary in analysis.coranks)
     evidence = _EVIDENCE[of_analysis(analysis).claims]
     label = partial(family_label, analysis.robot, analysis.task)
-    return summarised(analysis.robot.name, analysis.generic_rank, analysis.families, evidence, tests, label)
+    return summarise_families(analysis.robot.name, analysis.generic_rank, analysis.families, evidence, tests, label)
 
 
 def summary_of_conditions(derived: Any) -> FamilySummary:
     """Facts of an exact derivation: families by rank, and how they were verified."""
     tests, evidence = derived.explained.tested, _EVIDENCE[of_conditions(derived).claims]
     label = partial(family_label, derived.robot, derived.task)
-    return summarised(derived.robot.name, derived.generic_rank, derived.families, evidence, tests, label)
+    return summarise_families(derived.robot.name, derived.generic_rank, derived.families, evidence, tests, label)
 
 
 def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
@@ -159,9 +159,9 @@ def of_analysis(analysis: Any, derived: Any = None) -> Verdict:
     if derived is not None and derived.in_families:  # of an unfinished one it says nothing that a point is on no family
         failures += [("disagreement", contradiction) for contradiction in derived.disagreements]
     if failures:
-        return _failed(failures, claims)
-    sentence = f"{_verified(analysis, derived=exact, exact=exact_claim)}{_apart(analysis, derived)}."
-    return Verdict(VERIFIED, claims, sentence)
+        return _failed_verdict(failures, claims)
+    verified = _verification_words(analysis, derived=exact, exact=exact_claim)
+    return Verdict(VERIFIED, claims, f"{verified}{_later_derivation(analysis, derived)}.")
 
 
 def _holds_in_families(derived: Any) -> bool:
@@ -174,7 +174,7 @@ def _claims(*claims: tuple[bool, str]) -> tuple[str, ...]:
     return tuple(claim for holds, claim in claims if holds)
 
 
-def _verified(analysis: Any, *, derived: bool, exact: bool) -> str:
+def _verification_words(analysis: Any, *, derived: bool, exact: bool) -> str:
     """How the families of an analysis were verified, in words without the full stop."""
     starts = sum(summary.starts for summary in analysis.coranks)
     tests = count(sum(summary.completeness.tested for summary in analysis.coranks), "random test")
@@ -193,7 +193,7 @@ def _verified(analysis: Any, *, derived: bool, exact: bool) -> str:
     return f"Sampled: no singular configuration from {count(starts, 'start')}, which is no proof of absence"
 
 
-def _apart(analysis: Any, derived: Any) -> str:
+def _later_derivation(analysis: Any, derived: Any) -> str:
     """What the verdict on an analysis adds about conditions that were derived later, or not derived."""
     if analysis.exact is not None and analysis.exact.agrees:
         return ""
@@ -247,7 +247,7 @@ def of_conditions(derived: Any, tested: str = "exact") -> Verdict:
     if tested != "exact":
         failures.append(("condition", "too small and too large" if tested == "both" else tested))
     if failures:
-        return _failed(failures, claims)
+        return _failed_verdict(failures, claims)
     return _derivation_verdict(derived, claims)
 
 
@@ -263,10 +263,10 @@ def _derivation_verdict(derived: Any, claims: tuple[str, ...]) -> Verdict:
         end = f"; {cases_words(len(derived.undivided))}{end}"
     if points:
         return Verdict(VERIFIED, claims, f"Verified by {how} and {count(points, 'random test')}{end}")
-    return _untested(derived, claims, how, exactly, end)
+    return _untested_verdict(derived, claims, how, exactly, end)
 
 
-def _untested(derived: Any, claims: tuple[str, ...], how: str, exactly: str, end: str) -> Verdict:
+def _untested_verdict(derived: Any, claims: tuple[str, ...], how: str, exactly: str, end: str) -> Verdict:
     """The verdict where no singular configuration was found numerically, or none was looked for."""
     if derived.settings.points and not (derived.families or derived.undivided):
         searched = "a search from random starts found no singular configuration either"
@@ -304,7 +304,7 @@ def _exactness(chain: Chain) -> tuple[str, str]:
     return "a derivation for rounded numbers", f"; {texts[0]}{more}: the conditions are those of the rounded arm"
 
 
-def _failed(failures: Sequence[Failure], claims: tuple[str, ...]) -> Verdict:
+def _failed_verdict(failures: Sequence[Failure], claims: tuple[str, ...]) -> Verdict:
     """The worst failure gives the word; the first of each kind is reported, with the number of the others."""
     texts: dict[str, list[str]] = {word: [] for word in _OPENING}
     for key, *facts in failures:

@@ -155,18 +155,18 @@ class Code:
     def python(self) -> str:
         """A Python module: one function per family, q (..., n) -> residuals (..., m), lengths as keyword arguments."""
         functions = [*map(self._python_family, self.families), *map(self._python_minor, self.determinants)]
-        forms = [one.form for one in flat_map(_stated, self.families)]
+        forms = [one.form for one in flat_map(_conditions_of, self.families)]
         needed = functions_of([*forms, *(one.value.form for one in self.determinants)])
         minors = "".join(f'    "{one.mark}": {one.mark},\n' for one in self.determinants)
         return _PYTHON.format(
-            title=_TITLE.format(_plain(self.robot)), explained="\n".join(self._explained()),
+            title=_TITLE.format(_plain(self.robot)), explained="\n".join(self._explanation_lines()),
             imports=f"from numpy import {', '.join(needed)}\n" * bool(needed), functions="\n\n".join(functions),
             families="".join(f'    "{family.id}": {_function(family.id)},\n' for family in self.families),
             names="".join(f'    "{family.id}": "{_plain(family.name)}",\n' for family in self.families),
         ) + (_PYTHON_MINORS.format(minors) if minors else "")  # fmt: skip
 
     def _python_family(self, family: Family) -> str:
-        stated = _stated(family)
+        stated = _conditions_of(family)
         residuals = [one.code(self._python_notation) for one in stated]
         said = [f"{_plain(family.name)}, corank {family.corank}.", "", *(one.text() for one in stated)]
         return self._python_function(
@@ -216,7 +216,7 @@ class Code:
             lengths.append(("LENGTH", 1.0, "slides are divided by it in distances"))
         macros = (_C_LENGTH.format(macro=f"{guard}_{name}", value=value, meaning=what) for name, value, what in lengths)
         notation = C(shifts=self.shifts, names={name: f"{guard}_{name}" for name in self.letters})
-        said = "\n * ".join(map(_comment, (_TITLE.format(_comment(self.robot)), *self._explained())))
+        said = "\n * ".join(map(_comment, (_TITLE.format(_comment(self.robot)), *self._explanation_lines())))
         return "".join([
             f"/* {said}\n */\n#ifndef {guard}_H\n#define {guard}_H\n\n#include <math.h>\n\n", *macros,
             *(self._c_family(family, f"{mark}_{_mark(family.id)}", notation) for family in self.families),
@@ -224,7 +224,7 @@ class Code:
         ])  # fmt: skip
 
     def _c_family(self, family: Family, mark: str, notation: C) -> str:
-        stated = _stated(family)
+        stated = _conditions_of(family)
         slopes = [
             f"    gradient[{i}][{j - 1}] = {text};"
             for i, one in enumerate(stated) for j, text in one.gradient(notation).items()
@@ -319,7 +319,7 @@ class Code:
         rows: list[str] = []
         long: list[str] = []
         for family in self.families:
-            told = [f"${one.latex()}$" for one in _stated(family)]
+            told = [f"${one.latex()}$" for one in _conditions_of(family)]
             if sum(map(len, told)) > _LONG_CELL:
                 long.append(rf"\par\smallskip\noindent {family.id}: {'; '.join(told)}\par")
                 told = ["see below"]
@@ -331,7 +331,7 @@ class Code:
     def _joint_shifts(self) -> Iterator[tuple[int, float]]:
         yield from ((j, float(shift)) for j, shift in enumerate(self.shifts, 1) if shift)
 
-    def _explained(self) -> list[str]:
+    def _explanation_lines(self) -> list[str]:
         lines = [
             f"q1 to q{self.n} are joint variables in rad, those of slides in m; lengths are in m.",
             "A configuration lies on a family where all residuals are zero. s_i = sin θi, c_ij = cos(θi + θj).",
@@ -342,7 +342,7 @@ class Code:
         return lines
 
 
-def _stated(family: Family) -> tuple[AnglePin | Condition, ...]:
+def _conditions_of(family: Family) -> tuple[AnglePin | Condition, ...]:
     """Every condition of a derived family, those of pinned joints first."""
     exact = exact_of(family)
     return (*exact.pins, *exact.polynomials)

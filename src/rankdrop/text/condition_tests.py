@@ -37,10 +37,10 @@ def _lint(result: LintResult) -> Iterator[str]:
         yield f"{start} has no real zero: it {verdict}."
     for one in result.missing:
         example = one.example
-        value = f"{_at(example)} it is {_number(example.value)}, σ = {_sigma(example)}."
+        value = f"{_example_place(example)} it is {_number(example.value)}, σ = {_sigma(example)}."
         yield Formula(f"Singular but left out: {one.conditions}; {value}")
     for one in result.extra:
-        yield f"Taken in but regular: {one.conditions}; {_at(one.example)} σ = {_number(one.example.sigma)}."
+        yield f"Taken in but regular: {one.conditions}; {_example_place(one.example)} σ = {_number(one.example.sigma)}."
     if result.any_lengths is False and result.verdict == "exact":
         yield "That is so for the lengths of this arm, not for all lengths."
 
@@ -53,7 +53,7 @@ def lint_remarks(result: LintResult) -> tuple[str, ...]:
     return (*not_real, *special, *undecided)
 
 
-def _at(example: Example) -> str:
+def _example_place(example: Example) -> str:
     return f"at q = ({', '.join(_number(value, 6) for value in example.degrees)}) [°, m]"
 
 

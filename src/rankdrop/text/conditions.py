@@ -105,7 +105,7 @@ def condition_sections(conditions: Any, *, families: bool = True) -> tuple[Secti
         conditions: what was derived.
         families: False leaves out the families, of coranks that have any.
     """
-    parts = (_steps, _determinants, *((_coranks,) if families else ()), _no_coranks, _undivided_sections, _assumed,
+    parts = (_steps, _determinants, *((_coranks,) if families else ()), _no_coranks, _undivided_sections, _assumptions,
              _not_real, _checks, _unfinished_sections)  # fmt: skip
     return tuple(flat_map(lambda part: part(conditions), parts))
 
@@ -313,7 +313,7 @@ def condition_lines(family: Family) -> list[str]:
     return [Formula(part) for part in ([line] if len(line) <= _TOGETHER else parts)]
 
 
-def _assumed(conditions: Any) -> Iterator[Section]:
+def _assumptions(conditions: Any) -> Iterator[Section]:
     lines = []
     for assumption in conditions.assumptions:
         if assumption.equal and assumption.families:

@@ -127,8 +127,8 @@ def sweep_sections(designs: Any, *, every: bool = False) -> Iterator[Section]:
     """As sections of text; `every`: all variants, not only the Pareto-optimal ones."""
     yield Section("", lines=sweep_summary(designs))
     ranges = tuple(
-        (parameter.name, ", ".join(map(str, parameter.places)), shown(parameter.lower, parameter),
-         shown(parameter.upper, parameter))
+        (parameter.name, ", ".join(map(str, parameter.places)), parameter_text(parameter.lower, parameter),
+         parameter_text(parameter.upper, parameter))
         for parameter in designs.parameters
     )
     where = _limits_words(designs.spec.limits)
@@ -177,7 +177,7 @@ def _wants(designs: Any) -> str:
 
 def variant_row(designs: Any, record: Mapping[str, Any]) -> tuple[str, ...]:
     """Parameters and measures of a variant, for people."""
-    values = [shown(x, parameter) for x, parameter in zip(record["values"], designs.parameters, strict=True)]
+    values = [parameter_text(x, parameter) for x, parameter in zip(record["values"], designs.parameters, strict=True)]
     return (*values, *(measure_cell(name, record) for name in designs.measures))
 
 
@@ -206,7 +206,7 @@ def _families(designs: Any) -> Iterator[Section]:
         if number > 1:
             told = _difference(common, structure)
         ends = zip(designs.parameters, structure.ranges, strict=True)
-        where = ", ".join(f"{p.name} {shown(low, p)} … {shown(high, p)}" for p, (low, high) in ends)
+        where = ", ".join(f"{p.name} {parameter_text(low, p)} … {parameter_text(high, p)}" for p, (low, high) in ends)
         rows.append((str(number), f"{len(structure.variants):,}", told, where))
     more = _not_shown(len(found) - SHOWN, "more")
     told = "the commonest first; the others by what they have more (+) and less (−)"
@@ -234,20 +234,22 @@ def _changes_section(designs: Any) -> Section:
         first, into = " and ".join(before), " and ".join(after)
         if not before:
             first, into = into, ""
-        rows.append((kind, first, into, str(pairs), _between(designs, places)))
+        rows.append((kind, first, into, str(pairs), _brackets_words(designs, places)))
     more = _not_shown(len(counts) - SHOWN, "more kinds")
     columns = ("", "family", "into", "pairs", "between")
     return Section("Between neighbours", "differences, and where they are", columns=columns, rows=tuple(rows),
                    texts=(0, 1, 2, 4), after=more, notes=(_BETWEEN,))  # fmt: skip
 
 
-def _between(designs: Any, places: Sequence[Any]) -> str:
+def _brackets_words(designs: Any, places: Sequence[Any]) -> str:
     told = []
     for parameter in designs.parameters:
         mine = [place for place in places if place.parameter == parameter.name]
         brackets = sorted({(min(p.low, p.high), max(p.low, p.high)) for p in mine})
         if brackets:
-            words = ", ".join(f"{shown(low, parameter)} and {shown(high, parameter)}" for low, high in brackets[:3])
+            words = ", ".join(
+                f"{parameter_text(low, parameter)} and {parameter_text(high, parameter)}" for low, high in brackets[:3]
+            )
             if len(brackets) > 3:
                 words += " …"
             told.append(f"{parameter.name}: {words}")
@@ -403,7 +405,7 @@ _CELLS: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
 """Measures with bounds -> their cell, from the measure as text and the record."""
 
 
-def shown(value: float, parameter: Any) -> str:
+def parameter_text(value: float, parameter: Any) -> str:
     """A value of a parameter for people: "0.425 m", "30°"."""
     if parameter.measure == "angle":
         return f"{degrees(value):.6g}°".replace("-", "−")

@@ -48,7 +48,7 @@ from rankdrop.text.words import (
     POINTING_HERE,
     degrees_hint,
     failures_table,
-    fixed,
+    fixed_point,
     joint_word,
     minus,
     numbers,
@@ -131,7 +131,7 @@ def _joint_values(robot: Robot, q: Array) -> tuple[tuple[str, ...], ...]:
     unit = "rad"
     if any(joint.unit == "m" for joint in joints):
         unit = "rad, m"
-    first = (unit, *map(fixed, q))
+    first = (unit, *map(fixed_point, q))
     if not any(joint.unit == "rad" for joint in joints):
         return (first,)
     second = ["deg"]
@@ -190,7 +190,7 @@ def _angle_or_length(value: float, unit: str) -> str:
     return f"{short(value)} m"
 
 
-def _listed(head: str, items: Iterable[str]) -> tuple[str, ...]:
+def _list_line(head: str, items: Iterable[str]) -> tuple[str, ...]:
     """One line that lists things; none where there are none."""
     texts = "; ".join(items)
     if texts:
@@ -198,17 +198,17 @@ def _listed(head: str, items: Iterable[str]) -> tuple[str, ...]:
     return ()
 
 
-def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
+def _family_section(explanation: Explanation, full: bool) -> Iterator[Section]:
     met, notes = explanation.met, tuple[str, ...]()
     own = [incidence for incidence in met if incidence.family.corank == met[0].family.corank]
     lines: list[str] = []
     for incidence in own[: None if full else 2]:
         lines += _family_lines(explanation, incidence, full)
     if full:
-        lines += _listed("lies on", (incidence.family.name for incidence in met if incidence not in own))
-        lines += _listed("here", (relation.words for relation in explanation.relations if not relation.structural))
+        lines += _list_line("lies on", (incidence.family.name for incidence in met if incidence not in own))
+        lines += _list_line("here", (relation.words for relation in explanation.relations if not relation.structural))
         structural = (relation.words for relation in explanation.relations if relation.structural)
-        notes = _listed("at every configuration", structural)
+        notes = _list_line("at every configuration", structural)
     if lines or notes:
         yield Section("Which singularity" if met else "Axes", focus_words(explanation), tuple(lines), notes=notes)
 
@@ -430,7 +430,7 @@ def _redundancy(explanation: Explanation, full: bool) -> Iterator[Section]:
         f"projector I − J⁺J: ‖PP − P‖ ≤ {power(spare.idempotent)}, ‖JP‖ ≤ {power(spare.annihilates)}; "
         f"Jin's I − Jᵀ(JJᵀ)†J differs by at most {power(spare.difference)}",
     ]
-    rows = tuple(tuple(fixed(value) for value in row) for row in spare.null_basis)
+    rows = tuple(tuple(fixed_point(value) for value in row) for row in spare.null_basis)
     columns = tuple(f"{number} {joint.name}" for number, joint in enumerate(explanation.robot.variables, start=1))
     title = "Joint motions that leave the task still"
     yield Section(title, "" if rows else "none", tuple(lines), columns if rows else (), rows, texts=(),
@@ -474,7 +474,7 @@ def _more(_: Explanation, full: bool) -> Iterator[Section]:
 
 PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "summary": _summary,
-    "which": _which,
+    "which": _family_section,
     "lost": lambda explanation, full: chain(lost_sections(explanation, full), never_sections(explanation, full)),
     "escape": escape_sections,
     "far": far_sections,

@@ -63,7 +63,7 @@ def joint_symbol(number: int, kind: str) -> str:
 
 def value_text(value: float, kind: str = "revolute") -> str:
     """One value: "π/2", "0.7731 (44.30°)" or, for a prismatic joint, "0.25 m"."""
-    return _joined(_value_parts(value, kind))
+    return _value_and_degrees(_value_parts(value, kind))
 
 
 def _value_parts(value: float, kind: str) -> tuple[str, str]:
@@ -75,7 +75,7 @@ def _value_parts(value: float, kind: str) -> tuple[str, str]:
     return f"{value:.4f}".replace("-", "−"), f"{degrees(value):.2f}°".replace("-", "−")
 
 
-def _joined(parts: tuple[str, str]) -> str:
+def _value_and_degrees(parts: tuple[str, str]) -> str:
     number, angle = parts
     if angle:
         return f"{number} ({angle})"
@@ -84,10 +84,10 @@ def _joined(parts: tuple[str, str]) -> str:
 
 def values_text(values: Iterable[float], kind: str = "revolute") -> str:
     """A set of values, v and −v merged: "0, π", "±π/2", "±0.7731 (±44.30°)"."""
-    return ", ".join(map(_joined, _merged(values, kind)))
+    return ", ".join(map(_value_and_degrees, _merge_signs(values, kind)))
 
 
-def _merged(values: Iterable[float], kind: str) -> Iterator[tuple[str, str]]:
+def _merge_signs(values: Iterable[float], kind: str) -> Iterator[tuple[str, str]]:
     """`_value_parts` of a set of values, v and −v as one."""
     left = sorted(values, key=lambda value: (abs(value), value))
     while left:
@@ -174,7 +174,7 @@ def joint_cell(family: Family, number: int, kind: str) -> Cell:
     mark = FREE if number in family.free else COUPLED
     pinned = any(pin.number == number for pin in family.pinned)
     if pinned:
-        return tuple(map(_joined, joint_values(family, number, kind)))
+        return tuple(map(_value_and_degrees, joint_values(family, number, kind)))
     return mark
 
 
@@ -182,7 +182,7 @@ def joint_values(family: Family, number: int, kind: str) -> tuple[tuple[str, str
     """What a family asks of one joint: each value, and the same in degrees or ""; × for free, c for coupled."""
     for pinned in family.pinned:
         if pinned.number == number:
-            return tuple(_merged(pinned.values, kind))
+            return tuple(_merge_signs(pinned.values, kind))
     return ((FREE if number in family.free else COUPLED, ""),)
 
 
@@ -248,7 +248,7 @@ class Inside:
         """Whether every pinned joint has a value inside its limits."""
         return all(pin.values for pin in self.pinned)
 
-    def shown(self, family: Family) -> Family:
+    def with_values_inside(self, family: Family) -> Family:
         """The family with the values inside; a joint that has none keeps its values."""
         kept = (mine if mine.values else given for mine, given in zip(self.pinned, family.pinned, strict=True))
         return replace(family, pinned=tuple(kept))
@@ -260,7 +260,7 @@ def inside_limits(family: Family, robot: Robot) -> Inside:
     for pin in family.pinned:
         j = pin.number - 1
         bounds = np.array([robot.lower[j], robot.upper[j]])
-        moved = [_moved(value, bool(robot.periodic[j]), bounds) for value in pin.values]
+        moved = [_nearest_turn_inside(value, bool(robot.periodic[j]), bounds) for value in pin.values]
         kept.append(replace(pin, values=tuple(value for value in moved if value is not None)))
         outside = tuple(value for value, there in zip(pin.values, moved, strict=True) if there is None)
         if outside:
@@ -268,7 +268,9 @@ def inside_limits(family: Family, robot: Robot) -> Inside:
     return Inside(tuple(kept), tuple(left))
 
 
-def _moved(value: float, periodic: bool, bounds: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float | None:
+def _nearest_turn_inside(
+    value: float, periodic: bool, bounds: np.ndarray[tuple[int], np.dtype[np.float64]]
+) -> float | None:
     options = nearest_turns(np.array([value]), value, periodic, bounds)
     if not len(options):
         return None
@@ -360,7 +362,7 @@ def restrict_to_limits(row: Family, robot: Robot, *, limits: bool) -> tuple[Fami
     if not limits:
         return row, ""
     inside = inside_limits(row, robot)
-    return inside.shown(row), outside_text(inside, robot) if inside.outside else ""
+    return inside.with_values_inside(row), outside_text(inside, robot) if inside.outside else ""
 
 
 def at_witness(row: Family) -> bool:
@@ -621,7 +623,8 @@ def near_overview(near: Near, families: Sequence[Family]) -> Section:
         f"Within {degrees(near.within):.4g}° of singularities", f"share of {where}, distance over all joints",
         columns=("", "family", "share", "±", "95 %"),
         rows=tuple(
-            (id, name, _percent(share), f"{100 * share.error:.2g} %", _between(share)) for id, name, share in rows
+            (id, name, _percent(share), f"{100 * share.error:.2g} %", _interval_words(share))
+            for id, name, share in rows
         ),
         texts=(0, 1), notes=tuple(notes),
     )  # fmt: skip
@@ -671,6 +674,6 @@ def _percent(share: NearShare) -> str:
     return f"{AT_LEAST if share.bound else ''} {100 * share.share:.3g} %".strip()
 
 
-def _between(share: NearShare) -> str:
+def _interval_words(share: NearShare) -> str:
     low, high = (100 * end for end in share.interval)
     return f"{low:.2g} … {high:.2g} %"

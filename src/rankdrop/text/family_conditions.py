@@ -29,7 +29,7 @@ class _Condition(NamedTuple):
     letters: frozenset[str] = frozenset()
 
 
-def _written(robot: Robot, task: Task, family: Family) -> tuple[list[_Condition], Record] | None:
+def _shipped_conditions(robot: Robot, task: Task, family: Family) -> tuple[list[_Condition], Record] | None:
     """Conditions, beyond pinned joints, and lengths shipped for this family; None for another arm or another family.
 
     Conditions that count an angle from elsewhere than the joint does are left out: they read as if they were of q.
@@ -76,10 +76,10 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
         task: its rows.
         family: of the catalogue, of an analysis, or found on the spot.
     """
-    written = _written(robot, task, family)
+    written = _shipped_conditions(robot, task, family)
     if written is None and not family.equations:
         return local_conditions(family) or ("no condition found",)
-    conditions, letters = _unpinned(family, written)
+    conditions, letters = _conditions_beyond_pins(family, written)
     short = [condition for condition in conditions if len(condition.text) <= LONGEST]
     long = [condition for condition in conditions if len(condition.text) > LONGEST]
     pins = ((pin.number, values_in_degrees(robot, pin.number, pin.values)) for pin in family.pinned)
@@ -103,10 +103,10 @@ def local_conditions(family: Family) -> tuple[str, ...]:
         return tuple(" and ".join(local_conditions(part)) for part in family.parts)
     if family.local is None:
         return ()
-    return _around(family, family.local)
+    return _local_condition_words(family, family.local)
 
 
-def _around(family: Family, local: LocalConditions) -> tuple[str, ...]:
+def _local_condition_words(family: Family, local: LocalConditions) -> tuple[str, ...]:
     if local.isolated:
         return ("an isolated singular configuration",)
     if not family.named:
@@ -163,7 +163,9 @@ def _long_words(long: Sequence[_Condition], *, exact: bool) -> str:
     return f"{count} on joints {numbers(sorted(joints))} ({where})"
 
 
-def _unpinned(family: Family, written: tuple[list[_Condition], Record] | None) -> tuple[list[_Condition], Record]:
+def _conditions_beyond_pins(
+    family: Family, written: tuple[list[_Condition], Record] | None
+) -> tuple[list[_Condition], Record]:
     """The conditions beyond those that only pin joints, exact where they are shipped, and their lengths."""
     fixed = {pin.number for pin in family.pinned}
     if written is None:

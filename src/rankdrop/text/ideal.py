@@ -41,7 +41,7 @@ def here_section(arm: Idealised, here: Here) -> Section:
 def moved_section(arm: Idealised) -> Section:
     """What was moved, and by how much."""
     title = "What was moved"
-    rows = tuple((one.name, ", ".join(map(str, one.joints)), *_moved(one)) for one in arm.changes)
+    rows = tuple((one.name, ", ".join(map(str, one.joints)), *_change_cells(one)) for one in arm.changes)
     if not rows:
         return Section(title, moved_sentence(arm), texts=(0, 1))
     columns, notes = ("number", "joints", "from", "to", "by"), ("numbers not listed are unchanged",)
@@ -51,7 +51,8 @@ def moved_section(arm: Idealised) -> Section:
 def there_section(nearby: Sequence[Nearby]) -> Section:
     """σ of the arm itself on each family of the ideal one, and how far its own nearest singular configuration is."""
     rows = tuple(
-        (f"{one.id}  {one.name}", f"σ{one.number}", *map(_short, astuple(one.sigma)), *_away(one)) for one in nearby
+        (f"{one.id}  {one.name}", f"σ{one.number}", *map(_short, astuple(one.sigma)), *_nearby_cells(one))
+        for one in nearby
     )
     columns = ("family of the ideal arm", "", "least", "median", "largest", "nearest", "median")
     points = max(one.points for one in nearby)
@@ -65,7 +66,7 @@ def there_section(nearby: Sequence[Nearby]) -> Section:
     return Section("The arm itself there", "", columns=columns, rows=rows, notes=notes)
 
 
-def _moved(change: Change) -> tuple[str, str, str]:
+def _change_cells(change: Change) -> tuple[str, str, str]:
     if change.kind in ("base", "tip"):
         return "", "", f"{np.degrees(change.by):.2g}°"
     before, after = change.ends
@@ -74,7 +75,7 @@ def _moved(change: Change) -> tuple[str, str, str]:
     return before, after, f"{change.by * 1e3:.3g} mm"
 
 
-def _away(nearby: Nearby) -> tuple[str, str]:
+def _nearby_cells(nearby: Nearby) -> tuple[str, str]:
     if nearby.distance is None:
         return "none found", ""
     return f"{_degrees(nearby.distance.least)}", f"{_degrees(nearby.distance.median)}"

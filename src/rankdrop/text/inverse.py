@@ -33,16 +33,16 @@ def tool_place(robot: Robot, pose: Array) -> str:
         pose: (4, 4) of the tool in the base frame.
     """
     place, angles = _place_and_angles(robot, pose)
-    at = ", ".join(_fixed(value) for value in place)
-    roll, pitch, yaw = (_fixed(value, 2) for value in angles)
+    at = ", ".join(_fixed_point(value) for value in place)
+    roll, pitch, yaw = (_fixed_point(value, 2) for value in angles)
     return f"({at}) {_length_unit(robot)}, roll {roll}°, pitch {pitch}°, yaw {yaw}°"
 
 
 def tool_sentence(robot: Robot, pose: Array) -> str:
     """Where the tool is, as a sentence that fits a line: base axes, mm or m, roll, pitch and yaw in degrees."""
     place, angles = _place_and_angles(robot, pose)
-    at = ", ".join(_fixed(value) for value in place)
-    turned = ", ".join(_fixed(value) for value in angles)
+    at = ", ".join(_fixed_point(value) for value in place)
+    turned = ", ".join(_fixed_point(value) for value in angles)
     return f"Tool at ({at}) {_length_unit(robot)}, rpy ({turned})°, base axes."
 
 
@@ -62,7 +62,7 @@ def _length_unit(robot: Robot) -> str:
     return "mm"
 
 
-def _fixed(value: float, digits: int = 1) -> str:
+def _fixed_point(value: float, digits: int = 1) -> str:
     return minus(f"{round(float(value), digits) + 0.0:.{digits}f}")
 
 
@@ -179,7 +179,7 @@ def _tilt_words(found: Any) -> str:
     """How far the pose is tilted, and which tilt the tool has, where no joint tilts it."""
     robot, why = found.robot, found.unreached
     _, (roll, pitch, _) = _place_and_angles(robot, why.tip)
-    tilt = f"roll {_fixed(roll, 2)}°, pitch {_fixed(pitch, 2)}°"
+    tilt = f"roll {_fixed_point(roll, 2)}°, pitch {_fixed_point(pitch, 2)}°"
     off = f"{short(degrees(why.turn), 3)}°"
     said = f"{robot.n} joints never tilt this tool, and the pose is tilted by {off}"
     return f"{said}. Give it the tilt of the tool: {tilt}"
@@ -217,7 +217,7 @@ def _length(value: float, robot: Robot) -> str:
 def _cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:
     """Joint values (n,) as cells of a table."""
     for joint, value in zip(robot.variables, q.tolist(), strict=True):
-        yield _fixed(degrees(value), 2) if deg and joint.unit == "rad" else _fixed(value, 4)
+        yield _fixed_point(degrees(value), 2) if deg and joint.unit == "rad" else _fixed_point(value, 4)
 
 
 def _turning(task: Task, wanted: Array, made: Array) -> str:
@@ -227,7 +227,7 @@ def _turning(task: Task, wanted: Array, made: Array) -> str:
     large = np.flatnonzero(np.abs(axis) > _AXIS)
     if len(large) == 1:
         return ("turning about X", "turning about Y", "yaw (turning about Z)")[int(large[0])]
-    return f"turning about ({', '.join(_fixed(x, 2) for x in axis)})"
+    return f"turning about ({', '.join(_fixed_point(x, 2) for x in axis)})"
 
 
 def _needed_turn(task: Task, wanted: Array, made: Array) -> Array:

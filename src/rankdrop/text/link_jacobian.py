@@ -65,12 +65,12 @@ def latex(found: LinkJacobian) -> str:
 def _latex_entries(found: LinkJacobian) -> tuple[tuple[str, ...], ...]:
     notation, ring = Latex(), found.chain.ring
 
-    def written(entry: Any) -> str:
+    def entry_latex(entry: Any) -> str:
         if entry == 0:
             return "0"
         return notation.value(form_of(ring, entry))
 
-    return _each_entry(found.rows, written)
+    return _each_entry(found.rows, entry_latex)
 
 
 def sections_of(found: LinkJacobian, most: int | None) -> tuple[Section, ...]:
@@ -152,7 +152,7 @@ def _as_table(
     return Section(title, "", (), ("", *above), rows, texts=texts)
 
 
-def _written(matrix: Array) -> Iterator[list[str]]:
+def _matrix_cells(matrix: Array) -> Iterator[list[str]]:
     """The numbers of a matrix, row by row."""
     for row in np.where(np.abs(matrix) < 1e-15, 0.0, matrix):
         yield [f"{x + 0.0:.6g}".replace("-", "−") for x in row]
@@ -160,7 +160,7 @@ def _written(matrix: Array) -> Iterator[list[str]]:
 
 def _numbers(numbers: Numbers, rows: Sequence[str], joints: Sequence[str]) -> Iterator[Section]:
     q = ", ".join(f"{x:.6g}" for x in numbers.q).replace("-", "−")
-    yield _as_table(f"At q = ({q}) [rad, m]", rows, joints, _written(numbers.matrix))
+    yield _as_table(f"At q = ({q}) [rad, m]", rows, joints, _matrix_cells(numbers.matrix))
     lines = [f"singular values, lengths in metres: {', '.join(f'{x:.4g}' for x in numbers.sigma)}"]
     if numbers.determinant is not None:
         lines.insert(0, f"determinant {numbers.determinant:.6g}".replace("-", "−"))
@@ -168,7 +168,7 @@ def _numbers(numbers: Numbers, rows: Sequence[str], joints: Sequence[str]) -> It
             lines.append("no inverse: the configuration is singular")
     yield Section("", "", tuple(lines))
     if numbers.inverse is not None:
-        yield _as_table("Inverse at q", joints, rows, _written(numbers.inverse))
+        yield _as_table("Inverse at q", joints, rows, _matrix_cells(numbers.inverse))
 
 
 def _matrix(entries: Sequence[Sequence[str]]) -> str:

@@ -89,7 +89,7 @@ def lost_note(robot: Robot, freedoms: Iterable[LostFreedom]) -> str:
 
 def _link_note(robot: Robot, number: int, axes: set[tuple[int, int]], origin: bool) -> str:
     """What the axes of a link mean that sentences name, and with `origin` where its origin is."""
-    said = [_along(robot, number, axis) for axis in range(3) if (number, axis) in axes]
+    said = [_axis_words(robot, number, axis) for axis in range(3) if (number, axis) in axes]
     if origin:
         said.append(_through(robot, number))
     return _link(robot, number, [one for one in said if one])
@@ -119,7 +119,7 @@ def _link(robot: Robot, number: int, said: list[str]) -> str:
     return f"Link {number}{called} moves with joint {number}{own}{details}."
 
 
-def _along(robot: Robot, number: int, axis: int) -> str:
+def _axis_words(robot: Robot, number: int, axis: int) -> str:
     """ "Y along axis 5", of the joints on both sides of a link, which stand still in it; empty where neither is."""
     way = robot.joints[number - 1].frame[:3, axis]
     for place, joint in enumerate(robot.joints[number - 1 : number + 1], number):

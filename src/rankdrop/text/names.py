@@ -100,10 +100,10 @@ def _relation(detail: Detail, shorter: Shorter) -> str:
     if Shorter.STRETCHED in shorter and _is_reach(detail):
         return _DETAILS[Geometry.STRETCHED]
     if Shorter.FIRST_OF_TWO in shorter and geometry is Geometry.PARALLEL_AND_COPLANAR:
-        return f"axes {listed(detail.joints[0])} parallel"
+        return f"axes {joint_numbers(detail.joints[0])} parallel"
     if geometry in _JOINED:
         return f"axes {_join_groups(detail.joints)} {_JOINED[geometry]}"
-    lists = [listed(group) for group in detail.joints]
+    lists = [joint_numbers(group) for group in detail.joints]
     axes = {1: "axis"}.get(len(sum(detail.joints[:1], ())), "axes")
     return _DETAILS[geometry].format(*lists, centre=detail.centre, plane=_plane(detail), axes=axes)
 
@@ -177,7 +177,7 @@ WAYS = {
 }  # fmt: skip
 
 
-def listed(joints: Sequence[int]) -> str:
+def joint_numbers(joints: Sequence[int]) -> str:
     """Numbers from 1 of joints from 0: "1, 3"."""
     return ", ".join(str(i + 1) for i in joints)
 
@@ -186,7 +186,7 @@ def _join_groups(groups: Sequence[Sequence[int]]) -> str:
     """ "1 and 3" for one pair, "1, 3, 5" for one group, "1, 3 and 5, 7" for two."""
     if len(groups) == 1 and len(groups[0]) == 2:
         groups = [[joint] for joint in groups[0]]
-    return " and ".join(map(listed, groups))
+    return " and ".join(map(joint_numbers, groups))
 
 
 def _letter(joint: Variable) -> str:

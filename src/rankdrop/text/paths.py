@@ -181,7 +181,7 @@ def sentence(check: Any) -> str:
         else:
             limits = _near_without_times(check)
         return f"Free: proven for every point of the path{kept}{limits}."
-    parts = [*_reached(check), *(_violation(violation, check) for violation in check.violations), *_open(check)]
+    parts = [*_reached_words(check), *(_violation(violation, check) for violation in check.violations), *_open(check)]
     if check.clear:
         parts.append("free of singularities (proven)")
     words = "; ".join(parts)
@@ -202,7 +202,7 @@ def _near_without_times(check: Any) -> str:
     return f", but {angle(least)} from a singularity; without times joint rates are not checked"
 
 
-def _reached(check: Any) -> Iterator[str]:
+def _reached_words(check: Any) -> Iterator[str]:
     """Singularities that the path reaches or comes near to; the end of a branch."""
     if check.tool is not None and not check.tool.complete:
         yield "the branch ends"

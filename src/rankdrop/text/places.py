@@ -27,7 +27,7 @@ def row_words(place: Any) -> str:
     return f"{round(place.position, 2):.12g}"
 
 
-def between(start: Any, end: Any) -> str:
+def interval_words(start: Any, end: Any) -> str:
     """Two places of a path: "between 1.2 and 1.8 s"."""
     if start.time is not None and end.time is not None:
         return f"between {start.time:.5g} and {end.time:.5g} s"
@@ -36,7 +36,7 @@ def between(start: Any, end: Any) -> str:
 
 def turn_far_words(turn: Any) -> str:
     """A joint that turns far: "joint 4 turns 173° between 1.2 and 1.8 s"."""
-    return f"joint {turn.joint} turns {short(abs(degrees(turn.angle)), 3)}° {between(turn.start, turn.end)}"
+    return f"joint {turn.joint} turns {short(abs(degrees(turn.angle)), 3)}° {interval_words(turn.start, turn.end)}"
 
 
 def joint_heads(robot: Robot, *, deg: bool) -> tuple[str, ...]:

@@ -61,7 +61,7 @@ _KINDS = {"joint": "joint move", "line": "straight line"}
 
 def sentence(check: Any) -> str:
     """The verdict: what the program does, worst first, with its lines."""
-    parts = [*_reached(check), *_end_lines(check), *_broken(check), *_open(check)]
+    parts = [*_reached_words(check), *_end_lines(check), *_broken(check), *_open(check)]
     unread = len(check.unread)
     if not parts:
         timed = all(part.untimed is None for part in check.parts)
@@ -96,7 +96,7 @@ def _in_line(line: int, text: str) -> str:
     return f"in line {line}: {text}"
 
 
-def _reached(check: Any) -> Iterator[str]:
+def _reached_words(check: Any) -> Iterator[str]:
     for how, words in REACHED.items():
         part = [crossing for crossing in check.met if how_reached(crossing.stretch) == how]
         if part:

@@ -47,7 +47,7 @@ def remark_words(remark: DerivationRemark) -> str:
     return _REMARKS[remark.kind].format(
         part=remark.part, leader=remark.leader, column=remark.column, factor=f"{remark.factor:.6g}".replace("-", "−"),
         letter=remark.letter, length=remark.length, polynomial=remark.polynomial, corank=remark.corank,
-        pairs=", ".join(map(_equal, remark.equal)), text=remark.text, digits=DIGITS, which=_followed(remark),
+        pairs=", ".join(map(_equal, remark.equal)), text=remark.text, digits=DIGITS, which=_followed_words(remark),
         least=_least(remark), systems=count(number, "system of conditions", "systems of conditions"),
         configurations=count(number, "configuration"),
     )  # fmt: skip
@@ -61,7 +61,7 @@ def _equal(equal: EqualLengths) -> str:
     return f"{equal.length} = {sign}{equal.other}"
 
 
-def _followed(remark: DerivationRemark) -> str:
+def _followed_words(remark: DerivationRemark) -> str:
     """Which of the configurations were followed with many digits; "" where all were."""
     if remark.followed == remark.number:
         return ""

@@ -14,8 +14,8 @@ from rankdrop.lists import flat_map
 from rankdrop.options import advise
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
-from rankdrop.text.places import between, turn_far_words, when
-from rankdrop.text.words import fixed, plural, short
+from rankdrop.text.places import interval_words, turn_far_words, when
+from rankdrop.text.words import fixed_point, plural, short
 from rankdrop.units import counted_length
 
 _LISTED = 12  # changes of a remedy that are listed
@@ -270,7 +270,7 @@ def _off_words(remedy: Any) -> str:
 
 def change_words(change: Any, robot: Robot) -> str:
     """A local change: which joints move how far, between which places, and how far the tool is moved."""
-    when, off = between(change.start, change.end), tool_off_words(change.off, robot)
+    when, off = interval_words(change.start, change.end), tool_off_words(change.off, robot)
     if not (change.longer > 0.0 or change.way.any()):
         return f"the tool moves by {off} {when}"
     if change.longer > 0.0:
@@ -329,9 +329,9 @@ def best_words(mending: Any) -> str:
     if change is None:
         what = best.words
     elif change.at_end.any() or not change.way.any():
-        what = f"the tool led around it {between(change.start, change.end)}"
+        what = f"the tool led around it {interval_words(change.start, change.end)}"
     else:
-        what = f"{joint_moves(change.way, robot)} {between(change.start, change.end)}"
+        what = f"{joint_moves(change.way, robot)} {interval_words(change.start, change.end)}"
     others = len(best.changes) - 1
     if others > 0:
         more = f", and {others} more {plural('change', others)},"
@@ -354,7 +354,7 @@ def _slower_words(changes: Sequence[Any]) -> str:
     else:
         more = f" and at {len(changes) - 1} more {plural('place', len(changes) - 1)}"
     total = sum(one.longer for one in changes)
-    return f"slower {between(longest.start, longest.end)}{more}, {short(total, 2)} s longer in all,"
+    return f"slower {interval_words(longest.start, longest.end)}{more}, {short(total, 2)} s longer in all,"
 
 
 def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:
@@ -379,8 +379,8 @@ def _value(parameter: Any, robot: Robot, *, deg: bool) -> str:
 def _joint_value(joint: Any, value: float, *, deg: bool) -> str:
     """The name of a joint and its value, angles in degrees with `deg`."""
     if joint.unit == "rad" and deg:
-        return f"{joint.name} {fixed(degrees(value), 2)}°"
-    return f"{joint.name} {fixed(value)} {joint.unit}"
+        return f"{joint.name} {fixed_point(degrees(value), 2)}°"
+    return f"{joint.name} {fixed_point(value)} {joint.unit}"
 
 
 def _small(value: float) -> str:

@@ -87,13 +87,13 @@ left out (left, right)"
     return _NOTES[note.kind].format(
         name=note.name, other=note.other, instead=note.instead, end=note.end, value=note.value,
         value_in_rad=radians(note.value), lower=lower, upper=upper, most=most, in_rad=radians(most),
-        joints=count(note.number, "moving joint"), fixed=_fixed(note.fixed), gripper=_gripper(note.gripper),
-        made_exact="; ".join(_made_exact(note)), idealised=_idealised(note), within=note.within,
+        joints=count(note.number, "moving joint"), fixed=_fixed_links_words(note.fixed), gripper=_gripper(note.gripper),
+        made_exact="; ".join(_made_exact(note)), idealised=_idealised_words(note), within=note.within,
         as_written=advise("as-written"), text=note.text,
     )  # fmt: skip
 
 
-def _fixed(links: tuple[str, ...]) -> str:
+def _fixed_links_words(links: tuple[str, ...]) -> str:
     """Links fixed to the tip; "" where there are none."""
     if not links:
         return ""
@@ -131,7 +131,7 @@ def _made_exact(note: RobotNote) -> list[str]:
     return parts
 
 
-def _idealised(note: RobotNote) -> str:
+def _idealised_words(note: RobotNote) -> str:
     """How many numbers of an arm were moved, and by how much at most."""
     what, most = [], []
     if note.turned.number:

@@ -141,7 +141,7 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     """The answer in five sentences: what it is, what is lost, what to do, what is next, how sure."""
     summary, rank = explanation.summary, explanation.rank
     templates, following = _templates(explanation), _next_words(explanation)
-    facts = _summarised(explanation, summary)
+    facts = _summary_facts(explanation, summary)
     size = f"rank {rank.rank} computed to {power(rank.sigma_error)}"
     name, parts = facts["name"], parts_words(summary.place)
     for shown, here in ((2, name), (1, name), (0, name), (0, parts or name)):
@@ -192,7 +192,7 @@ def _next_words(explanation: Explanation) -> str:
 _COLUMNS, _LINES = 78, 6  # of the answer on a terminal of 80 columns, indented by two
 
 
-def _summarised(explanation: Explanation, summary: Summary) -> dict[str, object]:
+def _summary_facts(explanation: Explanation, summary: Summary) -> dict[str, object]:
     """What the sentences of the summary are filled with."""
     names = [one.name for one in explanation.robot.variables]
     if summary.ideal:

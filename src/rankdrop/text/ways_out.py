@@ -18,8 +18,8 @@ from rankdrop.text.words import (
     motion,
     numbers,
     plural,
-    raised,
     short,
+    superscript,
 )
 
 _SHOWN = 3  # ways out and families
@@ -71,7 +71,7 @@ def escape_sections(explanation: Explanation, full: bool) -> Iterator[Section]:
     if explanation.rank.corank:
         yield _out(explanation, full)
     elif full or any(abs(one.rate) > NO_RATE for one in explanation.escape.single):
-        yield _away(explanation, full)
+        yield _single_joints_section(explanation, full)
 
 
 def _out(explanation: Explanation, full: bool) -> Section:
@@ -141,7 +141,7 @@ def _lost_numbered(which: list[int], count: int) -> str:
     return f"lost {plural('direction', len(which))} {numbers(which)}"
 
 
-def _away(explanation: Explanation, full: bool) -> Section:
+def _single_joints_section(explanation: Explanation, full: bool) -> Section:
     out, r = explanation.escape, explanation.rank.generic_rank
     sigma = float(explanation.rank.sigma[r - 1])
     best = max(abs(one.rate) for one in out.single)
@@ -173,7 +173,7 @@ def _rate_and_step(explanation: Explanation, joint: JointEscape, order: int = 1)
     if order == 1:
         per = unit
     else:
-        per = f"{unit}{raised(order)}"
+        per = f"{unit}{superscript(order)}"
     rate = f"{short(joint.rate) if abs(joint.rate) > NO_RATE else '0'} per {per}"
     if not joint.within_limits or abs(joint.step) < NO_RATE:
         return rate, "not within limits", ""

@@ -113,7 +113,7 @@ def minus(text: str) -> str:
     return text.replace("-", "−")
 
 
-def fixed(value: float, digits: int = 4) -> str:
+def fixed_point(value: float, digits: int = 4) -> str:
     """A number with so many decimals, for columns."""
     return minus(f"{round(float(value), digits) + 0.0:.{digits}f}")
 
@@ -125,7 +125,7 @@ def power(value: float) -> str:
     return minus(f"1e{ceil(log10(value))}")
 
 
-def raised(exponent: int) -> str:
+def superscript(exponent: int) -> str:
     """An exponent: "²", "¹²"."""
     return str(exponent).translate(_RAISED)
 
@@ -487,9 +487,11 @@ def _rows(tolerant: Tolerant, number: int, place: Place, kinds: list[str]) -> It
         unit = "rad, m"
     else:
         unit = "rad"
-    plain = (cell(j, fixed(value)) for j, value in enumerate(place.q))
+    plain = (cell(j, fixed_point(value)) for j, value in enumerate(place.q))
     yield (str(number), short(place.value, 5), numbers(place.failures.worst_numbers), unit, *plain)
-    turned = ("" if kind == "prismatic" else cell(j, fixed(degrees(place.q[j]), 2)) for j, kind in enumerate(kinds))
+    turned = (
+        "" if kind == "prismatic" else cell(j, fixed_point(degrees(place.q[j]), 2)) for j, kind in enumerate(kinds)
+    )
     yield ("", "", "", "deg", *turned)
 
 

@@ -20,7 +20,7 @@ from rankdrop.cover.certificates import covering_certificate, verify, write_cert
 from rankdrop.cover.covering import Covering, plan_of, write_covering
 from rankdrop.cover.setting import middle_of
 from rankdrop.errors import OptionError, ResultFileError
-from rankdrop.families.reciprocal import drawn
+from rankdrop.families.reciprocal import draw_singular
 from rankdrop.problem import Problem
 from rankdrop.proof import covers, determinant
 from rankdrop.proof.arm import BITS, Arm
@@ -123,7 +123,7 @@ def test_no_box_around_a_singular_configuration_is_free(name):
     """Boxes of five sizes that hold one of 1000 exact singular configurations, at whatever place."""
     made = found_for(name)
     robot = in_units(robot_of(name))
-    q = drawn(Problem(robot, resolve_task(None, robot)), 1000, 1)[0][:, PLACES]
+    q = draw_singular(Problem(robot, resolve_task(None, robot)), 1000, 1)[0][:, PLACES]
     with flint.ctx.workprec(BITS):
         for level in (3, 5, 7, 8):
             width = 2 * np.pi / 2**level

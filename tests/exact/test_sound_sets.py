@@ -24,7 +24,7 @@ from rankdrop.exact import families
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import Reality, special_strays
 from rankdrop.exact.tree import Drop, _Known, barren
-from rankdrop.families.points import cloud, explained
+from rankdrop.families.points import cloud, count_explained
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
@@ -109,7 +109,7 @@ def test_points_of_a_set_that_stand_in_no_prime_field_are_not_lost(name: str) ->
     sizes = [(family.corank, family.codimension) for family in found.families]
     assert sizes == [(1, 1), (2, 3), (2, 3), (2, 4), (3, 4)]
     met = cloud(open_robot(name), found.task, 2, 100, 7)
-    check, _ = explained(met, [family.equations for family in found.of_corank(2)])
+    check, _ = count_explained(met, [family.equations for family in found.of_corank(2)])
     assert check.tested > 200
     assert check.holds
 

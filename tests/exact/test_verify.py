@@ -12,7 +12,7 @@ import pytest
 from rankdrop.algebra.field import P, Point, complete, rank, value_at
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_agreement, rank_check, rank_modulo
-from rankdrop.families.points import cloud, explained
+from rankdrop.families.points import cloud, count_explained
 from rankdrop.families.record import Check
 from rankdrop.families.row import vanishing_on
 from rankdrop.families.searching import search
@@ -116,7 +116,7 @@ def test_the_numeric_families_explain_a_thousand_points(name: str) -> None:
     robot = open_robot(name)
     task = resolve_task(None, robot)
     known = [family.equations for family in families(search(robot, 1, task=task, starts=400)).families]
-    check, left = explained(cloud(robot, task, 1, 1000, seed=9), known)
+    check, left = count_explained(cloud(robot, task, 1, 1000, seed=9), known)
     assert check.agree == check.tested >= 1000
     assert check.agree == check.tested
     assert len(left) == 0
@@ -129,7 +129,7 @@ def test_a_family_left_out_leaves_its_points_over() -> None:
     wrist = vanishing_on([0, 0, 0, 0, 1, 0], [0.0, pi], periodic=True)
     others = [family.equations for family in known if not np.allclose(wrist(family.witness), 0)]
     assert 0 < len(others) < len(known)
-    check, left = explained(points, others)
+    check, left = count_explained(points, others)
     assert 0 < len(left) == check.tested - check.agree
     assert np.abs(wrist(points.q[left])).max() < 1e-6
 
@@ -139,7 +139,7 @@ def test_points_of_an_equation_without_slope_are_not_lost() -> None:
     points = cloud(robot, resolve_task(None, robot), 1, 50)
     still = (0, 0, 0, 0)
     square = Equation((Term(1.0, "cos", still, still), Term(-1.0, "cos", (0, 4, 0, 0), still)))  # 2 sin² θ2
-    check, left = explained(points, [(square,)])
+    check, left = count_explained(points, [(square,)])
     assert check.agree == check.tested >= 50
     assert left.tolist() == []
 
@@ -147,7 +147,7 @@ def test_points_of_an_equation_without_slope_are_not_lost() -> None:
 def test_nothing_explains_nothing() -> None:
     robot = open_robot("scara")
     points = cloud(robot, resolve_task(None, robot), 1, 50)
-    check, left = explained(points, [])
+    check, left = count_explained(points, [])
     assert check.agree == 0
     assert len(left) == check.tested
 

@@ -31,7 +31,7 @@ def test_place_puts_the_values_where_they_belong(rng):
     values = rng.uniform(-3, 3, (50, 3))
     q = conditions.place(rng.uniform(-pi, pi, (50, 7)), values, rng)
     np.testing.assert_allclose(wrap(conditions.values(q) - values), 0, atol=1e-12)
-    np.testing.assert_allclose(conditions.covectors @ conditions.along, 0, atol=1e-12)
+    np.testing.assert_allclose(conditions.covectors @ conditions.kept_motions, 0, atol=1e-12)
 
 
 def test_pivots_prefer_a_unit_minor():

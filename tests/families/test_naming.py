@@ -11,7 +11,7 @@ import pytest
 from rankdrop.errors import ConfigurationError
 from rankdrop.exact.families import _one_of_each_first
 from rankdrop.families.name import ArmPart, Centre, Detail, FamilyName, Geometry, JointValues, Variable
-from rankdrop.families.naming import LONGEST, name_family, shortened
+from rankdrop.families.naming import LONGEST, name_family, shorten_names
 from rankdrop.families.searching import search
 from rankdrop.local.dependence import Common, Dependence
 from rankdrop.results.known import shipped
@@ -245,7 +245,7 @@ def at(joint: int, *degrees: float) -> tuple[JointValues, ...]:
     ],
 )
 def test_a_long_name_is_shortened_and_stays_the_only_one(names: list[FamilyName], expected: list[str | None]) -> None:
-    short = list(map(str, shortened(names)))
+    short = list(map(str, shorten_names(names)))
     assert all(len(one) <= LONGEST for one in short)
     assert len(set(short)) == len(names)
     assert all(want in (None, got) for want, got in zip(expected, short, strict=True))
@@ -254,7 +254,7 @@ def test_a_long_name_is_shortened_and_stays_the_only_one(names: list[FamilyName]
 @pytest.mark.slow
 def test_a_name_of_very_many_details_is_shortened_at_once() -> None:
     sets = tuple(Dependence(Common.DEPENDENT_SCREWS, (i, i + 1, i + 2)) for i in range(59))
-    (short,) = shortened([FamilyName(details=sets)])
+    (short,) = shorten_names([FamilyName(details=sets)])
     assert str(short) == "joints 1, 2, 3 dependent; joints 2, 3, 4 dependent"
 
 

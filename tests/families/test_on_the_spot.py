@@ -51,7 +51,7 @@ def alike(found: Family, family: Family) -> bool:
 @pytest.fixture
 def whole(monkeypatch: pytest.MonkeyPatch) -> None:
     """Names on the spot are not cut at 60 characters."""
-    monkeypatch.setattr(on_the_spot, "shortened", list)
+    monkeypatch.setattr(on_the_spot, "shorten_names", list)
 
 
 def whole_name(atlas: Analysis, family: Family) -> FamilyName:

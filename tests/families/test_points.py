@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.families.points import Walk, in_slice, onto
+from rankdrop.families.points import Walk, in_slice, move_to_singularity
 from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.problem import Problem
@@ -118,7 +118,7 @@ def test_onto_moves_only_along_the_span() -> None:
     arm = open_robot("puma560")
     task = resolve_task(None, arm)
     start = np.array([[0.3, 0.5, 0.4, 0.2, 0.5, 0.6]])
-    end, arrived = onto(Problem(arm, task), start, np.eye(6)[:, [4]])
+    end, arrived = move_to_singularity(Problem(arm, task), start, np.eye(6)[:, [4]])
     assert arrived.all()
     assert np.abs(end[0, 4]) < 1e-9
     assert (np.delete(end - start, 4, axis=1) == 0).all()

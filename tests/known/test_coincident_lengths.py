@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from rankdrop.exact.family import Assumption
-from rankdrop.families.points import cloud, explained
+from rankdrop.families.points import cloud, count_explained
 from rankdrop.families.record import exact_of
 from rankdrop.formula.equation import System
 from rankdrop.local.block import singular_values
@@ -72,7 +72,7 @@ def false_points(found, rng):
 
 def unexplained(found, rng) -> int:
     met = cloud(found.robot, found.task, 1, 300, seed=int(rng.integers(1000)))
-    return len(explained(met, [family.equations for family in found.families])[1])
+    return len(count_explained(met, [family.equations for family in found.families])[1])
 
 
 @pytest.mark.spread(1)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rankdrop.families import fit as fit_module
-from rankdrop.families.points import Cloud, explained
+from rankdrop.families.points import Cloud, count_explained
 from rankdrop.families.searching import refine, search
 from rankdrop.families.table import families
 from rankdrop.local.block import singular_values
@@ -72,7 +72,7 @@ def uncovered(found: Analysis, rng: np.random.Generator, count: int = 400) -> di
         back = refine(found.robot, starts(found.robot.n, count, rng), k, task=found.task)
         kept = back.q[(back.outcome == 0) & (back.sigma[:, found.generic_rank - k - 1] > 1e-5)]
         rows = [row.equations for row in found.families if row.corank >= k and row.named]
-        _, over = explained(Cloud(found.robot, found.task, kept, np.full(len(kept), k)), rows)
+        _, over = count_explained(Cloud(found.robot, found.task, kept, np.full(len(kept), k)), rows)
         if len(over) and share.agree == share.tested:
             missed[k] = len(over)
     return missed

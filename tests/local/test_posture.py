@@ -10,7 +10,7 @@ import pytest
 
 import rankdrop
 from rankdrop.families import pictured
-from rankdrop.families.pictured import _turned, posed
+from rankdrop.families.pictured import _turned_share, posed
 from rankdrop.families.record import Family
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_directions
@@ -103,7 +103,8 @@ def test_an_example_of_two_families_is_given_up_for_one_of_its_own() -> None:
 
 def test_the_first_joint_counts_twice_in_how_far_an_arm_is_turned() -> None:
     robot = open_robot("planar3r")
-    first, second, none = _turned(robot, np.array([[np.pi / 2, 0.0, 0.0], [0.0, -np.pi / 2, 0.0], [0.0, 0.0, 0.0]]))
+    q = np.array([[np.pi / 2, 0.0, 0.0], [0.0, -np.pi / 2, 0.0], [0.0, 0.0, 0.0]])
+    first, second, none = _turned_share(robot, q)
     assert (first, second, none) == (pytest.approx(1.0), pytest.approx(0.5), 0.0)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.families.points import cloud, explained
+from rankdrop.families.points import cloud, count_explained
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.verbs.conditions import conditions
@@ -60,7 +60,7 @@ def lost(robot: Robot, *, points: int = 500, seconds: float = 60.0) -> Lost:
         met = cloud(robot, found.task, corank, points, 7)
         if not len(met.q):
             break
-        check, over = explained(met, [family.equations for family in found.families if family.corank >= corank])
+        check, over = count_explained(met, [family.equations for family in found.families if family.corank >= corank])
         tested, left = tested + check.tested, left + len(over)
     return Lost(found.complete, len(found.families), tested, left, tuple(found.left))
 

@@ -42,7 +42,7 @@ from rankdrop.families.row import (
     Row,
     boxes,
     clusters,
-    completed,
+    complete_rows,
     on_any,
     on_row,
     sharp_values,
@@ -93,7 +93,7 @@ def find_rows(
             fitted += bool(signature.residual)
             rows += _rows_of(problem, signature, inspection, left, rng)
     rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
-    rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, len(groups)]))
+    rows += linear_rows(problem, rest, np.random.default_rng([seed, problem.corank, len(groups)]))
     return without_contained(problem, rows, np.random.default_rng([seed, problem.corank, len(groups) + 1]))
 
 
@@ -119,7 +119,7 @@ def _rows_of(
     met = linear.combinations(q, known, problem.tolerances.value)
     plain = Row(linear, (), (), signature, FamilyEvidence(ObtainedFrom.VALUES))
     if not signature.residual:
-        return completed(problem, plain, met, rng)
+        return complete_rows(problem, plain, met, rng)
     rows: list[Row] = []
     fitted = FamilyEvidence(ObtainedFrom.FITTED)
     for values in sorted(met, key=lambda values: (-len(met[values]), values))[: FITS if problem.n <= _MANY else 1]:
@@ -131,7 +131,7 @@ def _rows_of(
         residual = fitted_equations(FamilyPoints(problem, single, q[here], tangent[here], rng), WORK)
         if residual is not None:
             alike = [one for one, points in met.items() if all(holds(f, q[points]) for f in residual)]
-            rows += completed(problem, replace(single, residual=residual), [values, *alike], rng)
+            rows += complete_rows(problem, replace(single, residual=residual), [values, *alike], rng)
     return rows
 
 
@@ -160,7 +160,7 @@ SHARED = 5  # points that must share a value
 GROUPS = 8  # groups of points that are tried, large ones first
 
 
-def recognised(problem: Problem, q: Array, rng: np.random.Generator) -> list[Row]:
+def linear_rows(problem: Problem, q: Array, rng: np.random.Generator) -> list[Row]:
     """Rows with linear conditions only, from the values that points share.
 
     For families on which D vanishes more than it should: where the condition is a square, D does not see it (det J of
@@ -207,7 +207,7 @@ def _rows_of_values(
     free = tuple(j for j in range(problem.n) if j not in pinned and j not in coupled)
     signature = Signature(len(linear), pinned, free, coupled, relations)
     row = Row(linear, (), (), signature, FamilyEvidence(ObtainedFrom.SHARED_VALUES))
-    return completed(problem, row, sharp, rng)
+    return complete_rows(problem, row, sharp, rng)
 
 
 def _is_simple(value: float) -> bool:
@@ -279,7 +279,7 @@ class FamilyPoints:
         inspection = inspect(problem, verify_points(problem, found.converged))
         same = np.array([one == self.row.signature for one in inspection.signatures], dtype=np.bool_)
         same &= inspection.sigma[:, problem.rank] <= 1e-12
-        same &= (np.abs(self.row.linear.away(inspection.q, np.array(self.row.combinations[0]))) < SAME).all(axis=1)
+        same &= (np.abs(self.row.linear.deviation(inspection.q, np.array(self.row.combinations[0]))) < SAME).all(axis=1)
         self.exhausted = bool(same.sum() < 0.02 * batch)
         self.q = np.concatenate([self.q, inspection.q[same]])
         self.tangent = np.concatenate([self.tangent, inspection.tangent[same]])
@@ -444,7 +444,7 @@ def _rank(source: FamilyPoints, equations: Sequence[Equation]) -> int:
     """Codimension the equations give within the linear conditions: gradient rank at most of a few points."""
     if not equations:
         return 0
-    slopes = System(tuple(equations)).jacobian(source.q[:SEED]) @ source.row.linear.along
+    slopes = System(tuple(equations)).jacobian(source.q[:SEED]) @ source.row.linear.kept_motions
     return int(np.median((np.linalg.svd(slopes, compute_uv=False) > 1e-6).sum(axis=1)))
 
 

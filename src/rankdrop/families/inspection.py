@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop.families.points import Cloud, explained
+from rankdrop.families.points import Cloud, count_explained
 from rankdrop.families.searching import refine
 from rankdrop.formula.equation import Equation
 from rankdrop.problem import Mask, Problem
@@ -113,7 +113,8 @@ def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspectio
     entries = (problem.task.m - rank) * (n - rank) * n  # of D
     if count * entries > _ENTRIES and count > 1:
         each = max(_ENTRIES // entries, 1)
-        return _joined([inspect(problem, q[i : i + each], signatures=signatures) for i in range(0, count, each)])
+        parts = [inspect(problem, q[i : i + each], signatures=signatures) for i in range(0, count, each)]
+        return _merge_inspections(parts)
     local = problem.block(q)
     sigma = np.asarray(local.sigma)
     kept = sigma[:, rank - 1] if rank else np.full(count, np.inf)  # the smallest singular value that stays
@@ -137,7 +138,7 @@ def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspectio
     return Inspection(q, sigma, exact, regular, smallest, signed, tangent)
 
 
-def _joined(parts: Sequence[Inspection]) -> Inspection:
+def _merge_inspections(parts: Sequence[Inspection]) -> Inspection:
     """Inspections of the parts of a cloud as one of the whole."""
     names = ("q", "sigma", "exact", "regular", "condition", "tangent")
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
@@ -294,8 +295,8 @@ def near_misses(
 
     Args:
         points: from `cloud`.
-        remaining: (L,) indices of the points that `explained` leaves over.
-        families: the equations of each family, as for `explained`.
+        remaining: (L,) indices of the points that `count_explained` leaves over.
+        families: the equations of each family, as for `count_explained`.
 
     Returns:
         (≤ L,) the indices of points that are not singular; the smallest minimum of σ next to them, inf without one.
@@ -307,7 +308,7 @@ def near_misses(
         problem = Problem(points.robot, points.task, corank)
 
         def on_family(q: Array, corank: int = corank) -> Mask:
-            _, others = explained(Cloud(points.robot, points.task, q, np.full(len(q), corank)), families)
+            _, others = count_explained(Cloud(points.robot, points.task, q, np.full(len(q), corank)), families)
             return ~np.isin(np.arange(len(q)), others)
 
         mistakes, lowest = not_singular(problem, verify_points(problem, points.q[mine]), on_family)
@@ -356,7 +357,7 @@ def _descend_with_digits(problem: Problem, q: Array, cut: float, flint: Any) -> 
 
 def _complement(problem: Problem, at: Numbers, u2: Array, v2: Array, flint: Any) -> Array:
     """S at a configuration (n,), rounded: its size is that of σ beyond the kept rank, as long as that is small."""
-    u1, v1 = _others(u2), _others(v2)
+    u1, v1 = _other_directions(u2), _other_directions(v2)
     j = task_jacobian_exactly(problem.robot, problem.task, at, flint)
     a = _exact(np.hstack([u1, u2]).T, flint) @ j @ _exact(np.hstack([v1, v2]), flint)
     r = problem.rank
@@ -369,7 +370,7 @@ def _complement(problem: Problem, at: Numbers, u2: Array, v2: Array, flint: Any)
     return _midpoints(a[r:, r:] - a[r:, :r] @ solved)
 
 
-def _others(basis: Array) -> Array:
+def _other_directions(basis: Array) -> Array:
     """(m, m − k) orthonormal directions beside those of a basis (m, k)."""
     return np.asarray(np.linalg.svd(basis)[0][:, basis.shape[1] :])
 

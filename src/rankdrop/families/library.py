@@ -199,13 +199,13 @@ class FitProblem:
     work: float
     tolerances: Tolerances
 
-    def of(self, joints: tuple[int, ...]) -> tuple[Kind, ...]:
+    def kinds_of(self, joints: tuple[int, ...]) -> tuple[Kind, ...]:
         """Kinds of the given joints (from 0)."""
         return tuple(self.kinds[j] for j in joints)
 
     def enough(self, degrees: Degrees, joints: tuple[int, ...]) -> Array | None:
         """Points for a library, or None where there are too few or the work is more than is left."""
-        count = size(degrees, self.of(joints))
+        count = size(degrees, self.kinds_of(joints))
         if 4.0 * (1.1 * count + 12) * count**2 > self.work:  # before a single point is solved for
             return None
         points = self.source(int(1.25 * count) + 24)
@@ -234,7 +234,7 @@ def hypersurface(fit: FitProblem, joints: tuple[int, ...]) -> Equation | None:
         The generator, its largest coefficient of size one, or None: not within reach of the libraries, the points or
         the work, or refuted by held-out points.
     """
-    kinds, tolerances = fit.of(joints), fit.tolerances
+    kinds, tolerances = fit.kinds_of(joints), fit.tolerances
     for degrees, train, held, null in _nulls(fit, joints):
         x = train[:, joints]
         degrees, null = _lowest(x, degrees, null, kinds, tolerances)
@@ -304,7 +304,7 @@ def circuits(tangent: Array, joints: tuple[int, ...]) -> list[tuple[int, ...]]:
 def vanishing_spaces(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[list[Equation]]:
     """For every library of the ladder that holds equations of the family: a basis of them, sparse ones first."""
     for degrees, train, held, null in _nulls(fit, joints):
-        functions = library(degrees, fit.of(joints))
+        functions = library(degrees, fit.kinds_of(joints))
         values = functions(train[:, joints])
         basis = sparse_basis(null)[:, :MOST].T
         equations = [functions.equation(refit(values, v, fit.tolerances), joints, fit.n) for v in basis]
@@ -313,12 +313,12 @@ def vanishing_spaces(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[list[
 
 def _nulls(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[tuple[Degrees, Array, Array, Array]]:
     """Multidegrees whose libraries hold equations of the family, training and held-out points, null space."""
-    for degrees in ladder(fit.of(joints), fit.highest):
+    for degrees in ladder(fit.kinds_of(joints), fit.highest):
         points = fit.enough(degrees, joints)
         if points is None:
             return
         out = np.arange(len(points)) % 8 == 7
         train, held = points[~out], points[out]
-        null = vanishing(library(degrees, fit.of(joints))(train[:, joints]), fit.tolerances)
+        null = vanishing(library(degrees, fit.kinds_of(joints))(train[:, joints]), fit.tolerances)
         if null.shape[1]:
             yield degrees, train, held, null

@@ -333,7 +333,7 @@ def distinct_names(
                 result[place] = replace(names[place], ordinal=number + 1)
             else:
                 result[place] = replace(names[place], condition=own)
-    return shortened(result)
+    return shorten_names(result)
 
 
 def _own_condition(texts: Sequence[Sequence[str]], number: int) -> str | None:
@@ -346,7 +346,7 @@ LONGEST = 60
 """Characters that a name should have at most."""
 
 
-def shortened(names: Sequence[FamilyName]) -> list[FamilyName]:
+def shorten_names(names: Sequence[FamilyName]) -> list[FamilyName]:
     """Names of at most `LONGEST` characters that stay different; shorter ones keep every word.
 
     A long one gives up as little as it must: first the way its values are written, then relations of single axes, then

@@ -18,10 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
-from rankdrop.families.fit import FamilyPoints, fitted_equations, group_by_signature, recognised, smooth
+from rankdrop.families.fit import FamilyPoints, fitted_equations, group_by_signature, linear_rows, smooth
 from rankdrop.families.inspection import Inspection, Signature, inspect
 from rankdrop.families.name import FamilyName
-from rankdrop.families.naming import name_family, shortened
+from rankdrop.families.naming import name_family, shorten_names
 from rankdrop.families.record import Family, LocalConditions, Pin, rescale_equation, rescaled_pin, slides_of
 from rankdrop.families.row import Linear, Row, Values, canonical
 from rankdrop.families.searching import refine
@@ -110,7 +110,7 @@ def _holding(
 ) -> NDArray[np.int64]:
     """Those of the members at which the pinned joints and relations have the same values as at q."""
     linear = Linear.of(problem.robot, signature.covectors(len(q)))
-    off = np.abs(linear.away(points[members], linear.values(q[None])))
+    off = np.abs(linear.deviation(points[members], linear.values(q[None])))
     same = off.max(axis=1, initial=0.0) <= HELD * max(1.0, problem.task.scale(problem.robot))
     return np.asarray(members[same])
 
@@ -171,7 +171,7 @@ def name_on_the_spot(
         )  # fmt: skip
     spot = _Spot(robot, problem, here, neighbourhood(problem, here, at, seed), seed)
     groups = groups_through(problem, here, at, spot.around, seed)
-    families = [spot.described(signature, members, fit=fit) for signature, members in groups]
+    families = [spot.describe_family(signature, members, fit=fit) for signature, members in groups]
     families = families or spot.from_shared_values() or [spot.nameless(at)]
     if len(families) == 1:
         return families[0]
@@ -189,7 +189,7 @@ class _Spot:
     around: Inspection
     seed: int
 
-    def described(self, signature: Signature, members: NDArray[np.int64], *, fit: bool) -> Family:
+    def describe_family(self, signature: Signature, members: NDArray[np.int64], *, fit: bool) -> Family:
         """The family through q that some of its neighbours belong to; `fit` also finds short unknown equations."""
         problem, points = self.problem, self.around.q[members]
         linear = Linear.of(problem.robot, signature.covectors(problem.n))
@@ -199,12 +199,12 @@ class _Spot:
             return self.family(row, points, whole=True)
         few = len(set(signature.coupled) - set(linear.pivots)) <= FIT_JOINTS
         if fit and few:
-            residual = self.fitted(row, members)
+            residual = self.fit_equations(row, members)
         else:
             residual = None
         return self.family(replace(row, residual=residual or ()), points, whole=residual is not None)
 
-    def fitted(self, row: Row, members: NDArray[np.int64]) -> tuple[Equation, ...] | None:
+    def fit_equations(self, row: Row, members: NDArray[np.int64]) -> tuple[Equation, ...] | None:
         """Equations of the coupled joints, or None where a small budget does not find them."""
         rng = np.random.default_rng([self.seed, 1])
         source = FamilyPoints(self.problem, row, self.around.q[members], self.around.tangent[members], rng)
@@ -219,7 +219,7 @@ class _Spot:
         rng = np.random.default_rng([self.seed, 2])
         near = self.around.q[self.around.exact]
         found = []
-        for row in recognised(self.problem, near, rng):
+        for row in linear_rows(self.problem, near, rng):
             labels, far = row.nearest_values(self.q[None])
             if far.max() <= 1e2 * HELD:
                 values = [options[label] for options, label in zip(row.sets, labels[0].tolist(), strict=True)]
@@ -271,7 +271,7 @@ class _Spot:
         name = name_family(problem.robot, problem.task, spread, [one.number for one in pinned], coupled=known)
         return Family(
             id="",
-            called=shortened([name])[0],
+            called=shorten_names([name])[0],
             named=named,
             corank=problem.corank,
             dimension=problem.n - signature.rank,
@@ -291,7 +291,7 @@ class _Spot:
 def _values(linear: Linear, points: Array) -> Values:
     """The values that covectors take on points, simple ones exact."""
     middle = points[len(points) // 2] @ linear.covectors.T
-    mean = middle + np.median(linear.away(points, middle), axis=0)
+    mean = middle + np.median(linear.deviation(points, middle), axis=0)
     pairs = zip(mean.tolist(), linear.periodic.tolist(), strict=True)
     return tuple(canonical(value) if turns else value + 0.0 for value, turns in pairs)
 

@@ -73,7 +73,7 @@ def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = (
     best = int((against + _plainness(choice.problem.robot, found, gap)).argmin())
     if against[best] > least:
         return family
-    return choice.moved(found, best)
+    return choice.with_witness(found, best)
 
 
 def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] = ()) -> Family:
@@ -97,14 +97,14 @@ def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] =
         return family
     found, gap = choice.members(candidates(here, choice.problem.task, _CANDIDATES, 0))
     if outside and not (_count_joints_beyond_limits(here, found) == 0).any():
-        found, gap = choice.members(_inside(choice.problem))
+        found, gap = choice.members(_random_inside_limits(choice.problem))
     kept = choice.against(found) <= choice.against(own)[0] + _SLACK
     kept &= (_poor(here, found) < poor - _TALLER) | (_count_joints_beyond_limits(here, found) < outside)
     found, gap = found[kept], gap[kept]
     if not len(found):
         return family
     cost = _poor(here, found) + choice.against(found) + _plainness(here, found, gap)
-    return choice.moved(found, int(cost.argmin()))
+    return choice.with_witness(found, int(cost.argmin()))
 
 
 def members_of(robot: Robot, task: Task, family: Family, count: int) -> Array:
@@ -174,7 +174,7 @@ class _Choice:
             gap = np.ones(len(points))
         return points[gap > _ROOM], gap[gap > _ROOM]
 
-    def moved(self, found: Array, best: int) -> Family:
+    def with_witness(self, found: Array, best: int) -> Family:
         """The family with one of its members (M, n) as the witness."""
         directions, lost = lost_motions(self.problem, found[best], found[:_POINTS])
         witness = tuple(float(x) for x in out_of_metres(self._robot, found[best]))
@@ -183,7 +183,7 @@ class _Choice:
 
 def _plainness(robot: Robot, q: Array, gap: Array) -> Array:
     """(N,) of members that are equally good otherwise: less for those far from other families and little turned."""
-    return np.asarray(-0.3 * gap / gap.max() + 0.1 * _turned(robot, q))
+    return np.asarray(-0.3 * gap / gap.max() + 0.1 * _turned_share(robot, q))
 
 
 def _mark_solutions(systems: Sequence[System], q: Array) -> Array:
@@ -194,7 +194,7 @@ def _mark_solutions(systems: Sequence[System], q: Array) -> Array:
     return on
 
 
-def _turned(robot: Robot, q: Array) -> Array:
+def _turned_share(robot: Robot, q: Array) -> Array:
     """(N,) how far from zero the turning joints stand, as a share of half a turn, the first one twice."""
     away = np.where(robot.periodic, np.abs(q) / np.pi, 0.0)
     return np.asarray(away.sum(axis=1) + away[:, 0])
@@ -205,7 +205,7 @@ def _count_joints_beyond_limits(robot: Robot, q: Array) -> Array:
     return np.asarray(((q < robot.lower - 1e-9) | (q > robot.upper + 1e-9)).sum(axis=1))
 
 
-def _inside(problem: Problem) -> Array:
+def _random_inside_limits(problem: Problem) -> Array:
     """(2000, n) random configurations inside the limits, a seed of their own."""
     low, high = sampling_box(problem.robot, problem.task, limits=True)
     return np.asarray(np.random.default_rng(1).uniform(low, high, (_LONGER, problem.n)))

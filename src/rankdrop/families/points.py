@@ -55,10 +55,11 @@ def members(
     if not family.named or not family.equations:
         return np.empty((0, robot.n))
     problem = Problem(in_metres(robot), task_in_metres(task, robot), family.corank, tolerances)
-    return out_of_metres(robot, _solved(problem, family_in_metres(family, robot), problem.sample(count, seed)))
+    q = _solve_from_starts(problem, family_in_metres(family, robot), problem.sample(count, seed))
+    return out_of_metres(robot, q)
 
 
-def _solved(problem: Problem, family: Family, starts: Array, along: Array | None = None) -> Array:
+def _solve_from_starts(problem: Problem, family: Family, starts: Array, along: Array | None = None) -> Array:
     """(≤ N, n) points of a family that starts (N, n) lead to, moved along some directions: singular, within travel."""
     points, solved = family.system.solve(starts, along=along)
     points = wrap_joints(problem.robot, points[solved])
@@ -88,7 +89,7 @@ def general_member(
     held = {one.number - 1 for one in own.pinned}
     bound = held | {number - 1 for number in own.coupled}
     along = np.eye(robot.n)[:, sorted(held | (set(moving) & bound or bound))]
-    points = _solved(problem, own, np.round(problem.sample(256, seed), 1), along)
+    points = _solve_from_starts(problem, own, np.round(problem.sample(256, seed), 1), along)
     if not len(points):
         return np.array(family.witness)
     if problem.rank:
@@ -102,7 +103,7 @@ def general_member(
     return out_of_metres(robot, points[int(room.argmax())])
 
 
-def lifted(q: Array, moving: Sequence[int], points: Array) -> Array:
+def set_joints(q: Array, moving: Sequence[int], points: Array) -> Array:
     """(N, n) a configuration with some joints (from 0) at each of points (N, d)."""
     full = np.repeat(q[None], len(points), axis=0)
     full[:, list(moving)] = points
@@ -157,7 +158,7 @@ ITERATIONS = 30
 STEP = 0.3  # longest step [rad; slides in length scales]
 
 
-def onto(problem: Problem, starts: Array, along: Array) -> tuple[Array, NDArray[np.bool_]]:
+def move_to_singularity(problem: Problem, starts: Array, along: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Move configurations within q + span(along) until the rank is at most that of the problem.
 
     Each step is the shortest least-squares solution of D(Δ) = −F with Δ in the span, measured in scaled joint
@@ -267,7 +268,7 @@ class Walk:
             good = np.abs(system.values(end)).max() <= REACHED
             good &= bool(self.problem.singular(end)[0])
             return end[0] if good else None
-        ends, arrived = onto(self.problem, q[None], np.eye(self.robot.n))
+        ends, arrived = move_to_singularity(self.problem, q[None], np.eye(self.robot.n))
         return ends[0] if arrived[0] else None
 
 
@@ -287,8 +288,9 @@ def in_slice(
     """Points of the singular set in the slice through q along some joints.
 
     Uniform starts in the slice are driven onto corank 1 by Gauss–Newton on the block, moving the chosen joints only
-    (`onto`). A slice of two joints shows curves where the set has codimension 1 and points where it has 2; where q
-    itself is singular whatever the chosen joints do, the whole slice is. Nothing found is not a proof of absence.
+    (`move_to_singularity`). A slice of two joints shows curves where the set has codimension 1 and points where it has
+    2; where q itself is singular whatever the chosen joints do, the whole slice is. Nothing found is not a proof of
+    absence.
 
     Args:
         robot: the arm.
@@ -324,11 +326,11 @@ def in_slice(
     problem = Problem(robot, task, 1, limits=limits)
     low, high = problem.box
     drawn = np.random.default_rng(seed).uniform(low[chosen], high[chosen], (starts, len(chosen)))
-    rows = lifted(centre, chosen, drawn)
+    rows = set_joints(centre, chosen, drawn)
     full = problem.generic_rank
     if full == 0:
         return Cloud(robot, task, rows[:0], np.zeros(0, dtype=np.int64))
-    ends, arrived = onto(problem, rows, np.eye(robot.n)[:, chosen])
+    ends, arrived = move_to_singularity(problem, rows, np.eye(robot.n)[:, chosen])
     ends = ends[arrived]
     if not limits:
         turning = robot.periodic & np.isin(np.arange(robot.n), chosen)
@@ -409,7 +411,7 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> C
     return Cloud(robot, task, np.concatenate(parts), np.concatenate(coranks))
 
 
-def explained(
+def count_explained(
     points: Cloud, families: Sequence[Sequence[Equation]], tolerances: Tolerances = DEFAULT
 ) -> tuple[Check, NDArray[np.int64]]:
     """How many points of a cloud lie on one of the families, each given by all of its equations.

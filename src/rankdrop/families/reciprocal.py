@@ -64,7 +64,7 @@ Draw = Callable[[int, np.random.Generator], Array]
 """(count, generator) -> (M, n) candidates, M ≤ count or a few times it."""
 
 
-def drawn(
+def draw_singular(
     problem: Problem, count: int, seed: int, progress: Callable[[int, int], None] | None = None
 ) -> tuple[Array, Array, NDArray[np.int32], tuple[str, ...], bool]:
     """Draw exact singular configurations, the same number from every stratum that has any.
@@ -101,7 +101,7 @@ def drawn(
             "no reciprocal wrench was found: there may be no singular configuration of this corank, or hardly any",
             where="method", got="reciprocal", mend=_MEND, typed=_TYPED,
         )  # fmt: skip
-    q, sigma, stratum = _interleaved(parts, count)
+    q, sigma, stratum = _interleave(parts, count)
     names = tuple(one.name for one in strata) if have else ()
     return q, sigma, stratum, names, complete
 
@@ -131,14 +131,14 @@ def _strata(arm: _Chain, problem: Problem) -> list[_Stratum]:
     if problem.corank == 1 and _in_closed_form(problem.robot, problem.task, problem.generic_rank):
         closed = [*arm.wrenches(), *arm.single_joints(problem.generic_rank)]
     alone = not closed or problem.corank > 1
-    iterated = [*arm.together(problem.rank, alone=alone), *arm.pinned(problem.rank)]
+    iterated = [*arm.solved_strata(problem.rank, alone=alone), *arm.pinned_strata(problem.rank)]
     return [
         *(_Stratum(name, draw, _TRIED) for name, draw in closed),
         *(_Stratum(name, draw, _TRIED_TOGETHER) for name, draw in iterated),
     ]
 
 
-def _interleaved(parts: Sequence[_Drawn], count: int) -> tuple[Array, Array, NDArray[np.int32]]:
+def _interleave(parts: Sequence[_Drawn], count: int) -> tuple[Array, Array, NDArray[np.int32]]:
     """The first `count` of all configurations, one stratum after the other, so that a part has all of them."""
     q, sigma = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
     stratum = np.concatenate([np.full(len(one), k, dtype=np.int32) for one, _, k in parts])
@@ -168,7 +168,7 @@ def _in_turn(
         for k in waiting:
             rate = (have[k] + 1) / (tried[k] + 2)
             wanted = int(np.clip(1.5 * (share - have[k]) / rate, 64, _BATCH))
-            q, sigma = arm.kept(strata[k].draw(wanted, rng), rank, int(share - have[k]))
+            q, sigma = arm.keep_singular(strata[k].draw(wanted, rng), rank, int(share - have[k]))
             have[k] += len(q)
             tried[k] += wanted
             if not have[k] and tried[k] >= strata[k].patience:
@@ -211,11 +211,11 @@ class _Chain:
         self.whole = task.rows == (0, 1, 2, 3, 4, 5)
         self.basis = self._basis()
 
-    def drawn(self, count: int, rng: np.random.Generator) -> Array:
+    def draw_at_random(self, count: int, rng: np.random.Generator) -> Array:
         """(count, n) configurations at random."""
         return rng.uniform(self.low, self.high, (count, self.n))
 
-    def kept(self, q: Array, rank: int, most: int) -> tuple[Array, Array]:
+    def keep_singular(self, q: Array, rank: int, most: int) -> tuple[Array, Array]:
         """Those that are singular to rounding, angles in (−π, π]; within the limits where these count."""
         q = into_one_turn(self.robot, q[np.isfinite(q).all(axis=1)])
         q = q[((q >= self.least) & (q <= self.most) | ~self.bound).all(axis=1)]
@@ -225,7 +225,7 @@ class _Chain:
         good = np.flatnonzero(sigma[:, rank - 1] <= EXACT * sigma[:, 0])[:most]
         return q[good], sigma[good]
 
-    def together(self, kept: int, *, alone: bool) -> list[tuple[str, Draw]]:
+    def solved_strata(self, kept: int, *, alone: bool) -> list[tuple[str, Draw]]:
         """Strata in which some joints are solved for by Newton's method; those of few joints first.
 
         As many joints as the rank's fall to `kept` is conditions, (m − r)(n − r) at most, and two at least.
@@ -244,7 +244,7 @@ class _Chain:
                     found.append((name if count > 1 else by_itself, self._newton(list(joints), kept)))
         return found
 
-    def pinned(self, kept: int) -> list[tuple[str, Draw]]:
+    def pinned_strata(self, kept: int) -> list[tuple[str, Draw]]:
         """Strata in which a turning joint stands at a multiple of a right angle, and all others are solved for."""
         found: list[tuple[str, Draw]] = []
         for p in range(self.n):
@@ -256,7 +256,7 @@ class _Chain:
 
     def _newton(self, joints: list[int], kept: int, pin: tuple[int, float] | None = None) -> Draw:
         def draw(count: int, rng: np.random.Generator) -> Array:
-            q = self.drawn(min(count, _ONE_BATCH), rng)
+            q = self.draw_at_random(min(count, _ONE_BATCH), rng)
             if pin is not None:
                 q[:, pin[0]] = pin[1]
             done = [np.zeros((0, self.n))]
@@ -302,7 +302,7 @@ class _Chain:
         rng = np.random.default_rng(0)
         for first, last in self._blocks():
             link = first + 1 if self.whole else self.n
-            known = self._wrenches_on_screws(first, last, link, self.drawn(8, rng))
+            known = self._wrenches_on_screws(first, last, link, self.draw_at_random(8, rng))
             null = known.shape[2] - int(np.linalg.matrix_rank(known, tol=1e-9).max())
             if null and last - first < self.n - 1:
                 if last > first:
@@ -345,7 +345,7 @@ class _Chain:
 
     def _from_block(self, first: int, last: int, link: int, null: int) -> Draw:
         def draw(count: int, rng: np.random.Generator) -> Array:
-            q = self.drawn(count, rng)
+            q = self.draw_at_random(count, rng)
             known = self._wrenches_on_screws(first, last, link, q)
             v = np.linalg.svd(known)[2][:, known.shape[2] - null :]  # (B, null, m)
             u = np.einsum("bk,bkm->bm", rng.standard_normal((count, null)), v)
@@ -358,13 +358,13 @@ class _Chain:
                 for i in side:
                     beyond = i + sign
                     if not (first <= i <= last and first <= beyond <= last):
-                        q[:, i] = self._solved(left, i, beyond, sign, q[:, i], rng)
+                        q[:, i] = self._solve_joint(left, i, beyond, sign, q[:, i], rng)
                     left = np.einsum("bi,bij->bj", left, self._motion(i, sign * q[:, i]))
             return q
 
         return draw
 
-    def _solved(self, u: Array, i: int, beyond: int, sign: int, given: Array, rng: np.random.Generator) -> Array:
+    def _solve_joint(self, u: Array, i: int, beyond: int, sign: int, given: Array, rng: np.random.Generator) -> Array:
         """(B,) values of joint i at which u does no work on the joint beyond it; NaN where there are none.
 
         Args:
@@ -405,7 +405,7 @@ class _Chain:
 
         def draw(count: int, rng: np.random.Generator) -> Array:
             count = min(count, _ONE_BATCH)
-            q = self.drawn(count, rng)
+            q = self.draw_at_random(count, rng)
             points = 2 * _DEGREE + 1
             angles = 2 * np.pi * np.arange(points) / points
             at = np.repeat(q[:, None, :], points, axis=1)

@@ -149,7 +149,7 @@ class Linear:
         return tuple(best[1])
 
     @cached_property
-    def along(self) -> Array:
+    def kept_motions(self) -> Array:
         """(n, n − c) orthonormal basis of the motions that keep all values."""
         if not len(self):
             return np.eye(self.covectors.shape[1])
@@ -157,9 +157,9 @@ class Linear:
 
     def values(self, q: Array) -> Array:
         """(N, c) values at q (N, n), angles in (−π, π]."""
-        return self.away(q, np.zeros(len(self)))
+        return self.deviation(q, np.zeros(len(self)))
 
-    def away(self, q: Array, values: Array) -> Array:
+    def deviation(self, q: Array, values: Array) -> Array:
         """(N, c) how far the values at q (N, n) are from others (c,) or (N, c), angles the short way round."""
         off = q @ self.covectors.T - values
         return np.where(self.periodic, wrap(off), off)
@@ -366,7 +366,7 @@ class Row:
         q = self.linear.place(problem.random(len(targets), rng), targets, rng)
         good = np.ones(len(q), dtype=np.bool_)
         if self.residual:
-            q, slope, good = _solved(q, self.residual, self.signature.residual, self.linear.along)
+            q, slope, good = _solve_equations(q, self.residual, self.signature.residual, self.linear.kept_motions)
             good &= slope > _least_slope(slope[good])
         good &= problem.within_limits(q)
         return q.reshape(len(values), each, problem.n), good.reshape(len(values), each)
@@ -376,7 +376,7 @@ class Row:
         return self.solve(problem, self.combinations[:64], each, rng)
 
 
-def _solved(
+def _solve_equations(
     q: Array, equations: tuple[Equation, ...], codimension: int, along: Array
 ) -> tuple[Array, Array, Mask]:
     """Solve the first equations, as many as are independent, and keep the solutions that satisfy the rest as well.
@@ -407,7 +407,7 @@ def _least_slope(slope: Array) -> float:
     return CONDITIONED * (best if FLAT < best < CONDITIONED else 1.0)
 
 
-def completed(problem: Problem, row: Row, start: Iterable[Values], rng: np.random.Generator) -> list[Row]:
+def complete_rows(problem: Problem, row: Row, start: Iterable[Values], rng: np.random.Generator) -> list[Row]:
     """Rows with all combinations of values that hold, from those observed outwards by symmetry."""
     found = grow(start, row.linear, partial(verify_values, problem, row, rng=rng))
     return [replace(row, sets=sets) for sets in boxes(found)]
@@ -489,7 +489,7 @@ def soundness(
         The counts, and the (S, n) solutions that do not have the corank.
     """
     start = problem.random(STARTS, rng)
-    q, slope, solved = _solved(start, system.equations, codimension, np.eye(problem.n))
+    q, slope, solved = _solve_equations(start, system.equations, codimension, np.eye(problem.n))
     q = q[solved & (slope > _least_slope(slope[solved]))]
     if not len(q):
         return Check(0, 0), q
@@ -571,7 +571,7 @@ def _has_further_roots(problem: Problem, row: Row, pinned: Row) -> bool:
     values = row.combinations
     targets = np.repeat(np.array(values, dtype=np.float64).reshape(len(values), -1), STARTS // len(values) + 1, axis=0)
     starts = row.linear.place(problem.random(len(targets), rng), targets, rng)
-    q, solved = row.system.solve_flat(starts, along=row.linear.along, iterations=200)
+    q, solved = row.system.solve_flat(starts, along=row.linear.kept_motions, iterations=200)
     q = q[solved & problem.singular(q)]
     _, far = pinned.nearest_values(q)
     return bool((far > NEAR).any())
@@ -584,7 +584,7 @@ def sharp_values(problem: Problem, linear: Linear, values: Values, q: Array, wit
     square, σ is of second order in the error. The values stay where the singular point is farther away than `within`.
     """
     end, sigma = min(descents(problem, q), key=lambda one: one[1])
-    if sigma > ROUNDING or np.abs(linear.away(end[None], np.array(values))).max() > within:
+    if sigma > ROUNDING or np.abs(linear.deviation(end[None], np.array(values))).max() > within:
         return values
     pairs = zip(linear.values(end[None])[0].tolist(), linear.periodic.tolist(), strict=True)
     return tuple(canonical(value) if turns else round(value, 13) + 0.0 for value, turns in pairs)
@@ -638,7 +638,7 @@ def solve_at_special_values(
     joints = [j - 1 for j in numbers if j - 1 not in fixed]
     begun: dict[tuple[int, ...], list[Array]] = {}
     values = np.array(row.combinations, dtype=np.float64).reshape(len(row.combinations), -1)
-    for held in _held(problem, joints, marks, rng):
+    for held in _choose_held_values(problem, joints, marks, rng):
         chosen = rng.integers(len(values), size=EACH)
         q = problem.random(EACH, rng)
         q[:, list(held)] = list(held.values())
@@ -661,7 +661,7 @@ def solve_at_special_values(
     return int((regular | (sigma <= problem.tolerances.singular)).sum()), q[regular]
 
 
-def _held(
+def _choose_held_values(
     problem: Problem, joints: list[int], marks: Mapping[int, Sequence[float]], rng: np.random.Generator
 ) -> list[dict[int, float]]:
     """Joints and the values they are held at: each alone, then several by chance."""
@@ -729,7 +729,7 @@ def _ways(row: Row) -> list[Array]:
     moves = _moves(row.linear)
     coupled = [j for j in row.signature.coupled if j not in row.linear.pivots]
     few = list(combinations(reversed(coupled), need))[:12]
-    return [np.linalg.qr(moves[:, list(chosen)])[0] for chosen in few] + [row.linear.along]
+    return [np.linalg.qr(moves[:, list(chosen)])[0] for chosen in few] + [row.linear.kept_motions]
 
 
 def _moves(linear: Linear) -> Array:

@@ -39,7 +39,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
 from rankdrop.errors import OptionError
-from rankdrop.families.reciprocal import drawn
+from rankdrop.families.reciprocal import draw_singular
 from rankdrop.families.record import Estimator, Unseen
 from rankdrop.kinematics import chain_of, check_robot, configurations, task_view, whole_number
 from rankdrop.local.block import generic_rank, sample
@@ -273,10 +273,10 @@ def search(
                               allowed="no iterations, step or history")  # fmt: skip
         full = generic_rank(robot, resolved)
         problem = _problem(robot, resolved, whole_number("corank", corank, 1, max(full, 1)), how, tolerances)
-        return _out_of_units(_drawn(problem, how, progress), robot, resolved)
+        return _out_of_units(_draw_as_search(problem, how, progress), robot, resolved)
     problem = _problem(robot, resolved, corank, how, tolerances)
     q0 = sample(problem.robot, problem.task, how.starts, how.seed, limits=how.limits)
-    found = _refined(problem, q0, how, history=history, progress=progress, first=None)
+    found = _refine_in_unit(problem, q0, how, history=history, progress=progress, first=None)
     return _out_of_units(found, robot, resolved)
 
 
@@ -311,7 +311,7 @@ def refine(
     here = robot.exponent is not None
     problem = _problem(robot, resolved, corank, how, tolerances)
     rows = rows if here else into_units(robot, rows)
-    found = _refined(problem, rows, how, history=history, progress=progress, first=first)
+    found = _refine_in_unit(problem, rows, how, history=history, progress=progress, first=first)
     if here:
         return found
     return _out_of_units(found, robot, resolved)
@@ -322,7 +322,7 @@ def _problem(robot: Robot, task: Task, corank: int, how: SearchOptions, toleranc
     return Problem(in_units(robot), task_in_units(task, robot), corank, tolerances, how.limits)
 
 
-def _refined(
+def _refine_in_unit(
     problem: Problem, q0: Array, how: SearchOptions, *, history: bool, progress: Progress | None,
     first: int | None,
 ) -> Search:  # fmt: skip
@@ -423,7 +423,7 @@ def _sparingly(descent: _Descent) -> list[_Part]:
         rest, _ = descent.run(_TRIED, count)
     parts += rest
     if whole and not _any_converged(parts):
-        _followed(descent.problem, parts)
+        _follow_near_misses(descent.problem, parts)
     return parts
 
 
@@ -431,7 +431,7 @@ def _any_converged(parts: list[_Part]) -> bool:
     return any(bool((part[2] == Outcome.CONVERGED).any()) for part in parts)
 
 
-def _followed(problem: Problem, parts: list[_Part]) -> None:
+def _follow_near_misses(problem: Problem, parts: list[_Part]) -> None:
     """Where none converged: follow the lowest near misses on, and take those for converged that go down to zero."""
     places = [(part, row) for part in parts for row in np.flatnonzero(part[2] == Outcome.NEAR_MISS)]
     places = sorted(places, key=lambda place: float(place[0][1][place[1], problem.rank]))[:LOWEST]
@@ -443,9 +443,9 @@ def _followed(problem: Problem, parts: list[_Part]) -> None:
             part[0][row], part[1][row], part[2][row] = at, values, Outcome.CONVERGED
 
 
-def _drawn(problem: Problem, how: SearchOptions, progress: Progress | None) -> Search:
+def _draw_as_search(problem: Problem, how: SearchOptions, progress: Progress | None) -> Search:
     """Configurations drawn by reciprocal wrenches, as a search in which every start converged at once."""
-    q, sigma, stratum, names, complete = drawn(problem, how.starts, how.seed, progress)
+    q, sigma, stratum, names, complete = draw_singular(problem, how.starts, how.seed, progress)
     return Search(
         problem.robot, problem.task, problem.corank, problem.rank, RECIPROCAL, how.seed, problem.limits,
         problem.tolerances, q=q, sigma=sigma, outcome=np.full(len(q), Outcome.CONVERGED, dtype=np.int8),

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.families.points import general_member, lifted
+from rankdrop.families.points import general_member, set_joints
 from rankdrop.families.record import Family, family_in_metres
 from rankdrop.families.searching import search
 from rankdrop.formula.equation import SOLVED, System
@@ -255,7 +255,7 @@ class _Plane:
     def nodes(self) -> Array:
         """(a·b, n)."""
         grid = np.stack(np.meshgrid(self.x, self.y, indexing="ij"), axis=-1)
-        return lifted(self.q, self.moving, grid.reshape(-1, 2))
+        return set_joints(self.q, self.moving, grid.reshape(-1, 2))
 
     def sigma(self) -> Array:
         smallest = self.problem.sigma(self.nodes())[:, self.problem.generic_rank - 1]
@@ -275,7 +275,7 @@ class _Plane:
             return None
         system = System(tuple(equation for equation, _ in telling))
         if len(telling) > 1:
-            return Trace(family.id, (), self._solved(system, family))
+            return Trace(family.id, (), self._isolated_points(system, family))
         lines: list[Array] = []
         for line in curves(telling[0][1], self.x, self.y):
             lines += self._project_line(line, system, family)
@@ -283,7 +283,7 @@ class _Plane:
 
     def _project_line(self, line: Array, system: System, family: Family) -> list[Array]:
         """The line brought onto the zero set, and cut where a vertex is not singular."""
-        ends, _ = system.solve(lifted(self.q, self.moving, line), along=self._basis(), iterations=8)
+        ends, _ = system.solve(set_joints(self.q, self.moving, line), along=self._basis(), iterations=8)
         points = ends[:, list(self.moving)]
         cell = 1.5 * np.array([self.x[1] - self.x[0], self.y[1] - self.y[0]])
         good = (np.abs(points - line) <= cell).all(axis=1)
@@ -293,10 +293,10 @@ class _Plane:
                 zip(parts, [0, *np.flatnonzero(~good)], strict=True)]  # fmt: skip
         return [part for part in kept if len(part) > 1]
 
-    def _solved(self, system: System, family: Family) -> Array:
+    def _isolated_points(self, system: System, family: Family) -> Array:
         """Isolated points, from a grid of starts."""
         starts = np.stack(np.meshgrid(*(np.linspace(v[0], v[-1], _SEEDS) for v in (self.x, self.y))), axis=-1)
-        ends, solved = system.solve(lifted(self.q, self.moving, starts.reshape(-1, 2)), along=self._basis())
+        ends, solved = system.solve(set_joints(self.q, self.moving, starts.reshape(-1, 2)), along=self._basis())
         ends = wrap_joints(self.problem.robot, ends[solved])
         ends = ends[self.problem.at(family.corank).singular(ends)]
         points = ends[:, list(self.moving)]
@@ -401,8 +401,8 @@ def solid(
     problem = Problem(robot, task, family.corank)
     moving = [number - 1 for number in joints]
     q = general_member(robot, task, family, moving, seed)
-    starts = lifted(q, moving, problem.sample(SEEDS, seed)[:, moving])
-    held = _held(family, starts, moving)
+    starts = set_joints(q, moving, problem.sample(SEEDS, seed)[:, moving])
+    held = _equations_in_plane(family, starts, moving)
     basis = np.eye(robot.n)[:, moving]
     nowhere = np.empty((0, 3))
     nothing = Solid(family.id, (joints[0], joints[1], joints[2]), q, (), 0, nowhere, nowhere.astype(np.int64))
@@ -423,7 +423,7 @@ def solid(
     return nothing
 
 
-def _held(family: Family, q: Array, moving: list[int]) -> System | None:
+def _equations_in_plane(family: Family, q: Array, moving: list[int]) -> System | None:
     """The equations that say something where the other joints are held; None where one of them cannot hold."""
     kept = []
     for equation in family.equations:
@@ -443,13 +443,13 @@ def _curves(
     """
 
     def linear(x: Array) -> tuple[Array, Array]:
-        f, slope = held.linear(lifted(q, moving, x))
+        f, slope = held.linear(set_joints(q, moving, x))
         return f, slope[..., moving]
 
     lines = curves_through(linear, seeds[:, moving], STEP, zero=SOLVED, most=_MOST)
     if any(len(line) > _MOST for line, _ in lines):
         return []
-    return [one for one in lines if len(one[0]) > 2 and problem.singular(lifted(q, moving, one[0])).all()]
+    return [one for one in lines if len(one[0]) > 2 and problem.singular(set_joints(q, moving, one[0])).all()]
 
 
 def _sheet(
@@ -458,11 +458,11 @@ def _sheet(
     """The surface, its vertices polished; triangles with a vertex that is not singular are left out."""
     axis = np.linspace(-_SIDE, _SIDE, nodes)
     grid = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
-    values = held.equations[0](lifted(q, moving, grid)).reshape(nodes, nodes, nodes)
+    values = held.equations[0](set_joints(q, moving, grid)).reshape(nodes, nodes, nodes)
     vertices, triangles = surface(values, (axis, axis, axis))
     if not len(triangles):
         return vertices, triangles
-    ends, _ = held.solve(lifted(q, moving, vertices), along=np.eye(problem.n)[:, moving], iterations=8)
+    ends, _ = held.solve(set_joints(q, moving, vertices), along=np.eye(problem.n)[:, moving], iterations=8)
     good = problem.singular(ends)
     good &= np.linalg.norm(ends[:, moving] - vertices, axis=1) < 2 * (axis[1] - axis[0])
     triangles = triangles[good[triangles].all(axis=1)]
@@ -577,7 +577,7 @@ def singular_curves(
 
     def linear(x: Array) -> tuple[Array, Array]:
         """F as a vector, and its derivative by the joints that move."""
-        at = problem.block(lifted(base, moving, x))
+        at = problem.block(set_joints(base, moving, x))
         return at.f.reshape(len(x), -1), at.d[..., moving].reshape(len(x), -1, len(moving))
 
     def unsolved(x: Array) -> tuple[Mask, Array, Array]:
@@ -591,7 +591,7 @@ def singular_curves(
     seeds = seeds[np.abs(linear(seeds)[0]).max(axis=1) <= _ON]
     most = int(_LONGEST / step)
     lines = curves_through(linear, seeds, step, zero=_ON, most=most)
-    found = [_curve(lifted(base, moving, line), closed) for line, closed in lines if closed or len(line) > most]
+    found = [_curve(set_joints(base, moving, line), closed) for line, closed in lines if closed or len(line) > most]
     return tuple(sorted(found, key=lambda curve: -curve.length))
 
 

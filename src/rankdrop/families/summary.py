@@ -129,7 +129,7 @@ class FamilySummary:
         return sum(one.families for one in self.ranks)
 
 
-def summarised(
+def summarise_families(
     arm: str, generic_rank: int, families: Sequence[Summarised], evidence: Evidence = Evidence.NONE, tests: int = 0,
     label: Callable[[Summarised], str] | None = None,
 ) -> FamilySummary:  # fmt: skip

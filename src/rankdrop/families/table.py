@@ -133,7 +133,7 @@ def families(
     pieces = _pieces(cover, kept, inspection) + [count for _, count in rest]
     report(STEPS, STEPS)
     summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
-    return CorankFamilies(summary, ordered, _contradicted(tested), int(wrong.sum()), lowest)
+    return CorankFamilies(summary, ordered, _contradicted_families(tested), int(wrong.sum()), lowest)
 
 
 def _rows(
@@ -148,7 +148,7 @@ def _rows(
 
 def _regular_points(problem: Problem, rows: Sequence[Row], q: Array) -> tuple[Mask, float]:
     """(N,) points on no row that only look singular, and the lowest σ next to them: see `not_singular`."""
-    return not_singular(problem, q, lambda at: on_any(membership(problem, at), rows, len(at)) | _solved(rows, at))
+    return not_singular(problem, q, lambda at: on_any(membership(problem, at), rows, len(at)) | _solves_row(rows, at))
 
 
 def _order_families(
@@ -160,7 +160,7 @@ def _order_families(
     return (*listed, *number_families(unnamed, corank, after=len(known)))
 
 
-def _contradicted(tested: Mapping[Row, Tested]) -> tuple[tuple[Family, int | None], ...]:
+def _contradicted_families(tested: Mapping[Row, Tested]) -> tuple[tuple[Family, int | None], ...]:
     """Derived families larger than ker D at their points allows, with that dimension; None where none has a point."""
     found: list[tuple[Family, int | None]] = []
     for row, (_, points, dimension) in tested.items():
@@ -173,7 +173,7 @@ def _contradicted(tested: Mapping[Row, Tested]) -> tuple[tuple[Family, int | Non
     return tuple(found)
 
 
-def _solved(rows: Sequence[Row], q: Array) -> Mask:
+def _solves_row(rows: Sequence[Row], q: Array) -> Mask:
     """(N,) whether singular configurations solve the equations of a row, which may be flat next to a special structure.
     """
     solved = np.zeros(len(q), dtype=np.bool_)
@@ -395,7 +395,9 @@ def unexplained_families(
         groups.setdefault(_shape(inspection, i, problem), []).append(i)
     ordered = sorted(_merge_small_groups(groups).items(), key=lambda item: (-len(item[1]), item[1][0]))
     tested = int(fresh.exact.sum())
-    return [_unnamed(problem, inspection, key, np.array(members), from_cloud, tested) for key, members in ordered]
+    return [
+        _unnamed_family(problem, inspection, key, np.array(members), from_cloud, tested) for key, members in ordered
+    ]
 
 
 def _merge_small_groups(groups: dict[Shape, list[int]]) -> dict[Shape, list[int]]:
@@ -427,7 +429,7 @@ def _shape(inspection: Inspection, i: int, problem: Problem) -> Shape:
     return (False, problem.n - round(float(np.trace(inspection.tangent[i]))), (), free, coupled)
 
 
-def _unnamed(
+def _unnamed_family(
     problem: Problem,
     inspection: Inspection,
     key: Shape,

@@ -52,7 +52,7 @@ from rankdrop.exact.undivided import UndividedSet, cases_in_whole_angles, undivi
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.inspection import FOLLOWED, descents, near_misses
 from rankdrop.families.pictured import posed
-from rankdrop.families.points import Cloud, cloud, explained
+from rankdrop.families.points import Cloud, cloud, count_explained
 from rankdrop.families.record import Check, Family, exact_of
 from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.formula.equation import Equation
@@ -443,7 +443,7 @@ def _undivided_sets(
 
     def off_families(q: Array, corank: int) -> NDArray[np.int64]:
         known = [_own_equations(chain, family) for family in families if family.corank >= corank]
-        return explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)[1]
+        return count_explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)[1]
 
     def followed(corank: int, q: Array) -> Array:
         return _singular_ends(Problem(chain.own, chain.own_task, corank), q)
@@ -569,7 +569,7 @@ def _on_families(
     those on none are followed with 50 digits.
     """
     equations = [_own_equations(chain, family) for family in families if family.corank >= corank]
-    check, remaining = explained(met, equations)
+    check, remaining = count_explained(met, equations)
     wrong, sigma = near_misses(met, remaining, equations)
     off = whole_angles(chain.robot, out_of_units(chain.robot, met.q[np.setdiff1d(remaining, wrong)]))
     return _OnFamilies(Check(check.tested - len(wrong), check.agree), off, len(wrong), sigma)
@@ -644,7 +644,7 @@ def _is_settled(
     for k in sorted(set(corank[low].tolist())):
         here = q[low & (corank == k)]
         known = [_own_equations(chain, family) for family in families if family.corank >= k]
-        _, over = explained(Cloud(chain.own, chain.own_task, here, np.full(len(here), k)), known)
+        _, over = count_explained(Cloud(chain.own, chain.own_task, here, np.full(len(here), k)), known)
         if len(over):
             return False
     return bool(low.all()) or last

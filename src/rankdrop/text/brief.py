@@ -304,9 +304,12 @@ def speed_section(analysis: Any) -> Section | None:
         lines = (slow_line(analysis.slow),)
     rows = [
         (
-            distance.family, names.get(distance.family, ""), _joints_of(distance), _proven_distance(distance),
+            distance.family,
+            names.get(distance.family, ""),
+            _joints_of(distance),
+            _proven_distance(distance),
             _slower(distance),
-        )  # fmt: skip
+        )
         for distance in told.distances
     ]
     return Section(

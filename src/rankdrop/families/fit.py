@@ -130,7 +130,7 @@ def _rows_of(
         single = replace(plain, sets=tuple((value,) for value in values), evidence=fitted)
         residual = fitted_equations(FamilyPoints(problem, single, q[here], tangent[here], rng), WORK)
         if residual is not None:
-            alike = [one for one, points in met.items() if all(holds(f, q[points]) for f in residual)]
+            alike = [others for others, points in met.items() if all(holds(f, q[points]) for f in residual)]
             rows += complete_rows(problem, replace(single, residual=residual), [values, *alike], rng)
     return rows
 
@@ -277,7 +277,7 @@ class FamilyPoints:
             problem.robot, self.q[base] + way, problem.corank, task=problem.task, tolerances=problem.tolerances
         )
         inspection = inspect(problem, verify_points(problem, found.converged))
-        same = np.array([one == self.row.signature for one in inspection.signatures], dtype=np.bool_)
+        same = np.array([signature == self.row.signature for signature in inspection.signatures], dtype=np.bool_)
         same &= inspection.sigma[:, problem.rank] <= 1e-12
         same &= (np.abs(self.row.linear.deviation(inspection.q, np.array(self.row.combinations[0]))) < SAME).all(axis=1)
         self.exhausted = bool(same.sum() < 0.02 * batch)
@@ -321,7 +321,8 @@ def minors(
         values = np.linalg.det(jacobian[:, :, columns]).reshape(shape)
         if np.abs(values).max() >= 1e-13:
             found.append(_equation_of(np.fft.fftn(values) / values.size, joints, robot.n))
-    return sorted((one for one in found if len(one.terms) <= LONGEST), key=lambda equation: len(equation.terms))
+    short = [equation for equation in found if len(equation.terms) <= LONGEST]
+    return sorted(short, key=lambda equation: len(equation.terms))
 
 
 def _equation_of(waves: NDArray[np.complex128], joints: tuple[int, ...], n: int) -> Equation:
@@ -363,7 +364,7 @@ def fitted_equations(source: FamilyPoints, work: float) -> tuple[Equation, ...] 
     fit = _fit_problem(source, work)
     moving = tuple(j for j in row.signature.coupled if j not in row.linear.pivots)
     bound = circuits(source.tangent[:SEED], moving)
-    fitted = (one for circuit in bound if (one := hypersurface(fit, circuit)) is not None)
+    fitted = (equation for circuit in bound if (equation := hypersurface(fit, circuit)) is not None)
     chosen, spare = _independent(source, fitted)
     reached = _rank(source, chosen)
     if reached > need:  # more than the signature promises: families meet here
@@ -372,7 +373,8 @@ def fitted_equations(source: FamilyPoints, work: float) -> tuple[Equation, ...] 
         sound = _without_strangers(source, chosen, spare)
         if sound is None:
             more = minors(problem, row, moving, fit.highest, source.rng)
-            sound = _without_strangers(source, chosen, [*spare, *(one for one in more if holds(one, source.q))])
+            holding = (equation for equation in more if holds(equation, source.q))
+            sound = _without_strangers(source, chosen, [*spare, *holding])
         if sound is not None:
             return sound
     if len(moving) > 1:
@@ -410,7 +412,7 @@ def _from_all_joints(source: FamilyPoints, fit: FitProblem, joints: tuple[int, .
         if rank > need:
             return None
         chosen, _ = _independent(source, basis)
-        spare = [one for one in basis if one not in chosen]
+        spare = [equation for equation in basis if equation not in chosen]
         if rank == need:
             sound = _without_strangers(source, chosen, spare)
         else:

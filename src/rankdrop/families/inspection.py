@@ -276,9 +276,9 @@ def not_singular(problem: Problem, q: Array, on_family: Callable[[Array], Mask])
         return wrong, np.inf
     order = np.argsort(problem.sigma(q)[:, problem.rank], kind="stable")
     chosen = order[np.unique(np.linspace(0, len(q) - 1, FOLLOWED).round().astype(int))]
-    ends = [descents(problem, one) for one in q[chosen]]
+    ends = [descents(problem, point) for point in q[chosen]]
     at = np.array([[end for end, _ in both] for both in ends])  # (chosen, descents, n)
-    sigma = np.array([[one for _, one in both] for both in ends])
+    sigma = np.array([[least for _, least in both] for both in ends])
     near = (sigma <= ROUNDING) & (problem.length(at - q[chosen][:, None]) <= FURTHER)
     known = np.zeros_like(near)
     known[near] = on_family(at[near])
@@ -402,7 +402,7 @@ def task_jacobian_exactly(robot: Robot, task: Task, q: Numbers, flint: Any) -> N
     poses.append(pose)
     last = len(robot.joints)
     homes = [np.eye(4), *(joint.frame for joint in robot.joints), robot.home]
-    axes, origin = (link_index(one, last, "frame") for one in (task.frame.axes, task.frame.origin))
+    axes, origin = (link_index(link, last, "frame") for link in (task.frame.axes, task.frame.origin))
     point = poses[origin] @ _exact(homes[origin] @ np.append(task.frame.point, 1.0), flint)
     into = (poses[axes][:3, :3] @ _exact(homes[axes][:3, :3], flint)).T
     whole = np.full((6, robot.n), flint.arb(0), dtype=object)

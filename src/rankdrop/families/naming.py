@@ -132,15 +132,15 @@ def _with_open_joints(
     """
     bound = sorted({*(number - 1 for number in (*pinned, *coupled)), *uncovered})
     values = {j: _values(q[:, j], turns=bool(robot.periodic[j])) for j in bound}
-    few = {j: one for j, one in values.items() if len(one) <= _FEW}
+    few = {j: joint_values for j, joint_values in values.items() if len(joint_values) <= _FEW}
     varying = [j for j in bound if j not in few]
     if uncovered & set(varying):
         conditions = tuple(_variable(robot, j) for j in varying)
     else:
         conditions = ()
     told = tuple(
-        JointValues(_variable(robot, j), tuple(_as_given(robot, j, x) for x in one))
-        for j, one in few.items() if j in uncovered or not all(map(is_right, one))
+        JointValues(_variable(robot, j), tuple(_as_given(robot, j, x) for x in joint_values))
+        for j, joint_values in few.items() if j in uncovered or not all(map(is_right, joint_values))
     )  # fmt: skip
     return replace(name, bound=conditions, values=told)
 
@@ -287,7 +287,7 @@ def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, gen
     blame = to_blame(task_jacobian(scene.robot, scene.q, task), usual, corank)
     circuits = tuple(dependence_of(scene, circuit, task) for circuit in blame)
     complete = len(blame) == corank
-    if complete and all(one.common not in _PATTERNLESS for one in circuits):
+    if complete and all(circuit.common not in _PATTERNLESS for circuit in circuits):
         return FamilyName(details=circuits)
     if corank == 1 and generic == task.m and line_meets_all(scene, task):
         if structure.tip_is_centre:
@@ -338,7 +338,7 @@ def distinct_names(
 
 def _own_condition(texts: Sequence[Sequence[str]], number: int) -> str | None:
     """The first short condition that only one of several families has."""
-    others = set[str]().union(*(one for k, one in enumerate(texts) if k != number))
+    others = set[str]().union(*(conditions for k, conditions in enumerate(texts) if k != number))
     return next((text for text in texts[number] if text not in others and len(text) <= _SHORT), None)
 
 
@@ -388,13 +388,13 @@ def _shorter(name: FamilyName) -> Iterator[FamilyName]:
         values_left_out = _VALUE * (many - told)
         for shorter, spent in _SPELLINGS:
             choices.append((left_out + values_left_out + spent, kept, told, shorter))
-    for _, kept, told, shorter in sorted(choices, key=lambda one: one[0]):
+    for _, kept, told, shorter in sorted(choices, key=lambda choice: choice[0]):
         yield _shortened_to(name, kept, told, shorter)
 
 
 def _costs_of_details(name: FamilyName) -> list[int]:
     """Cost of leaving out each detail of a name; last that there is a condition, where there is one."""
-    costs = [_RELATION if isinstance(one, Detail) and one.brief else _FACT for one in name.details]
+    costs = [_RELATION if isinstance(detail, Detail) and detail.brief else _FACT for detail in name.details]
     if name.bound:
         costs.append(_BOUND)
     return costs
@@ -420,7 +420,7 @@ def _shortened_to(name: FamilyName, kept: Sequence[int], closing: int, shorter: 
     """A name with the details of numbers `kept`, the first `closing` of its closing words, and a way of writing."""
     return replace(
         name,
-        details=tuple(one for place, one in enumerate(name.details) if place in kept),
+        details=tuple(detail for place, detail in enumerate(name.details) if place in kept),
         bound=name.bound if len(name.details) in kept else (),
         values=name.values[:closing],
         condition=name.condition if closing > len(name.values) else "",
@@ -438,4 +438,4 @@ def _subsets(costs: Sequence[int], parted: bool) -> list[tuple[int, ...]]:
     every = range(2**count) if count <= _MANY else [2**first - 1 for first in range(count + 1)]
     chosen = [tuple(i for i in range(count) if number >> i & 1) for number in every]
     facts = {i for i, cost in enumerate(costs) if cost == _FACT} or set(range(count))
-    return [one for one in chosen if facts & set(one) or (parted and not one)]
+    return [subset for subset in chosen if facts & set(subset) or (parted and not subset)]

@@ -238,7 +238,7 @@ class _Spot:
         relations = tuple(zip(signature.relations, values[len(pinned) :], strict=True))
         local = LocalConditions(relations, residual, whole or not signature.coupled)
         if whole:
-            equations = tuple(rescale_equation(one, slides, power) for one in row.system.equations)
+            equations = tuple(rescale_equation(equation, slides, power) for equation in row.system.equations)
         else:
             equations = ()
         return self.record(signature, pinned, row.evidence, local, points, equations)
@@ -268,7 +268,7 @@ class _Spot:
         problem, spread = self.problem, points[:: max(1, len(points) // NAMED)][:NAMED]
         coupled = tuple(j + 1 for j in signature.coupled)
         known = coupled if named else None
-        name = name_family(problem.robot, problem.task, spread, [one.number for one in pinned], coupled=known)
+        name = name_family(problem.robot, problem.task, spread, [pin.number for pin in pinned], coupled=known)
         return Family(
             id="",
             called=shorten_names([name])[0],

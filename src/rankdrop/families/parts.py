@@ -77,13 +77,13 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
 
 def _special_everywhere(seen: Sequence[Sequence[Special]]) -> tuple[ArmPart, ...]:
     """The parts that are exactly special at every member, given the special places seen at each."""
-    names = [{one.part.value for one in specials if one.exact} for specials in seen]
+    names = [{special.part.value for special in specials if special.exact} for specials in seen]
     return _in_order(set.intersection(*names))
 
 
 def _often_nearest(seen: Sequence[Sequence[Special]]) -> tuple[ArmPart, ...]:
     """The parts nearest to their conditions at a share of at least `_RARE` of the members."""
-    counts = Counter(one.part.value for specials in seen for one in specials if not one.exact)
+    counts = Counter(special.part.value for specials in seen for special in specials if not special.exact)
     return _in_order(part for part, count in counts.items() if count >= _RARE * len(seen))
 
 
@@ -100,5 +100,5 @@ def _binds_base(robot: Robot, family: Family) -> bool:
     axes = Scene(robot, np.zeros((1, robot.n))).axes
     if len(axes) < ARM_AXES:
         return False
-    bound = {*(one.number for one in family.pinned), *family.coupled}
+    bound = {*(pin.number for pin in family.pinned), *family.coupled}
     return min(bound, default=robot.n) <= axes[-ARM_AXES]

@@ -147,8 +147,9 @@ class _Choice:
         self._robot, self._family = robot, family
         self.problem = Problem(in_metres(robot), task_in_metres(task, robot), family.corank)
         self.own = np.asarray(into_metres(robot, family.witness))
-        rest = [one for one in others if one.id != family.id and one.corank == family.corank and one.equations]
-        self._beside = [family_in_metres(one, robot).system for one in rest]
+        alike = (other for other in others if other.corank == family.corank and other.equations)
+        rest = [other for other in alike if other.id != family.id]
+        self._beside = [family_in_metres(other, robot).system for other in rest]
 
     def against(self, q: Array) -> Array:
         """(N,) what speaks against showing members (N, n): `fault`, and being on another family too."""
@@ -163,7 +164,7 @@ class _Choice:
         family, problem = self._family, self.problem
         if not family.named or not family.equations:
             return np.empty((0, problem.n)), np.empty(0)
-        bound = {number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))}
+        bound = {number - 1 for number in (*family.coupled, *(pin.number for pin in family.pinned))}
         system = family_in_metres(family, self._robot).system
         points, solved = system.solve(starts, along=np.eye(problem.n)[:, sorted(bound)])
         points = wrap_joints(problem.robot, points[solved])

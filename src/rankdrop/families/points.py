@@ -86,7 +86,7 @@ def general_member(
         return np.array(family.witness)
     problem = Problem(in_metres(robot), task_in_metres(task, robot), family.corank)
     own = family_in_metres(family, robot)
-    held = {one.number - 1 for one in own.pinned}
+    held = {pin.number - 1 for pin in own.pinned}
     bound = held | {number - 1 for number in own.coupled}
     along = np.eye(robot.n)[:, sorted(held | (set(moving) & bound or bound))]
     points = _solve_from_starts(problem, own, np.round(problem.sample(256, seed), 1), along)
@@ -137,10 +137,10 @@ def near_family(
         walk: (R,) which of the configurations it is told, by (R,) their rows and (R, n) with pinned joints put where
             they belong, are within (R,) distances of a zero of the equations of coupled joints.
     """
-    numbers = [one.number - 1 for one in family.pinned]
+    numbers = [pin.number - 1 for pin in family.pinned]
     turn = 2 * np.pi * turns[numbers]
     near = np.zeros(len(q), dtype=np.bool_)
-    for values in product(*(one.values for one in family.pinned)):
+    for values in product(*(pin.values for pin in family.pinned)):
         gap = q[:, numbers] - np.array(values)
         gap -= turn * np.round(gap / np.where(turn > 0.0, turn, 1.0))
         left = within**2 - ((gap / scale[numbers]) ** 2).sum(axis=1)

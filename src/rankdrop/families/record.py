@@ -122,12 +122,12 @@ class ExactConditions:
     @cached_property
     def conditions(self) -> tuple[str, ...]:
         """Every condition for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0"."""
-        return tuple(one.text() for one in self.written or self.stated)
+        return tuple(condition.text() for condition in self.written or self.stated)
 
     @cached_property
     def latex(self) -> tuple[str, ...]:
         """Every condition as LaTeX mathematics."""
-        return tuple(one.latex() for one in self.written or self.stated)
+        return tuple(condition.latex() for condition in self.written or self.stated)
 
     @property
     def reality(self) -> str:
@@ -140,14 +140,14 @@ class ExactConditions:
         """The joints at simple angles; none read from a file of `analyze`."""
         from rankdrop.formula.writing import AnglePin  # who shows words does without
 
-        return tuple(one for one in self.stated if isinstance(one, AnglePin))
+        return tuple(condition for condition in self.stated if isinstance(condition, AnglePin))
 
     @property
     def polynomials(self) -> tuple[Condition, ...]:
         """The conditions that are irreducible polynomials; none read from a file of `analyze`."""
         from rankdrop.formula.writing import Condition
 
-        return tuple(one for one in self.stated if isinstance(one, Condition))
+        return tuple(condition for condition in self.stated if isinstance(condition, Condition))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy for another process has the words: polynomials belong to the ring of this one."""
@@ -392,8 +392,8 @@ def exact_of(family: Family) -> ExactConditions:
 
 def with_exact(families: Iterable[Family], derived: Iterable[Family]) -> tuple[Family, ...]:
     """Families of an analysis with the exact conditions of those derived later: the same id, name and corank."""
-    by_name = {(one.id, one.name, one.corank): one.exact for one in derived}
-    return tuple(replace(one, exact=by_name.get((one.id, one.name, one.corank))) for one in families)
+    by_name = {(family.id, family.name, family.corank): family.exact for family in derived}
+    return tuple(replace(family, exact=by_name.get((family.id, family.name, family.corank))) for family in families)
 
 
 @dataclass(frozen=True, slots=True)
@@ -455,9 +455,9 @@ def place_of(dimension: int, pinned: Iterable[Pin], coupled: Iterable[int], text
         coupled: numbers of the joints bound together.
         texts: its conditions for people.
     """
-    pins = sorted(pinned, key=lambda one: one.number)
-    values = tuple(tuple(sorted(round(value, 6) + 0.0 for value in one.values)) for one in pins)
-    return -dimension, tuple(one.number for one in pins), tuple(sorted(coupled)), values, tuple(texts)
+    pins = sorted(pinned, key=lambda pin: pin.number)
+    values = tuple(tuple(sorted(round(value, 6) + 0.0 for value in pin.values)) for pin in pins)
+    return -dimension, tuple(pin.number for pin in pins), tuple(sorted(coupled)), values, tuple(texts)
 
 
 def number_families(rows: Sequence[Family], corank: int, after: int = 0) -> tuple[Family, ...]:
@@ -494,7 +494,7 @@ def family_in_metres(family: Family, robot: Robot) -> Family:
 
 def family_from_metres(family: Family, robot: Robot, power: int) -> Family:
     """A family of an arm in metres as one of the same arm with lengths 10 to a power as large in numbers."""
-    lost = tuple(one.rescaled(power) for one in family.lost_freedoms)
+    lost = tuple(freedom.rescaled(power) for freedom in family.lost_freedoms)
     return replace(_with_slides(family, robot, power), lost_freedoms=lost)
 
 
@@ -507,8 +507,8 @@ def _with_slides(family: Family, robot: Robot, power: int) -> Family:
         return family
     return replace(
         family,
-        pinned=tuple(rescaled_pin(one, slides, power) for one in family.pinned),
-        equations=tuple(rescale_equation(one, slides, power) for one in family.equations),
+        pinned=tuple(rescaled_pin(pin, slides, power) for pin in family.pinned),
+        equations=tuple(rescale_equation(equation, slides, power) for equation in family.equations),
         witness=tuple(shift_decimal(x, power) if i in slides else x for i, x in enumerate(family.witness)),
     )
 
@@ -671,7 +671,8 @@ def families_at(
             length = float(ways_to(asked, family_in_metres(family, robot).system, at[None])[0])
             if length < inf:
                 met.append(Incidence(family, length, source))
-    return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))
+    met.sort(key=lambda incidence: (-incidence.family.corank, incidence.family.dimension, incidence.residual))
+    return tuple(met)
 
 
 def ways_to(

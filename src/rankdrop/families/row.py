@@ -285,7 +285,7 @@ def boxes(found: set[Values]) -> list[tuple[Values, ...]]:
         seed = min(left, key=lambda values: (sum(abs(v) for v in values), values))
         sets = _grown(seed, left, found)
         left -= set(product(*sets))
-        result.append(tuple(tuple(sorted(one, key=_zero_first)) for one in sets))
+        result.append(tuple(tuple(sorted(values, key=_zero_first)) for values in sets))
     return result
 
 
@@ -424,12 +424,12 @@ def verify_values(problem: Problem, row: Row, values: list[Values], rng: np.rand
     else:
         each = 8
     result = _holding(problem, row, values, each, rng)
-    unsure = [i for i, one in enumerate(result) if one is None]
+    unsure = [i for i, answer in enumerate(result) if answer is None]
     if unsure:  # limits leave little room: look harder
         again = _holding(problem, row, [values[i] for i in unsure], 20 * each, rng)
-        for i, one in zip(unsure, again, strict=True):
-            result[i] = one
-    return [one is True for one in result]
+        for i, answer in zip(unsure, again, strict=True):
+            result[i] = answer
+    return [answer is True for answer in result]
 
 
 def _holding(
@@ -527,7 +527,7 @@ def row_of(problem: Problem, family: Family) -> Row:
 
 def stated_row(problem: Problem, family: Family) -> Row:
     """The conditions of a derived family as they are stated: joints that they pin in effect are not taken out."""
-    return _row(problem, family, {one.number - 1: one.values for one in family.pinned})
+    return _row(problem, family, {pin.number - 1: pin.values for pin in family.pinned})
 
 
 def _pinned_row(problem: Problem, family: Family) -> Row:
@@ -536,7 +536,7 @@ def _pinned_row(problem: Problem, family: Family) -> Row:
     Joints that take only a few values on the family are pinned there, whatever equations say so: θ3 = 0.4 or −1.9. They
     stay coupled where not every combination of the values belongs to the family.
     """
-    exact = {one.number - 1: one.values for one in family.pinned}
+    exact = {pin.number - 1: pin.values for pin in family.pinned}
     row = stated_row(problem, family)
     if not row.residual:
         return row
@@ -552,7 +552,7 @@ def _pinned_row(problem: Problem, family: Family) -> Row:
         alone = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(problem.n))])
         values = alone.combinations(points, slope, SAME_VALUE)
         if len(values) <= min(MOST_VALUES, len(points) // 4):
-            sharp = (sharp_values(problem, alone, one, points[met[0]], SAME_VALUE) for one, met in values.items())
+            sharp = (sharp_values(problem, alone, value, points[met[0]], SAME_VALUE) for value, met in values.items())
             pins[joint] = tuple(sorted(value for (value,) in sharp))
     pinned = _row(problem, family, pins)
     taken = pinned.linear.combinations(points, slope, SAME_VALUE)
@@ -583,7 +583,7 @@ def sharp_values(problem: Problem, linear: Linear, values: Values, q: Array, wit
     Where conditions are all but flat, 1e-16 in their coefficients moves their solutions by 1e-10; where one is a
     square, σ is of second order in the error. The values stay where the singular point is farther away than `within`.
     """
-    end, sigma = min(descents(problem, q), key=lambda one: one[1])
+    end, sigma = min(descents(problem, q), key=lambda descent: descent[1])
     if sigma > ROUNDING or np.abs(linear.deviation(end[None], np.array(values))).max() > within:
         return values
     pairs = zip(linear.values(end[None])[0].tolist(), linear.periodic.tolist(), strict=True)
@@ -592,12 +592,12 @@ def sharp_values(problem: Problem, linear: Linear, values: Values, q: Array, wit
 
 def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:
     joints = tuple(sorted(pins))
-    rest = [one for one in family.equations if not {j - 1 for j in one.joints} <= set(joints)]
-    coupled = tuple(sorted({j - 1 for j in flat_map(lambda one: one.joints, rest)} - set(joints)))
+    rest = [equation for equation in family.equations if not {j - 1 for j in equation.joints} <= set(joints)]
+    coupled = tuple(sorted({j - 1 for j in flat_map(lambda equation: equation.joints, rest)} - set(joints)))
     free = tuple(j for j in range(problem.n) if j not in joints and j not in coupled)
     signature = Signature(problem.n - family.dimension, joints, free, coupled)
     linear = Linear.of(problem.robot, signature.covectors(problem.n))
-    residual = tuple(normalised_equation(one.terms) for one in rest)
+    residual = tuple(normalised_equation(equation.terms) for equation in rest)
     return Row(linear, tuple(pins[j] for j in joints), residual, signature, FamilyEvidence(ObtainedFrom.EXACT), family)
 
 
@@ -690,7 +690,7 @@ def witness(problem: Problem, row: Row, rng: np.random.Generator) -> Array | Non
     Joints on which σ does not depend are 0, free ones at round numbers, pinned ones at the first of their values,
     and only as many coupled ones as there are residual equations are solved for. None when no try succeeds.
     """
-    values = np.array([[one[0] for one in row.sets]] * TRIES).reshape(TRIES, -1)
+    values = np.array([[joint_values[0] for joint_values in row.sets]] * TRIES).reshape(TRIES, -1)
     placed = row.linear.place(_round(problem, rng), values, rng)
     best: tuple[float, Array | None] = (0.0, None)
     for along in _ways(row) if row.residual else [np.zeros((problem.n, 0))]:

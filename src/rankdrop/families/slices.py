@@ -166,7 +166,7 @@ def telling_slices(
         if family.corank != 1 or not family.named or len(found) == most:
             continue
         joints = telling_joints(robot, family)
-        shown = {trace.family for one in found if set(one.joints) == set(joints) for trace in one.traces}
+        shown = {trace.family for cut in found if set(cut.joints) == set(joints) for trace in cut.traces}
         if family.id in shown:
             continue
         q = general_member(robot, task, family, [number - 1 for number in joints], seed, families)
@@ -176,7 +176,7 @@ def telling_slices(
 
 def telling_joints(robot: Robot, family: Family) -> tuple[int, int]:
     """Two joints (from 1) in whose plane a family shows: tied together, else pinned, else pinned and a neighbour."""
-    pinned = [one.number for one in family.pinned]
+    pinned = [pin.number for pin in family.pinned]
     if len(family.coupled) > 1:
         order = [*family.coupled, *pinned]
     else:
@@ -220,11 +220,11 @@ def slice_through(
     plane = _Plane(problem, here, moving, x, y)
     units = out_of_metres(robot, np.ones(robot.n))[list(moving)]
     traces, filled = [], []
-    for one in families:
-        if one.named and one.equations:
-            trace = plane.trace(family_in_metres(one, robot))
+    for shown in families:
+        if shown.named and shown.equations:
+            trace = plane.trace(family_in_metres(shown, robot))
             if trace is None:
-                filled.append(one.id)
+                filled.append(shown.id)
             elif trace.curves or len(trace.points):
                 lines = tuple(curve * units for curve in trace.curves)
                 traces.append(replace(trace, curves=lines, points=trace.points * units))
@@ -374,9 +374,9 @@ def solids(robot: Robot, task: Task, families: Sequence[Family], *, most: int = 
     for family in families:
         turning = tuple(number for number in family.coupled if robot.periodic[number - 1])
         if family.corank == 1 and family.named and len(turning) >= 3 and len(found) < most:
-            one = solid(robot, task, family, turning[:3], seed=seed)
-            if one.curves or len(one.triangles):
-                found.append(one)
+            cut = solid(robot, task, family, turning[:3], seed=seed)
+            if cut.curves or len(cut.triangles):
+                found.append(cut)
     return tuple(found)
 
 
@@ -449,7 +449,7 @@ def _curves(
     lines = curves_through(linear, seeds[:, moving], STEP, zero=SOLVED, most=_MOST)
     if any(len(line) > _MOST for line, _ in lines):
         return []
-    return [one for one in lines if len(one[0]) > 2 and problem.singular(set_joints(q, moving, one[0])).all()]
+    return [line for line in lines if len(line[0]) > 2 and problem.singular(set_joints(q, moving, line[0])).all()]
 
 
 def _sheet(

@@ -126,7 +126,7 @@ class FamilySummary:
     @property
     def families(self) -> int:
         """Number of families of every rank."""
-        return sum(one.families for one in self.ranks)
+        return sum(rank.families for rank in self.ranks)
 
 
 def summarise_families(
@@ -145,35 +145,35 @@ def summarise_families(
     Example:
         >>> from rankdrop.results.known import shipped
         >>> known = shipped("ur5e")
-        >>> found = summarised("ur5e", 6, known.families)
+        >>> found = summarise_families("ur5e", 6, known.families)
         >>> [(one.rank, one.families, one.combinations) for one in found.ranks]
         [(5, 3, 0), (4, 5, 5), (3, 1, 1)]
         >>> list(found.ranks[0].names)
         ['shoulder', 'elbow', 'wrist']
     """
-    coranks = sorted({one.corank for one in families})
-    first = [one for one in families if one.corank == coranks[0]]
+    coranks = sorted({family.corank for family in families})
+    first = [family for family in families if family.corank == coranks[0]]
     ranks = []
     for corank in coranks:
-        mine = [one for one in families if one.corank == corank]
+        mine = [family for family in families if family.corank == corank]
         names: dict[str, int] = {}
-        for one in mine:
+        for family in mine:
             if label is None or corank > coranks[0]:
-                name = one.called.short
+                name = family.called.short
             else:
-                name = label(one)
+                name = label(family)
             names[name] = names.get(name, 0) + 1
         if corank == coranks[0]:
             combined = 0
         else:
-            combined = sum(_is_combination(one, first) for one in mine)
+            combined = sum(_is_combination(family, first) for family in mine)
         ranks.append(RankSummary(generic_rank - corank, corank, len(mine), combined, names))
     return FamilySummary(arm, generic_rank, tuple(ranks), evidence, tests)
 
 
 def _is_combination(family: Summarised, first: Sequence[Summarised]) -> bool:
     q = np.array(family.witness)
-    return sum(bool(one.equations) and all(_vanishes(f, q) for f in one.equations) for one in first) >= 2
+    return sum(bool(family.equations) and all(_vanishes(f, q) for f in family.equations) for family in first) >= 2
 
 
 def _vanishes(equation: Equation, q: np.ndarray[tuple[int], np.dtype[np.float64]]) -> bool:

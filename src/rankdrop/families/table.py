@@ -96,7 +96,8 @@ def families(
     """
     if cloud.robot.exponent is None:
         inner = families(
-            _in_units(cloud), known=None if known is None else [family_in_units(one, cloud.robot) for one in known],
+            _in_units(cloud),
+            known=None if known is None else [family_in_units(family, cloud.robot) for family in known],
             seed=seed, fresh=_in_units(fresh) if isinstance(fresh, Search) else fresh, threads=threads,
             progress=progress, near_misses=near_misses,
         )  # fmt: skip
@@ -142,7 +143,7 @@ def _rows(
 ) -> list[Row]:  # fmt: skip
     """Rows of the derived families; without these, rows fitted to the cloud, which is the progress up to 60."""
     if known is not None:
-        return [row_of(problem, one) for one in known]
+        return [row_of(problem, family) for family in known]
     return find_rows(problem, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS))
 
 
@@ -215,13 +216,13 @@ def _test_rows(
 
 
 def _told_apart(families: Sequence[Family]) -> tuple[Family, ...]:
-    names = distinct_names([one.called for one in families], [partial(_texts, one) for one in families])
-    return tuple(replace(one, called=name) for one, name in zip(families, names, strict=True))
+    names = distinct_names([family.called for family in families], [partial(_texts, family) for family in families])
+    return tuple(replace(family, called=name) for family, name in zip(families, names, strict=True))
 
 
 def _texts(family: Family) -> list[str]:
     """The conditions of a family for people, as far as they are short."""
-    pins = [f"θ{one.number} = {' or '.join(map(pretty_angle, one.values))}" for one in family.pinned]
+    pins = [f"θ{pin.number} = {' or '.join(map(pretty_angle, pin.values))}" for pin in family.pinned]
     return [*pins, *(f"{equation} = 0" for equation in family.equations)]
 
 
@@ -295,7 +296,7 @@ def _family(problem: Problem, row: Row, tested: Tested, explains: Check, shown: 
     at = points[0] if shown is None else shown
     directions, lost = lost_motions(problem, at, points)
     if known is None:
-        name = name_family(robot, problem.task, points, [one.number for one in pinned], coupled=coupled)
+        name = name_family(robot, problem.task, points, [pin.number for pin in pinned], coupled=coupled)
         exact = None
     else:
         name, exact = known.called, known.exact
@@ -421,9 +422,9 @@ def _merge_small_groups(groups: dict[Shape, list[int]]) -> dict[Shape, list[int]
 
 def _shape(inspection: Inspection, i: int, problem: Problem) -> Shape:
     """Irregular points are told apart by the dimension of ker D alone; joints that never matter are free."""
-    one = inspection.signatures[i]
-    if one is not None:
-        return (True, one.rank, one.pinned, one.free, one.coupled)
+    signature = inspection.signatures[i]
+    if signature is not None:
+        return (True, signature.rank, signature.pinned, signature.free, signature.coupled)
     idle = problem.idle.tolist()
     free, coupled = (tuple(j for j in range(problem.n) if idle[j] is still) for still in (True, False))
     return (False, problem.n - round(float(np.trace(inspection.tangent[i]))), (), free, coupled)

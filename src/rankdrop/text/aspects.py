@@ -76,7 +76,7 @@ def aspects_number(found: Any) -> str:
         else:
             upper = seen
         return f"{name} has at least {least} {plural('aspect', least)} (proven){upper}."
-    each = {one.parts.at_least for one in count.each}
+    each = {sign.parts.at_least for sign in count.each}
     signs = _signs_of_what(count, square=found.robot.n == found.task.m)
     if each == {1} and signs:
         how = f": one for each sign of {signs}"
@@ -264,7 +264,7 @@ def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
     if len(found.solved) == 1:
         yield _solutions(found, deg=deg)
     elif found.solved:
-        times = Counter((len(one.q), one.per_aspect) for one in found.solved if not one.near_cusp)
+        times = Counter((len(solved.q), solved.per_aspect) for solved in found.solved if not solved.near_cusp)
         rows = tuple(
             (str(count), " + ".join(map(str, sizes)), str(poses))
             for (count, sizes), poses in sorted(times.items(), key=lambda item: (-item[1], item[0]))
@@ -348,6 +348,6 @@ def _meaning_of_numbers(found: Any) -> str:
     if found.count.signs_decide:
         return "solutions lie in one aspect where all factors of det J have equal signs: proven"
     joined = "solutions of one aspect are joined by paths proven free"
-    if all(len(set(one.sign)) == len(set(one.aspect)) for one in found.solved):
+    if all(len(set(solved.sign)) == len(set(solved.aspect)) for solved in found.solved):
         return f"{joined}; aspects of different signs of det J are parted by a singularity"
     return f"{joined}; of aspects with the same sign no path was found, which does not prove them two"

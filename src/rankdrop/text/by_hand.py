@@ -54,8 +54,8 @@ def steps_of(chain: Chain, derived: Decoupling | Suppression | Derivation | Tree
 def every_step(chain: Chain, derivation: CorankOne) -> tuple[Step, ...]:
     """The steps of corank 1, and of the higher coranks that were derived like it."""
     steps = [*steps_of(chain, derivation.derived)]
-    for one in derivation.higher:
-        steps += steps_of(chain, one.derived)
+    for higher in derivation.higher:
+        steps += steps_of(chain, higher.derived)
     return tuple(steps)
 
 
@@ -227,10 +227,10 @@ def _families(found: Suppression) -> Iterator[str]:
     for family in families:
         yield Formula(f"family {family.family}: {conditions_text(family.stratum)}")
     apart = (
-        (one.family, two.family, one.stratum.separating_polynomial(two.stratum))
-        for one, two in combinations(families, 2)
+        (first.family, second.family, first.stratum.separating_polynomial(second.stratum))
+        for first, second in combinations(families, 2)
     )
-    waiting = {(one, two): p for one, two, p in apart if p is not None}
+    waiting = {(first, second): p for first, second, p in apart if p is not None}
     if waiting:
         yield "no two of them meet:"
     while waiting:  # until every pair is told apart
@@ -288,8 +288,8 @@ def _short(six: Sequence[int]) -> str:
 def _method(found: Derivation) -> Step:
     notes, words, whole = notes_of(found), Words(found.chain.ring), Words(found.chain.ring, whole=True)
     figures = ", ".join(f"{name}: {count:,}" for name, count in found.sizes.items())
-    shown = [Formula(words.conjunction(one)) for one in found.conditions[:_SHOWN]]
-    every = [Formula(whole.conjunction(one)) for one in found.conditions]
+    shown = [Formula(words.conjunction(conjunction)) for conjunction in found.conditions[:_SHOWN]]
+    every = [Formula(whole.conjunction(conjunction)) for conjunction in found.conditions]
     more = len(found.conditions) - _SHOWN
     lines = (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *notes)
     complete = (figures, *every, *notes)
@@ -348,7 +348,7 @@ def _note(words: Words, note: Note) -> Iterator[str]:
     else:
         screw = _size(elements)
     yield Formula(f"{_case_words(words, case)}: the screw reciprocal to joints {_joints(facts['joints'])} is {screw}")
-    known = list(dict.fromkeys(words.conjunction(one) for one in facts["vanishes"]))
+    known = list(dict.fromkeys(words.conjunction(conjunction) for conjunction in facts["vanishes"]))
     count = {6: "six", 3: "three"}.get(len(elements), str(len(elements)))
     said = f"all {count} elements vanish, and it says nothing, where {', or where '.join(known)}"
     yield f"  {said if known else 'it never vanishes there'}"

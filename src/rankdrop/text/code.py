@@ -155,9 +155,9 @@ class Code:
     def python(self) -> str:
         """A Python module: one function per family, q (..., n) -> residuals (..., m), lengths as keyword arguments."""
         functions = [*map(self._python_family, self.families), *map(self._python_minor, self.determinants)]
-        forms = [one.form for one in flat_map(_conditions_of, self.families)]
-        needed = functions_of([*forms, *(one.value.form for one in self.determinants)])
-        minors = "".join(f'    "{one.mark}": {one.mark},\n' for one in self.determinants)
+        forms = [condition.form for condition in flat_map(_conditions_of, self.families)]
+        needed = functions_of([*forms, *(minor.value.form for minor in self.determinants)])
+        minors = "".join(f'    "{minor.mark}": {minor.mark},\n' for minor in self.determinants)
         return _PYTHON.format(
             title=_TITLE.format(_plain(self.robot)), explained="\n".join(self._explanation_lines()),
             imports=f"from numpy import {', '.join(needed)}\n" * bool(needed), functions="\n\n".join(functions),
@@ -167,12 +167,12 @@ class Code:
 
     def _python_family(self, family: Family) -> str:
         stated = _conditions_of(family)
-        residuals = [one.code(self._python_notation) for one in stated]
-        said = [f"{_plain(family.name)}, corank {family.corank}.", "", *(one.text() for one in stated)]
+        residuals = [condition.code(self._python_notation) for condition in stated]
+        said = [f"{_plain(family.name)}, corank {family.corank}.", "", *(condition.text() for condition in stated)]
         return self._python_function(
-            _function(family.id), "\n".join(said), [one.polynomial for one in exact_of(family).polynomials],
+            _function(family.id), "\n".join(said), [condition.polynomial for condition in exact_of(family).polynomials],
             f"(..., {len(residuals)}) residuals, all zero exactly on the family.",
-            set(flat_map(lambda one: one.joints, stated)),
+            set(flat_map(lambda condition: condition.joints, stated)),
             _RESIDUALS.format(",\n        ".join(residuals)),
         )  # fmt: skip
 
@@ -195,8 +195,8 @@ class Code:
         """A function of q and of the lengths that occur, with what is said of it, and what it returns."""
         used = {name for f in polynomials for name, d in zip(f.context().names(), f.degrees(), strict=True) if d > 0}
         names = self._python_notation.names
-        lengths = {names.get(one, one): float(value) for one, value in self.letters.items() if one in used}
-        keywords = ", *" * bool(lengths) + "".join(f", {one}={value!r}" for one, value in lengths.items())
+        lengths = {names.get(letter, letter): float(value) for letter, value in self.letters.items() if letter in used}
+        keywords = ", *" * bool(lengths) + "".join(f", {letter}={value!r}" for letter, value in lengths.items())
         inside = _PYTHON_FUNCTION.format(
             said=said, n=self.n, returns=returns, body=body,
             lengths=f"    {', '.join(lengths)}: lengths [m].\n" * bool(lengths),
@@ -220,19 +220,21 @@ class Code:
         return "".join([
             f"/* {said}\n */\n#ifndef {guard}_H\n#define {guard}_H\n\n#include <math.h>\n\n", *macros,
             *(self._c_family(family, f"{mark}_{_mark(family.id)}", notation) for family in self.families),
-            *(self._c_minor(one, f"{mark}_{one.mark}", notation) for one in self.determinants), "\n#endif\n",
+            *(self._c_minor(minor, f"{mark}_{minor.mark}", notation) for minor in self.determinants), "\n#endif\n",
         ])  # fmt: skip
 
     def _c_family(self, family: Family, mark: str, notation: C) -> str:
         stated = _conditions_of(family)
         slopes = [
             f"    gradient[{i}][{j - 1}] = {text};"
-            for i, one in enumerate(stated) for j, text in one.gradient(notation).items()
+            for i, condition in enumerate(stated) for j, text in condition.gradient(notation).items()
         ]  # fmt: skip
         return _C_FAMILY.format(
             name=_comment(family.name), corank=family.corank, plain=_plain(family.name), mark=mark, macro=mark.upper(),
-            conditions="\n".join(f" * {_comment(one.text())}" for one in stated), n=self.n, m=len(stated),
-            residuals="\n".join(f"    residual[{i}] = {one.code(notation)};" for i, one in enumerate(stated)),
+            conditions="\n".join(f" * {_comment(condition.text())}" for condition in stated), n=self.n, m=len(stated),
+            residuals="\n".join(
+                f"    residual[{i}] = {condition.code(notation)};" for i, condition in enumerate(stated)
+            ),
             unused="" if any("q[" in line for line in slopes) else _UNUSED, slopes="\n".join(slopes),
             way=", way" * bool(exact_of(family).pins), distance=self._c_distance(family, mark),
         )  # fmt: skip
@@ -270,8 +272,8 @@ class Code:
     def _slides(self) -> frozenset[int]:
         slides: set[int] = set()
         for family in self.families:
-            for one in exact_of(family).polynomials:
-                slides.update(one.ring.prismatic)
+            for condition in exact_of(family).polynomials:
+                slides.update(condition.ring.prismatic)
         return frozenset(slides)
 
     def latex(self) -> str:
@@ -280,7 +282,7 @@ class Code:
         Conditions that are long stand below the table, where pages break; a table that is long breaks over pages.
         """
         rows, long = self._latex_rows()
-        values = [rf"${_latex_minor(one)} = {one.value.latex()}$" for one in self.determinants]
+        values = [rf"${_latex_minor(minor)} = {minor.value.latex()}$" for minor in self.determinants]
         formulas = [*rows, *long, *values]
         packages = []
         if len(rows) > _LONG_TABLE or long:
@@ -319,7 +321,7 @@ class Code:
         rows: list[str] = []
         long: list[str] = []
         for family in self.families:
-            told = [f"${one.latex()}$" for one in _conditions_of(family)]
+            told = [f"${condition.latex()}$" for condition in _conditions_of(family)]
             if sum(map(len, told)) > _LONG_CELL:
                 long.append(rf"\par\smallskip\noindent {family.id}: {'; '.join(told)}\par")
                 told = ["see below"]

@@ -35,19 +35,20 @@ def _lint(result: LintResult) -> Iterator[str]:
         yield f"{start} {verdict}."
     else:
         yield f"{start} has no real zero: it {verdict}."
-    for one in result.missing:
-        example = one.example
+    for case in result.missing:
+        example = case.example
         value = f"{_example_place(example)} it is {_number(example.value)}, σ = {_sigma(example)}."
-        yield Formula(f"Singular but left out: {one.conditions}; {value}")
-    for one in result.extra:
-        yield f"Taken in but regular: {one.conditions}; {_example_place(one.example)} σ = {_number(one.example.sigma)}."
+        yield Formula(f"Singular but left out: {case.conditions}; {value}")
+    for case in result.extra:
+        example = case.example
+        yield f"Taken in but regular: {case.conditions}; {_example_place(example)} σ = {_number(example.sigma)}."
     if result.any_lengths is False and result.verdict == "exact":
         yield "That is so for the lengths of this arm, not for all lengths."
 
 
 def lint_remarks(result: LintResult) -> tuple[str, ...]:
     """Sets that do not count, special lengths, and sets that could not be decided."""
-    not_real = (f"No real configuration was found where {one}; it is not counted." for one in result.not_real)
+    not_real = (f"No real configuration was found where {where}; it is not counted." for where in result.not_real)
     special = (f"For lengths with {factor} = 0 “{text}” always holds." for factor, text in result.special)
     undecided = (f"Not decided: {left}." for left in result.undecided)
     return (*not_real, *special, *undecided)
@@ -111,11 +112,11 @@ def _open(between: Between) -> Iterator[str]:
 
 
 def _straight_way(between: Between) -> Iterator[str]:
-    for one in between.crossings:
-        if one.kind in _ENDS:
+    for crossing in between.crossings:
+        if crossing.kind in _ENDS:
             where = ""
         else:
-            where = f" at {one.at:.6g} of its length"
-        yield f"The straight way {one.kind} {one.name or one.factor}{where}."
+            where = f" at {crossing.at:.6g} of its length"
+        yield f"The straight way {crossing.kind} {crossing.name or crossing.factor}{where}."
     if not between.crossings:
         yield "The straight way meets no singularity at its sample points, nor between them by a sign."

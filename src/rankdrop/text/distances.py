@@ -40,13 +40,13 @@ def _distance_rows(explanation: Explanation, full: bool) -> list[tuple[str, ...]
     """Distance and name of the nearest families; with `full` of all of them, the motion of each joint, the nearest."""
     far, units, robot, task = explanation.far, explanation.robot.units, explanation.robot, explanation.task
     if not full:
-        return [(angle(one.distance), family_title(robot, task, one.family)) for one in far.families[:2]]
+        return [(angle(near.distance), family_title(robot, task, near.family)) for near in far.families[:2]]
     rows = []
     if far.nearest is not None and not _is_a_family(far.nearest, far.families):
         rows.append((angle(far.nearest.distance), "the nearest", *_deltas(far.nearest.delta, units)))
-    for one in far.families:
-        name = f"{family_title(robot, task, one.family)} (corank {one.family.corank})"
-        rows.append((angle(one.distance), name, *_deltas(one.delta, units)))
+    for near in far.families:
+        name = f"{family_title(robot, task, near.family)} (corank {near.family.corank})"
+        rows.append((angle(near.distance), name, *_deltas(near.delta, units)))
     return rows
 
 
@@ -71,7 +71,7 @@ def nearest_sections(explanation: Explanation, full: bool) -> Iterator[Section]:
             lines += [MOTION_TO_IT.format(", ".join(moved))]
     lines += _certified_words(explanation)
     title = partial(family_title, explanation.robot, explanation.task)
-    rows = tuple((angle(one.distance), f"{title(one.family)} (corank {one.family.corank})") for one in far.families)
+    rows = tuple((angle(near.distance), f"{title(near.family)} (corank {near.family.corank})") for near in far.families)
     if lines or rows:
         columns = ("distance", "family") if rows else ()
         more = MORE_NEAREST.format(advise("full"))
@@ -79,7 +79,7 @@ def nearest_sections(explanation: Explanation, full: bool) -> Iterator[Section]:
 
 
 def _is_a_family(nearest: Nearest, families: Sequence[FamilyDistance]) -> bool:
-    return any(one.distance <= nearest.distance * (1 + 1e-9) for one in families)
+    return any(near.distance <= nearest.distance * (1 + 1e-9) for near in families)
 
 
 def _nearest_words(explanation: Explanation, full: bool) -> Iterator[str]:

@@ -43,13 +43,13 @@ def evidence_words(evidence: FamilyEvidence) -> str:
 def sections_of(family: Family) -> tuple[Section, ...]:
     """For notebooks: what the family asks of each joint, what is lost, how it was tested."""
     slides = _slides(family)
-    stands = {one.number: (f"joint {one.number}, {one.joint}",
-                           " or ".join(_format_value(value, one.number in slides) for value in one.values))
-              for one in family.pinned}  # fmt: skip
+    stands = {pin.number: (f"joint {pin.number}, {pin.joint}",
+                           " or ".join(_format_value(value, pin.number in slides) for value in pin.values))
+              for pin in family.pinned}  # fmt: skip
     stands |= {number: (f"joint {number}", "any value") for number in family.free}
     stands |= {number: (f"joint {number}", "coupled, see below") for number in family.coupled}
     bound = set(family.coupled)
-    told = [f"{one.pretty()} = 0" for one in family.equations if bound & set(one.joints)]
+    told = [f"{equation.pretty()} = 0" for equation in family.equations if bound & set(equation.joints)]
     told += [f"lost: {words}" for words in lost_sentences(family.lost_freedoms)]
     at = ", ".join(f"{value:.6g}" for value in family.witness)
     tested = (

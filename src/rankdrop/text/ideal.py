@@ -41,7 +41,7 @@ def here_section(arm: Idealised, here: Here) -> Section:
 def moved_section(arm: Idealised) -> Section:
     """What was moved, and by how much."""
     title = "What was moved"
-    rows = tuple((one.name, ", ".join(map(str, one.joints)), *_change_cells(one)) for one in arm.changes)
+    rows = tuple((change.name, ", ".join(map(str, change.joints)), *_change_cells(change)) for change in arm.changes)
     if not rows:
         return Section(title, moved_sentence(arm), texts=(0, 1))
     columns, notes = ("number", "joints", "from", "to", "by"), ("numbers not listed are unchanged",)
@@ -51,12 +51,12 @@ def moved_section(arm: Idealised) -> Section:
 def there_section(nearby: Sequence[Nearby]) -> Section:
     """σ of the arm itself on each family of the ideal one, and how far its own nearest singular configuration is."""
     rows = tuple(
-        (f"{one.id}  {one.name}", f"σ{one.number}", *map(_short, astuple(one.sigma)), *_nearby_cells(one))
-        for one in nearby
+        (f"{near.id}  {near.name}", f"σ{near.number}", *map(_short, astuple(near.sigma)), *_nearby_cells(near))
+        for near in nearby
     )
     columns = ("family of the ideal arm", "", "least", "median", "largest", "nearest", "median")
-    points = max(one.points for one in nearby)
-    searched = max(one.searched for one in nearby)
+    points = max(near.points for near in nearby)
+    searched = max(near.searched for near in nearby)
     notes = (
         f"σ: of the arm itself at up to {points} random points of each family, the largest that vanishes for the ideal "
         "arm.",

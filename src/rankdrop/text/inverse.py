@@ -87,8 +87,8 @@ def inverse_sentence(found: Any) -> str:
 def _continua_words(found: Any) -> str:
     """The self-motions: "3 self-motion curves (dimension 1): infinitely many solutions"."""
     words = []
-    for dimension in sorted({one.dimension for one in found.continua}):
-        some = [one for one in found.continua if one.dimension == dimension]
+    for dimension in sorted({continuum.dimension for continuum in found.continua}):
+        some = [continuum for continuum in found.continua if continuum.dimension == dimension]
         kind = _SHAPES.get(dimension, "set")
         if dimension == 1:
             count = f"{'at least ' if found.more else ''}{len(some)} self-motion {plural(kind, len(some))}"
@@ -100,7 +100,7 @@ def _continua_words(found: Any) -> str:
 
 def _all_singular(continua: list[Any]) -> str:
     """Words behind the dimension of self-motions that are singular all over."""
-    if not all(one.singular for one in continua):
+    if not all(continuum.singular for continuum in continua):
         return ""
     if len(continua) == 1:
         return ", all of it singular"
@@ -117,14 +117,14 @@ def _inside_words(found: Any) -> str:
         return "It is inside the joint limits"
     if found.inside:
         return f"{found.inside} of {len(every)} inside the joint limits"
-    nearest = min(every, key=lambda one: max(amount for _, amount in one.beyond))
+    nearest = min(every, key=lambda solution: max(amount for _, amount in solution.beyond))
     beyond = f"the nearest exceeds those of {_beyond_words(found.robot, nearest)}"
     return f"{_none_is(found)} inside the joint limits; {beyond}"
 
 
 def _none_is(found: Any) -> str:
     """A curve is followed, so that none of it is inside; of a surface points are found."""
-    if any(one.dimension > 1 for one in found.continua):
+    if any(continuum.dimension > 1 for continuum in found.continua):
         return "No configuration was found"
     return "None is"
 
@@ -140,17 +140,19 @@ def _which_have(inside: int, count: int) -> str:
     return f"{inside} of {count} have"
 
 
-def _beyond_words(robot: Robot, one: Any) -> str:
+def _beyond_words(robot: Robot, solution: Any) -> str:
     joints = robot.variables
     return ", ".join(
         f"{joint_word(number, joints[number - 1].name)} by {motion(amount, joints[number - 1].unit).lstrip('+')}"
-        for number, amount in one.beyond
+        for number, amount in solution.beyond
     )
 
 
-def _beyond_cell(robot: Robot, one: Any) -> str:
+def _beyond_cell(robot: Robot, solution: Any) -> str:
     """Joints outside their limits: "1 by 10.9°, 4 by 20°"."""
-    amounts = ((number, motion(amount, robot.variables[number - 1].unit).lstrip("+")) for number, amount in one.beyond)
+    amounts = (
+        (number, motion(amount, robot.variables[number - 1].unit).lstrip("+")) for number, amount in solution.beyond
+    )
     return ", ".join(f"{number} by {amount}" for number, amount in amounts)
 
 
@@ -168,7 +170,8 @@ def _why(found: Any) -> str:
         turn = f"{short(degrees(why.turn), 3)}° of {_turning(found.task, found.pose, why.turned)} at this position"
     if why.kind == "position":
         return _out_of_reach(found, shift)
-    apart = " or ".join(one for one in (shift, turn) if one is not None) or "an amount that was not found"
+    amounts = [amount for amount in (shift, turn) if amount is not None]
+    apart = " or ".join(amounts) or "an amount that was not found"
     if why.kind == "joints":
         reached = f"{robot.n} joints reach this position with other orientations only"
         return f"{reached}: off by {apart}{_other_task(found)}"
@@ -266,15 +269,15 @@ def _tables(found: Any, *, deg: bool) -> Iterator[Section]:
     heads = tuple(_head(number, joint.unit, deg=deg) for number, joint in enumerate(robot.variables, start=1))
     if found.branches:
         rows = tuple(
-            (str(number), *_branch_cells(robot, one), *_cells(robot, one.q, deg=deg))
-            for number, one in enumerate(found.branches, start=1)
+            (str(number), *_branch_cells(robot, branch), *_cells(robot, branch.q, deg=deg))
+            for number, branch in enumerate(found.branches, start=1)
         )
         yield Section("Solutions", "inside the joint limits first, then nearest to q = 0", columns=(
             "", "verdict", "posture", "joint limits", *heads), rows=rows, texts=(0, 1, 2, 3))  # fmt: skip
     if found.continua:
         rows = tuple(
-            (str(number), *_continuum_cells(one), *_cells(robot, one.q, deg=deg))
-            for number, one in enumerate(found.continua, start=1)
+            (str(number), *_continuum_cells(continuum), *_cells(robot, continuum.q, deg=deg))
+            for number, continuum in enumerate(found.continua, start=1)
         )
         yield Section("Self-motions", "the tool stands still along them; one configuration of each", columns=(
             "", "verdict", "shape", "inside limits", *heads), rows=rows, texts=(0, 1, 2))  # fmt: skip

@@ -78,7 +78,7 @@ def _table(
     robot: Robot, rank: int, summary: CorankSummary, rows: Sequence[Family], exact: Derivation | None, *, limits: bool
 ) -> tuple[str, bool]:
     """The table and whether it breaks over pages."""
-    every = [one for one in columns(robot, summary.corank) if one.printed]
+    every = [column for column in columns(robot, summary.corank) if column.printed]
     share, name = summary.completeness, re.sub(r"[^A-Za-z0-9-]+", "-", robot.name)
     caption = (
         f"{as_text(robot.name)}: singularities of corank {summary.corank} (rank {summary.rank} of {rank}). "
@@ -86,12 +86,12 @@ def _table(
         f"The rows explain {share.agree} of {share.tested} test points "
         f"({as_text(share_text(share.agree, share.tested))})."
     )
-    decimals = sum(any(_in_degrees(one, row) for row in rows) for one in every)
+    decimals = sum(any(_in_degrees(column, row) for row in rows) for column in every)
     words = max(0.3, _WORDS - _COLUMN * robot.n - _DEGREES * decimals)
-    shape = "".join(_shape(one, words) for one in every)
-    heads = [f"${_symbol(one.title)}$" if one.holds == JOINT else as_text(one.title) for one in every]
+    shape = "".join(_shape(column, words) for column in every)
+    heads = [f"${_symbol(column.title)}$" if column.holds == JOINT else as_text(column.title) for column in every]
     cells = [
-        [_cell(one, inside, number) for one in every]
+        [_cell(column, inside, number) for column in every]
         for number, (inside, _) in enumerate((restrict_to_limits(row, robot, limits=limits) for row in rows), start=1)
     ]
     notes = _notes(robot, rows, exact)
@@ -121,9 +121,10 @@ def _in_degrees(column: Column, row: Family) -> bool:
 
 def _height(every: Sequence[Column], rows: Sequence[Family], words: float, notes: Sequence[str]) -> int:
     """About how many lines a table and what stands below it take."""
-    told = {one.key: _share(one, words) * _LINE for one in every if one.holds == WORDS}
+    told = {column.key: _share(column, words) * _LINE for column in every if column.holds == WORDS}
     lines = sum(
-        max(2, *(ceil(len("; ".join(lines_of(one, row))) / told[one.key]) for one in every if one.holds == WORDS))
+        max(2, *(ceil(len("; ".join(lines_of(column, row))) / told[column.key])
+                 for column in every if column.holds == WORDS))
         for row in rows
     )
     return lines + sum(ceil(len(note) / (1.2 * _LINE)) for note in notes)
@@ -207,7 +208,7 @@ def _chosen(family: Family) -> list[str]:
     """The exact conditions of a family beyond its pinned joints; where there are none the fitted ones."""
     row = family.exact
     if row is not None:
-        known = {one.number for one in family.pinned}
+        known = {pin.number for pin in family.pinned}
         pins = zip(row.latex, row.pinned, strict=False)
         exact = [text for text, pin in pins if pin.number not in known]
         exact += row.latex[len(row.pinned) :]
@@ -245,4 +246,4 @@ def _letter(sign: str) -> str:
         return sign
     if sign.isspace():
         return " "
-    return "".join(_PLAIN.get(one, one) for one in unicodedata.normalize("NFKD", sign) if " " <= one <= "~")
+    return "".join(_PLAIN.get(letter, letter) for letter in unicodedata.normalize("NFKD", sign) if " " <= letter <= "~")

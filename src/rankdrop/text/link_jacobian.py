@@ -55,8 +55,8 @@ def latex(found: LinkJacobian) -> str:
         formulas.append(rf"\det {name} = {found.closed.determinant.latex()}")
         inverse = _each_entry(found.closed.entries, lambda entry: entry.latex())
         formulas.append(f"{name}^{{-1}} = {_matrix(inverse)}")
-    lines = ["% needs \\usepackage{amsmath}", *(f"\\[ {one} \\]" for one in formulas)]
-    lengths = [rf"{latex_name(one)} = {value:.12g}\,\mathrm{{m}}" for one, value in found.letters.items()]
+    lines = ["% needs \\usepackage{amsmath}", *(f"\\[ {formula} \\]" for formula in formulas)]
+    lengths = [rf"{latex_name(letter)} = {value:.12g}\,\mathrm{{m}}" for letter, value in found.letters.items()]
     if lengths:
         lines.append(rf"${', '.join(lengths)}$")
     return "\n".join([*lines, ""])

@@ -92,7 +92,7 @@ def _link_note(robot: Robot, number: int, axes: set[tuple[int, int]], origin: bo
     said = [_axis_words(robot, number, axis) for axis in range(3) if (number, axis) in axes]
     if origin:
         said.append(_through(robot, number))
-    return _link(robot, number, [one for one in said if one])
+    return _link(robot, number, [words for words in said if words])
 
 
 def _axes_named(freedom: LostFreedom) -> tuple[int, ...]:

@@ -41,7 +41,7 @@ def lost_sections(explanation: Explanation, full: bool) -> Iterator[Section]:
         can, torque = "can hardly move other than", "with hardly any joint torque"
     else:
         can, torque = "can only move", "without joint torque"
-    seen = [one for frame, one in lost.seen.items() if full or frame != "link"] or lost.seen.values()
+    seen = [framed for frame, framed in lost.seen.items() if full or frame != "link"] or lost.seen.values()
     lines = [f"The tool {can} so that"]
     for framed in seen:
         lines += _remaining(explanation.robot, framed, full)
@@ -100,8 +100,8 @@ def lost_text(robot: Robot, framed: FramedDirections) -> Record:
     length = counted_length(robot)
     return {
         "axes": axes_text(robot, framed),
-        "constraints": [constraint(one, length) for one in framed.directions],
-        "short": [in_short(one) for one in framed.directions],
+        "constraints": [constraint(direction, length) for direction in framed.directions],
+        "short": [in_short(direction) for direction in framed.directions],
     }
 
 

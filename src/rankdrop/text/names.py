@@ -54,10 +54,10 @@ def short_name(name: FamilyName) -> str:
     if name.meeting:
         return MEETING
     details = name.details[:1]
-    for one in name.details[1:]:
-        if isinstance(one, Detail) and not one.brief:
+    for detail in name.details[1:]:
+        if isinstance(detail, Detail) and not detail.brief:
             break
-        details = (*details, one)
+        details = (*details, detail)
     return _body(replace(name, details=details, bound=()))
 
 
@@ -67,11 +67,11 @@ def _head(name: FamilyName) -> str:
 
 def _body(name: FamilyName) -> str:
     """Details, and which joints have a condition."""
-    if any(isinstance(one, Dependence) for one in name.details):
+    if any(isinstance(detail, Dependence) for detail in name.details):
         separator = "; "
     else:
         separator = ", "
-    text = separator.join(_detail(one, name.shorter) for one in name.details)
+    text = separator.join(_detail(detail, name.shorter) for detail in name.details)
     return ", ".join(filter(None, (text, _bound(name))))
 
 
@@ -207,16 +207,16 @@ _MOST_DECIMALS = 4
 
 
 def _value_texts(name: FamilyName) -> list[str]:
-    return [f"{_letter(one.joint)} = {_values_text(one, name.shorter)}" for one in name.values]
+    return [f"{_letter(values.joint)} = {_values_text(values, name.shorter)}" for values in name.values]
 
 
-def _values_text(one: JointValues, shorter: Shorter) -> str:
-    if one.joint.slides:
-        return " or ".join(f"{value:.3g} m".replace("-", "−") for value in one.values)
-    texts = [_angle(value) for value in one.values]
-    opposite = texts[0] == f"−{texts[-1]}" and not is_right(one.values[-1])
+def _values_text(values: JointValues, shorter: Shorter) -> str:
+    if values.joint.slides:
+        return " or ".join(f"{value:.3g} m".replace("-", "−") for value in values.values)
+    texts = [_angle(value) for value in values.values]
+    opposite = texts[0] == f"−{texts[-1]}" and not is_right(values.values[-1])
     if Shorter.WHOLE_DEGREES in shorter:
-        texts = [_whole_degrees(value, text) for value, text in zip(one.values, texts, strict=True)]
+        texts = [_whole_degrees(value, text) for value, text in zip(values.values, texts, strict=True)]
     if Shorter.PLUS_MINUS in shorter and opposite:
         return f"±{texts[-1]}"
     return " or ".join(texts)

@@ -19,15 +19,15 @@ _SINGULAR = {
 """Whether the arm is singular, and whether some coordinates are."""
 
 
-def representation_words(one: Representation) -> str:
+def representation_words(representation: Representation) -> str:
     """Whether coordinates are singular at a pose, or near a singularity."""
-    if one.name == "quaternion":
+    if representation.name == "quaternion":
         return "a quaternion has no singularity"
-    return f"{one.name} coordinates are {_STATES[one.singular, one.near]}"
+    return f"{representation.name} coordinates are {_STATES[representation.singular, representation.near]}"
 
 
 def representations_words(found: Representations) -> str:
     """What is singular at a configuration: the arm, coordinates, both or neither."""
-    by_name = {one.name: one.singular for one in found.every}
+    by_name = {representation.name: representation.singular for representation in found.every}
     singular = ", ".join(name for name in NAMES if by_name[name])
     return _SINGULAR[found.arm.corank > 0, singular != ""].format(singular)

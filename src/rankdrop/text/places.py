@@ -41,7 +41,7 @@ def turn_far_words(turn: Any) -> str:
 
 def joint_heads(robot: Robot, *, deg: bool) -> tuple[str, ...]:
     """Headings of columns of joint values."""
-    return tuple(f"{one.name} [{'°' if deg and one.unit == 'rad' else one.unit}]" for one in robot.variables)
+    return tuple(f"{joint.name} [{'°' if deg and joint.unit == 'rad' else joint.unit}]" for joint in robot.variables)
 
 
 def joint_cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:

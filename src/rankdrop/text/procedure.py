@@ -87,11 +87,11 @@ def remark_text(remark: Remark) -> str:
     return _REMARKS[remark.kind].format(number=remark.number, last=remark.last, products=products, sum=total)
 
 
-def disagreement_text(one: Disagreement) -> str:
-    """Where the printed procedure and the motion differ: on one joint, or from run to run."""
-    if one.remark is not None:
-        return f"joint {one.remark.number}: {remark_text(one.remark)}"
-    runs = "; ".join(f"{first}–{last}: {_joints(actuators)}" for first, last, actuators in one.named)
+def disagreement_text(disagreement: Disagreement) -> str:
+    """Where the printed procedure and the motion differ: on disagreement joint, or from run to run."""
+    if disagreement.remark is not None:
+        return f"joint {disagreement.remark.number}: {remark_text(disagreement.remark)}"
+    runs = "; ".join(f"{first}–{last}: {_joints(actuators)}" for first, last, actuators in disagreement.named)
     return f"what the printed procedure names depends on the run it starts from ({runs})"
 
 
@@ -153,7 +153,8 @@ def _carried_screw_lines(report: OrderedReport) -> Iterator[str]:
         yield f"  joint {joint.number}  {verdict}, rate {joint.rate:.4f}, dimensions {_runs(joint.dimensions)}"
     yield f"  conclusion: actuate {_joints(report.escapes)}"
     if report.disagreements:
-        yield from ("", "Disagreements with the printed procedure:", *(f"  {one}" for one in report.disagreements))
+        yield from ("", "Disagreements with the printed procedure:")
+        yield from (f"  {disagreement}" for disagreement in report.disagreements)
 
 
 def _runs(dimensions: Iterable[tuple[int, int, int]]) -> str:
@@ -175,8 +176,8 @@ def hunt_words(hunt: Hunt) -> str:
         else:
             what = "shows nothing at a regular configuration"
         return f"Hunt's matrix of cofactors {what}: it names no screw"
-    named = [one.number for one in hunt.joints if one.named]
-    leading = [one.number for one in hunt.joints if one.tells]
+    named = [joint.number for joint in hunt.joints if joint.named]
+    leading = [joint.number for joint in hunt.joints if joint.tells]
     text = f"Hunt's cofactors name the screws {numbers(named)}; they tell that "
     if leading:
         text += f"joint {numbers(leading)} leads out at first order"
@@ -187,8 +188,8 @@ def hunt_words(hunt: Hunt) -> str:
 
 def _finite_motion(hunt: Hunt) -> str:
     """What finite motion shows of the joints that Hunt's cofactors tell to lead out, as the end of a sentence."""
-    missed = [one.number for one in hunt.joints if one.escapes and not one.tells]
-    wrong = [one.number for one in hunt.joints if one.tells and not one.escapes]
+    missed = [joint.number for joint in hunt.joints if joint.escapes and not joint.tells]
+    wrong = [joint.number for joint in hunt.joints if joint.tells and not joint.escapes]
     if missed:
         return f"; finite motion shows that joint {numbers(missed)} leads out too, at a higher order"
     if wrong:

@@ -198,7 +198,7 @@ def remedies_sentence(mending: Any) -> str:
         return f"Remedies: none was found{stopped}; that is no proof that there is none."
     parts = []
     for clear, what in ((True, "checked again: free, proven"), (False, "limits kept; it still meets a singularity")):
-        kinds = [one.kind for one in mending.remedies if one.check.clear == clear]
+        kinds = [remedy.kind for remedy in mending.remedies if remedy.check.clear == clear]
         if kinds:
             parts.append(f"{', '.join(kinds)} ({what})")
     return f"Remedies: {'; '.join(parts)}{stopped}."
@@ -206,7 +206,7 @@ def remedies_sentence(mending: Any) -> str:
 
 def remedy_sections(mending: Any, *, deg: bool) -> tuple[Section, ...]:
     """The remedies, and the kinds of which none was found."""
-    lines = tuple(flat_map(lambda one: _remedy_lines(one, deg=deg), mending.remedies))
+    lines = tuple(flat_map(lambda remedy: _remedy_lines(remedy, deg=deg), mending.remedies))
     if mending.notes:
         others = [Section("Remedies that were not found", lines=mending.notes)]
     else:
@@ -325,7 +325,7 @@ def best_words(mending: Any) -> str:
     if best.kind == "slow-down":
         where = _slower_words(best.changes)
         return f"{where} keeps the joint limits and is free (proven), the tool on its path. {options} writes it"
-    change = max(best.changes, key=lambda one: float(np.abs(one.way).max()), default=None)
+    change = max(best.changes, key=lambda change: float(np.abs(change.way).max()), default=None)
     if change is None:
         what = best.words
     elif change.at_end.any() or not change.way.any():
@@ -353,7 +353,7 @@ def _slower_words(changes: Sequence[Any]) -> str:
         more = ""
     else:
         more = f" and at {len(changes) - 1} more {plural('place', len(changes) - 1)}"
-    total = sum(one.longer for one in changes)
+    total = sum(stretch.longer for stretch in changes)
     return f"slower {interval_words(longest.start, longest.end)}{more}, {short(total, 2)} s longer in all,"
 
 

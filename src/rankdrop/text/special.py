@@ -48,32 +48,32 @@ def special_words(specials: Sequence[Special], names: Sequence[str] = ()) -> str
     if len(specials) > 2:
         details = ""
     else:
-        details = ", ".join(_detail(one, names) for one in specials)
+        details = ", ".join(_detail(special, names) for special in specials)
     return parts_words(specials) + (f": {details}" if details else "")
 
 
 def parts_words(specials: Sequence[Special]) -> str:
     """The parts alone: "shoulder and wrist"."""
-    *first, last = list(dict.fromkeys(one.part.value for one in specials)) or [""]
+    *first, last = list(dict.fromkeys(special.part.value for special in specials)) or [""]
     if first:
         return f"{', '.join(first)} and {last}"
     return last
 
 
-def _detail(one: Special, names: Sequence[str]) -> str:
-    if names and one.joint:
-        joint = joint_word(one.joint, names[one.joint - 1])
+def _detail(special: Special, names: Sequence[str]) -> str:
+    if names and special.joint:
+        joint = joint_word(special.joint, names[special.joint - 1])
     else:
-        joint = f"joint {one.joint}"
-    if one.exact:
+        joint = f"joint {special.joint}"
+    if special.exact:
         words = _WORDS
-    elif one.off <= _NEAR:
+    elif special.off <= _NEAR:
         words = _NEARLY
     else:
         words = _FAR
-    value = round(degrees(one.value), 1) + 0.0
-    shown, off = f"{short(180.0 if value == -180.0 else value, 4)}°", f"{short(degrees(one.off), 2)}°"
-    return words[one.shape].format(joint=joint, axis=one.joint, value=shown, off=off)
+    value = round(degrees(special.value), 1) + 0.0
+    shown, off = f"{short(180.0 if value == -180.0 else value, 4)}°", f"{short(degrees(special.off), 2)}°"
+    return words[special.shape].format(joint=joint, axis=special.joint, value=shown, off=off)
 
 
 def place_name(robot: Robot, task: Task, family: Family) -> str:

@@ -84,7 +84,7 @@ def _measured_values(explanation: Explanation) -> dict[str, object]:
         "small": short(explanation.options.small),
         "miss": short(far.near_miss or 0.0, 3),
         "away": "" if far.nearest is None else angle(far.nearest.distance),
-        "slow": " and ".join(_speed_words(one) for one in explanation.straight if one.speed < one.limit),
+        "slow": " and ".join(_speed_words(link) for link in explanation.straight if link.speed < link.limit),
     }  # fmt: skip
 
 
@@ -99,15 +99,15 @@ _DIFFERENCES = {
 }
 
 
-def difference_sentence(one: Difference) -> str:
+def difference_sentence(difference: Difference) -> str:
     """Two methods that give two answers."""
-    if one.family is None:
+    if difference.family is None:
         family = ""
     else:
-        family = f"{one.family.id} ({one.family.name})"
-    return _DIFFERENCES[one.kind].format(
-        number=one.number, predicted=one.predicted, measured=one.measured, radius=f"{one.radius:.6g}",
-        distance=f"{one.distance:.6g}", family=family,
+        family = f"{difference.family.id} ({difference.family.name})"
+    return _DIFFERENCES[difference.kind].format(
+        number=difference.number, predicted=difference.predicted, measured=difference.measured,
+        radius=f"{difference.radius:.6g}", distance=f"{difference.distance:.6g}", family=family,
     )  # fmt: skip
 
 
@@ -194,7 +194,7 @@ _COLUMNS, _LINES = 78, 6  # of the answer on a terminal of 80 columns, indented 
 
 def _summary_facts(explanation: Explanation, summary: Summary) -> dict[str, object]:
     """What the sentences of the summary are filled with."""
-    names = [one.name for one in explanation.robot.variables]
+    names = [joint.name for joint in explanation.robot.variables]
     if summary.ideal:
         place = f"; offsets of {_offset_words(summary)} keep it from being exact"
     else:

@@ -70,14 +70,14 @@ def escape_sections(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Joints that lead out, best first; then the best motions of several, and what is known of the end effector."""
     if explanation.rank.corank:
         yield _out(explanation, full)
-    elif full or any(abs(one.rate) > NO_RATE for one in explanation.escape.single):
+    elif full or any(abs(joint.rate) > NO_RATE for joint in explanation.escape.single):
         yield _single_joints_section(explanation, full)
 
 
 def _out(explanation: Explanation, full: bool) -> Section:
     out, r = explanation.escape, explanation.rank.generic_rank
-    helpful = [one for one in out.single if one.order is not None]
-    rows = tuple(_joint_row(explanation, one) for one in (out.single if full else helpful[:_SHOWN]))
+    helpful = [joint for joint in out.single if joint.order is not None]
+    rows = tuple(_joint_row(explanation, joint) for joint in (out.single if full else helpful[:_SHOWN]))
     columns: tuple[str, ...] = ("joint", "order", f"σ{r} grows by", "try", f"σ{r} then", "carries out")
     if not full:
         columns, rows = (columns[0], *columns[3:5]), tuple((row[0], *row[3:5]) for row in rows)
@@ -112,8 +112,8 @@ def _lost_types(out: Escape) -> Iterator[str]:
         slowly = "it can be passed slowly: "
     else:
         slowly = ""
-    for kind in dict.fromkeys(one.type for one in out.types):
-        which = [i for i, one in enumerate(out.types, start=1) if one.type == kind]
+    for kind in dict.fromkeys(lost.type for lost in out.types):
+        which = [i for i, lost in enumerate(out.types, start=1) if lost.type == kind]
         words = lost_type(kind, _lost_numbered(which, len(out.types)))
         yield _sentence(f"{slowly}{words}")
 
@@ -122,7 +122,7 @@ def proof_sections(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Theorems behind the statements on ways out."""
     out = explanation.escape
     said: dict[str | int, str] = {out.avoidable_reason: avoidable_words(out)}
-    said |= {one.type: lost_type(one.type) for one in out.types}
+    said |= {lost.type: lost_type(lost.type) for lost in out.types}
     said[out.boundary_reason] = boundary_words(out)
     lines = tuple(f"{_sentence(words)} {PROOF[reason]}" for reason, words in said.items() if reason in PROOF)
     if lines and explanation.rank.corank:
@@ -144,13 +144,15 @@ def _lost_numbered(which: list[int], count: int) -> str:
 def _single_joints_section(explanation: Explanation, full: bool) -> Section:
     out, r = explanation.escape, explanation.rank.generic_rank
     sigma = float(explanation.rank.sigma[r - 1])
-    best = max(abs(one.rate) for one in out.single)
+    best = max(abs(joint.rate) for joint in out.single)
     helpful = [
-        one for one in out.single if abs(one.rate) > max(IDLE * best, NO_RATE) and one.sigma_after >= WORTH * sigma
+        joint
+        for joint in out.single
+        if abs(joint.rate) > max(IDLE * best, NO_RATE) and joint.sigma_after >= WORTH * sigma
     ]
     rows = tuple(
-        (f"{one.number} {one.joint}", *_rate_and_step(explanation, one))
-        for one in (out.single if full else helpful[:_SHOWN])
+        (f"{joint.number} {joint.joint}", *_rate_and_step(explanation, joint))
+        for joint in (out.single if full else helpful[:_SHOWN])
     )
     now = f"one joint alone, best first; σ{r} = {short(sigma)} here"
     return Section("How to get away", now if rows else "", (), ("joint", f"σ{r} changes by", "try", f"σ{r} then"), rows,

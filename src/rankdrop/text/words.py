@@ -343,9 +343,9 @@ def failures_table(failures: Failures, title: str) -> Section:
     """One row per joint that stands still."""
     r, n = failures.generic_rank, len(failures.single)
     rows = tuple(
-        (f"{one.number} {one.joint}", short(one.sigma_min), short(round(one.share, 6), 3), f"{one.rank} of {r}",
-         "; ".join(one.lost_words) or "nothing")
-        for one in failures.single
+        (f"{failure.number} {failure.joint}", short(failure.sigma_min), short(round(failure.share, 6), 3),
+         f"{failure.rank} of {r}", "; ".join(failure.lost_words) or "nothing")
+        for failure in failures.single
     )  # fmt: skip
     least = failures.worst
     after = [f"worst case: σ{r} = {short(least.sigma_min)} without joint {numbers(failures.worst_numbers)}"]
@@ -426,8 +426,8 @@ def _self_motion_section(tolerant: Tolerant, found: SelfMotions) -> Section:
         f"{short(found.best_value)} at {degrees_text(found.best, units)}, at worst {short(found.least_value)}.",
     )
     rows = tuple(
-        (str(one.number), one.joint, _locked_ranges(one, units[one.number - 1]), _locked_share(one))
-        for one in found.joints
+        (str(locked.number), locked.joint, _locked_ranges(locked, units[locked.number - 1]), _locked_share(locked))
+        for locked in found.joints
     )
     if tolerant.limits:
         of = f"{found.usable} of {count(found.curves, 'curve')} pass inside the joint limits"
@@ -448,7 +448,7 @@ def _self_motion_section(tolerant: Tolerant, found: SelfMotions) -> Section:
 
 def locked_sentence(found: SelfMotions) -> str:
     """The joint with the smallest share of values at which it may be locked, and those that may be locked anywhere."""
-    whole = [one.number for one in found.joints if one.share is not None and one.share >= 1.0 - _ZERO]
+    whole = [locked.number for locked in found.joints if locked.share is not None and locked.share >= 1.0 - _ZERO]
     if whole:
         anywhere = f"; {plural('joint', len(whole))} {numbers(whole)} may be locked anywhere"
     else:
@@ -459,20 +459,20 @@ def locked_sentence(found: SelfMotions) -> str:
     )
 
 
-def _locked_share(one: LockedJoint) -> str:
-    if one.share is None:
+def _locked_share(locked: LockedJoint) -> str:
+    if locked.share is None:
         return "–"
-    return f"{100 * one.share:.3g} %"
+    return f"{100 * locked.share:.3g} %"
 
 
-def _locked_ranges(one: LockedJoint, unit: str) -> str:
+def _locked_ranges(locked: LockedJoint, unit: str) -> str:
     """The values at which a joint may be locked: "−125° … −7°, 7° … 125°", "any"."""
-    if one.share is not None and one.share >= 1.0 - _ZERO:
+    if locked.share is not None and locked.share >= 1.0 - _ZERO:
         return "any value"
     if unit == "rad":
-        parts = [f"{degrees(low):.1f}° … {degrees(high):.1f}°" for low, high in one.ranges]
+        parts = [f"{degrees(low):.1f}° … {degrees(high):.1f}°" for low, high in locked.ranges]
     else:
-        parts = [f"{low:.4g} … {high:.4g} m" for low, high in one.ranges]
+        parts = [f"{low:.4g} … {high:.4g} m" for low, high in locked.ranges]
     return minus(", ".join(parts))
 
 
@@ -540,7 +540,7 @@ def cover_sentence(covered: Any) -> str:
         return f"Every {what} lies in one of {count(tree.leaves, 'box', 'boxes')} (proven)."
     if not account.spots:
         return f"Every {what} is within {account.diagonal:.3g} rad of a known family (proven)."
-    boxes, proven = (sum(getattr(one, name) for one in account.spots) for name in ("boxes", "proven"))
+    boxes, proven = (sum(getattr(spot, name) for spot in account.spots) for name in ("boxes", "proven"))
     return (
         f"{count(len(account.spots), 'place')} may hold a {what} on no known family: {count(boxes, 'box', 'boxes')}, "
         f"{proven:,} of them proven to hold one."
@@ -631,9 +631,9 @@ def _account_sections(account: Any, joints: tuple[int, ...], *, deg: bool) -> It
         else:
             factor, unit = (1.0, "rad")
         places = tuple(
-            (f"{one.boxes:,}", f"{one.proven:,}", one.kind, f"{one.sigma:.2g}",
-             ", ".join(f"{value * factor:.4g}" for value in one.q[np.array(joints) - 1]))
-            for one in account.spots[:_PLACES]
+            (f"{spot.boxes:,}", f"{spot.proven:,}", spot.kind, f"{spot.sigma:.2g}",
+             ", ".join(f"{value * factor:.4g}" for value in spot.q[np.array(joints) - 1]))
+            for spot in account.spots[:_PLACES]
         )  # fmt: skip
         more = len(account.spots) - _PLACES
         yield Section(

@@ -85,7 +85,8 @@ def command(function: Callable[..., Done | int]) -> Callable[..., int]:
     """A command as cyclopts reads it: records among its parameters become options, and its result an exit code."""
     _derive_records(function)
     parameters = signature(function).parameters
-    typed = signature(function).replace(parameters=[one for name, one in parameters.items() if name != "report"])
+    without_report = [parameter for name, parameter in parameters.items() if name != "report"]
+    typed = signature(function).replace(parameters=without_report)
 
     @wraps(function)
     def run(*words: Any, **options: Any) -> int:

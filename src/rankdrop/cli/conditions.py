@@ -85,7 +85,7 @@ class Question(Output):
                 missing, given = ("--to", "--from")
             raise OptionError(f"{given} needs {missing}", where=missing, mend="give both configurations")
         typed = {"--flags": self.flags, "--from": self.start, "--to": self.end}
-        configurations = [self._q(robot, one, option) for option, one in typed.items() if one is not None]
+        configurations = [self._q(robot, values, option) for option, values in typed.items() if values is not None]
         if configurations:
             exact.signs_of(chain)
 

@@ -480,8 +480,8 @@ def _fixed(mending: paths.Mending | None, mend: Remedies, written: Written) -> b
     target = mend.fixed
     if mending is None or target is None:
         return None
-    one = mending.best or (mending.remedies[0] if mending.remedies else None)
-    if one is None:
+    remedy = mending.best or (mending.remedies[0] if mending.remedies else None)
+    if remedy is None:
         why = "the path needs none"
         if mending.needed:
             why = "no remedy was found"
@@ -489,18 +489,18 @@ def _fixed(mending: paths.Mending | None, mend: Remedies, written: Written) -> b
         return None
     form = ""
     if mending.before.poses is not None and mend.fixed_as == "input":
-        made = paths.mended_poses(mending.before, one, analysis=written.families, acceleration=mend.acceleration)
+        made = paths.mended_poses(mending.before, remedy, analysis=written.families, acceleration=mend.acceleration)
         if isinstance(made, paths.MendedPoses):
-            say(text.poses_written(target, one, made, mending.before.robot, arm=written.arm,
+            say(text.poses_written(target, remedy, made, mending.before.robot, arm=written.arm,
                                    given_start=_given_start(mending.before)))  # fmt: skip
             return paths.poses_bytes(written.source, made.matrices, made.times, made.given, deg=written.deg)
         form = f"; {text.NO_POSES[made]}"
-    if one.interpolate == "linear":
+    if remedy.interpolate == "linear":
         between = ""
     else:
-        between = f", read it with --interpolate {one.interpolate}"
-    say(f"{target}: mended by {one.kind}, checked again: {one.check.verdict}{between}{form}")
-    return paths.trajectory_bytes(one.trajectory, mending.before.robot, target)
+        between = f", read it with --interpolate {remedy.interpolate}"
+    say(f"{target}: mended by {remedy.kind}, checked again: {remedy.check.verdict}{between}{form}")
+    return paths.trajectory_bytes(remedy.trajectory, mending.before.robot, target)
 
 
 def _given_start(check: paths.PathCheck) -> bool:

@@ -179,8 +179,8 @@ def changes(
     """
     found: list[Change] = []
     for first, second in pairs:
-        one, other = forms_of(records[first]), forms_of(records[second])
-        if one is None or other is None or one == other:
+        before, after = forms_of(records[first]), forms_of(records[second])
+        if before is None or after is None or before == after:
             continue
         apart = [k for k, (a, b) in enumerate(zip(records[first]["values"], records[second]["values"], strict=True))
                  if a != b]  # fmt: skip
@@ -188,7 +188,7 @@ def changes(
         where = ("", float("nan"), float("nan")) if single is None else (
             names[single], float(records[first]["values"][single]), float(records[second]["values"][single])
         )  # fmt: skip
-        found += [Change(*what, first, second, *where) for what in _differences(one, other)]
+        found += [Change(*what, first, second, *where) for what in _differences(before, after)]
     return found
 
 

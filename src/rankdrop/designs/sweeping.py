@@ -158,10 +158,10 @@ def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tu
     """
     found: list[Mapping[str, Any]] = []
     sets = structures(records)[:DERIVED]
-    for done, one in enumerate(sets):
+    for done, structure in enumerate(sets):
         tell("exact conditions", done, len(sets))
-        values = np.array([records[i]["values"] for i in one.variants])
-        number = one.variants[int(np.linalg.norm(values - np.median(values, axis=0), axis=1).argmin())]
+        values = np.array([records[i]["values"] for i in structure.variants])
+        number = structure.variants[int(np.linalg.norm(values - np.median(values, axis=0), axis=1).argmin())]
         given: dict[Place, float] = {}
         for parameter, value in zip(spec.parameters, records[number]["values"], strict=True):
             given.update(dict.fromkeys(parameter.places, value))

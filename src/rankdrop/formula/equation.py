@@ -445,7 +445,7 @@ class System:
     @cached_property
     def moves(self) -> Mask:
         """(n,) joints that occur; there is at least one equation."""
-        occurs = [(np.abs(m) + p).sum(axis=0) > 0 for m, _, _, _, p in (one.tables for one in self.equations)]
+        occurs = [(np.abs(m) + p).sum(axis=0) > 0 for m, _, _, _, p in (equation.tables for equation in self.equations)]
         found = np.asarray(np.logical_or.reduce(occurs))
         found.flags.writeable = False
         return found
@@ -469,7 +469,8 @@ class System:
         fourth order it is below 1e-12 a thousandth of a radian away.
         """
         f, slope = self.linear(q)
-        rounding = np.array([_ROUNDING * sum(abs(term.coefficient) for term in one.terms) for one in self.equations])
+        sizes = [sum(abs(term.coefficient) for term in equation.terms) for equation in self.equations]
+        rounding = _ROUNDING * np.array(sizes)
         return np.asarray((np.abs(f) <= _NEAR * np.linalg.norm(slope, axis=-1) + rounding).all(axis=-1))
 
     def solve(

@@ -128,8 +128,8 @@ class Text:
         parts = []
         for j, m in wave.turns:
             size = abs(m) if halved or m % 2 else abs(m) // 2
-            one = ("" if size == 1 else f"{self.number(Fraction(size))}{self.between}") + self.theta(j)
-            parts.append((m < 0, one if halved or m % 2 == 0 else self.half(one)))
+            whole = ("" if size == 1 else f"{self.number(Fraction(size))}{self.between}") + self.theta(j)
+            parts.append((m < 0, whole if halved or m % 2 == 0 else self.half(whole)))
         text = self.signed(parts) + self.offset(wave)
         return self.half(text) if halved else text
 
@@ -170,7 +170,7 @@ class Text:
 
     def signed(self, parts: Sequence[tuple[bool, str]]) -> str:
         """Summands, each with whether it is negative, joined by signs."""
-        text = " ".join(f"{self.minus if negative else '+'} {one}" for negative, one in parts)
+        text = " ".join(f"{self.minus if negative else '+'} {summand}" for negative, summand in parts)
         if text[:1] == "+":
             return text[2:]
         return text.replace(" ", "", 1)
@@ -249,10 +249,10 @@ class Text:
 def describe_sum(factor: Factor) -> str:
     """What a sum in brackets holds: "120 sines and cosines of θ2, θ3, θ5"."""
     inside = [*leaves(factor)]
-    waves = [one for one in inside if isinstance(one, Wave)]
-    joints = {f"q{one.slide}" for one in inside if isinstance(one, Symbol) and one.slide}
-    for one in waves:
-        joints |= {f"θ{j}" for j, _ in one.turns}
+    waves = [symbol for symbol in inside if isinstance(symbol, Wave)]
+    joints = {f"q{symbol.slide}" for symbol in inside if isinstance(symbol, Symbol) and symbol.slide}
+    for symbol in waves:
+        joints |= {f"θ{j}" for j, _ in symbol.turns}
     return f"{len(waves)} sines and cosines, of {', '.join(sorted(joints, key=lambda name: int(name[1:])))}"
 
 

@@ -457,13 +457,13 @@ def _on_processes(job: Job, chunks: list[int], count: int) -> Generator[Made, No
         while not todo.empty():
             with contextlib.suppress(queue.Empty):
                 todo.get_nowait()
-        for one, thread in zip(crew, threads, strict=True):
+        for worker, thread in zip(crew, threads, strict=True):
             while thread.is_alive():  # it may just have begun another process, or wait until its answer is taken
-                one.close()
+                worker.close()
                 with contextlib.suppress(queue.Empty):
                     answers.get_nowait()
                 thread.join(0.1)
-            one.stop()
+            worker.stop()
 
 
 def _serve(worker: _Worker, todo: queue.SimpleQueue[int], answers: queue.Queue[Made | Exception]) -> None:

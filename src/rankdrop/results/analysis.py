@@ -118,8 +118,9 @@ class Analysis(Result):
         """Evaluate all equations and singular values again at the witnesses: the worst of each."""
         each = [self.residual_of(family) for family in self.families]
         return Residual(
-            max((one.equation for one in each), default=0.0), max((one.sigma for one in each), default=0.0),
-            min((one.kept for one in each), default=float("inf")),
+            max((residual.equation for residual in each), default=0.0),
+            max((residual.sigma for residual in each), default=0.0),
+            min((residual.kept for residual in each), default=float("inf")),
         )  # fmt: skip
 
     def residual_of(self, family: Family) -> Residual:
@@ -177,15 +178,15 @@ class Analysis(Result):
         robot = at("$.robot", lambda: robot_from_dict(record["robot"]))
         task = at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale))
         families = tuple(
-            at(f"$.families[{i}]", partial(family_from_dict, one, robot, task))
-            for i, one in enumerate(record["families"])
+            at(f"$.families[{i}]", partial(family_from_dict, stored, robot, task))
+            for i, stored in enumerate(record["families"])
         )
         return cls(
             robot=robot,
             task=task,
             generic_rank=record["robot"]["generic_rank"],
             settings=settings,
-            coranks=tuple(corank_from_dict(one) for one in record["coranks"]),
+            coranks=tuple(corank_from_dict(stored) for stored in record["coranks"]),
             families=at("$.exact.families", lambda: conditions_of_derivation(families, record)),
             complete=record["complete"],
             unfinished=record["unfinished"],

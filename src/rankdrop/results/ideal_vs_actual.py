@@ -90,7 +90,9 @@ class Idealised:
             task: with the length scale that σ was worked out with.
             nearby: from `nearby`.
         """
-        moved = [{"name": one.name, **plain(one), "by": one.by, "text": one.text} for one in self.changes]
+        moved = [
+            {"name": change.name, **plain(change), "by": change.by, "text": change.text} for change in self.changes
+        ]
         return {
             "tolerance": {"text": self.tolerance.text, **plain(self.tolerance)},
             "moved": moved,

@@ -42,8 +42,8 @@ def name_from_dict(record: Record) -> FamilyName:
     relations = restore(tuple[Detail, ...], record.get("relations", ()))
     dependent = restore(tuple[Dependence, ...], record.get("dependent", ()))
     details: tuple[Detail | Dependence | LowRank, ...] = (
-        *(replace(one, joints=tuple(map(_before, one.joints))) for one in relations),
-        *(replace(one, joints=_before(one.joints), slides=_before(one.slides)) for one in dependent),
+        *(replace(relation, joints=tuple(map(_before, relation.joints))) for relation in relations),
+        *(replace(screws, joints=_before(screws.joints), slides=_before(screws.slides)) for screws in dependent),
         *restore(tuple[LowRank, ...], record.get("low_rank", ())),
     )
     shorter = Shorter.NOTHING

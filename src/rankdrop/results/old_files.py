@@ -83,7 +83,7 @@ def freedoms_of_sentences(
     everywhere = not sentences[0].endswith(_AT_WITNESS)
     name = _frame_told(sentences[0].removesuffix(_AT_WITNESS))
     every = every_frame(task.frame, len(robot.joints))
-    frames = {FramedDirections(np.zeros((0, 6)), one).name: one for one in every}
+    frames = {FramedDirections(np.zeros((0, 6)), frame).name: frame for frame in every}
     if name not in frames:
         raise ValueError(f"no frame of the arm is called {name!r}")
     q = np.array(witness, dtype=np.float64)
@@ -175,9 +175,9 @@ def conditions_of_derivation(families: Sequence[Family], record: Record) -> tupl
     if exact.get("status") == NOT_DERIVED or not listed:
         return tuple(families)
     if "matches" in exact:
-        same = {one["row"] for one in exact["matches"] if one["families"] == [one["row"]] and not one["parts"]}
-        listed = [one for one in listed if one["id"] in same]
-    conditions = {one["id"]: exact_from_dict(one) for one in listed}
+        same = {row["row"] for row in exact["matches"] if row["families"] == [row["row"]] and not row["parts"]}
+        listed = [row for row in listed if row["id"] in same]
+    conditions = {row["id"]: exact_from_dict(row) for row in listed}
     ids = [family.id for family in families]
     for unknown in conditions.keys() - set(ids):
         raise ResultFileError("there is no such family", got=unknown, allowed=", ".join(ids))

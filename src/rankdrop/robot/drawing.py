@@ -128,7 +128,7 @@ class Drawing:
         if part in ENDS:
             if key not in FRAME:
                 raise RobotError("there is no such number", where=where, got=repr(text),
-                                 allowed=", ".join(f"{part}.{one}" for one in FRAME))  # fmt: skip
+                                 allowed=", ".join(f"{part}.{element}" for element in FRAME))  # fmt: skip
             return Place(part, key, sign)
         name = self._joint_named(part)
         if name in self._joints and key in self._keys:

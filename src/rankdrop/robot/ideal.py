@@ -231,7 +231,7 @@ def what_holds(robot: Robot, less: Robot | None = None) -> tuple[AxesHold, ...]:
         known = set(_holding(less))
     else:
         known = set()
-    new = [one for one in _holding(robot) if one not in known and not _follows(one, known)]
+    new = [fact for fact in _holding(robot) if fact not in known and not _follows(fact, known)]
     return tuple(_merged(new, len(robot.joints)))
 
 
@@ -284,11 +284,11 @@ def _parallels(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[A
 
 def _pairs(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[AxesHold]:
     """Pairs of axes in a row that are one line, meet, or stand at right angles."""
-    for i, (one, _) in enumerate(pairwise(numbers)):
+    for i, (axis, _) in enumerate(pairwise(numbers)):
         pair = (i + 1, i + 2)
-        if abs(one.a) < NOTHING and not slides[i] and not slides[i + 1]:
-            yield AxesHold(Hold.COMMON if parallel(one.twist) else Hold.MEETING, pair)
-        if abs(abs(one.twist) - pi / 2) < NOTHING:
+        if abs(axis.a) < NOTHING and not slides[i] and not slides[i + 1]:
+            yield AxesHold(Hold.COMMON if parallel(axis.twist) else Hold.MEETING, pair)
+        if abs(abs(axis.twist) - pi / 2) < NOTHING:
             yield AxesHold(Hold.SQUARE, pair)
 
 

@@ -107,9 +107,9 @@ def from_mujoco(model: Any, *, base: str | None = None, tip: str | None = None, 
     mujoco = _package("mujoco", "mujoco", "mujoco")
     name = visible(bytes(model.names).split(b"\0", 1)[0].decode("utf-8", "replace")) or "robot"
     equal = mujoco.mjtEq.mjEQ_JOINT
-    couplings = [(model.joint(int(one)).name, model.joint(int(two)).name) for kind, one, two
+    couplings = [(model.joint(int(first)).name, model.joint(int(second)).name) for kind, first, second
                  in zip(model.eq_type, model.eq_obj1id, model.eq_obj2id, strict=True)
-                 if kind == equal and two >= 0]  # fmt: skip
+                 if kind == equal and second >= 0]  # fmt: skip
     plain = plain_model(mujoco, model, couplings, {})
     return robot_of(plain, name, f"MuJoCo model {name!r}", base, tip, as_written=as_written)
 

@@ -220,7 +220,8 @@ def _exists(path: Path) -> bool:
 def _plain(name: str) -> str:
     """A name without what people write differently: capitals, accents, blanks, - and _."""
     letters = unicodedata.normalize("NFKD", name)
-    return "".join(one for one in letters if not (one in "-_" or one.isspace() or unicodedata.combining(one))).lower()
+    kept = (sign for sign in letters if not (sign in "-_" or sign.isspace() or unicodedata.combining(sign)))
+    return "".join(kept).lower()
 
 
 def _same_names(name: str) -> list[str]:

@@ -67,10 +67,10 @@ def _objects_as_numbers(array: NDArray[Any], what: str, error: type[RankdropErro
     Raises:
         rankdrop.errors.RankdropError: of the type `error`: one is no number, or beyond the doubles.
     """
-    wrong = [type(one).__name__ for one in array.flat if not _is_real(one)]
+    wrong = [type(value).__name__ for value in array.flat if not _is_real(value)]
     if wrong:
         raise error(f"{what} is no array of numbers", got=f"a {wrong[0]}", allowed=_NUMBERS)
-    if any(isinstance(one, Integral) and abs(int(one)) >= _LARGEST_INTEGER for one in array.flat):
+    if any(isinstance(value, Integral) and abs(int(value)) >= _LARGEST_INTEGER for value in array.flat):
         raise error(f"{what} has an integer of more than 64 bits", allowed=_NUMBERS)
     try:
         return array.astype(np.float64)
@@ -78,15 +78,15 @@ def _objects_as_numbers(array: NDArray[Any], what: str, error: type[RankdropErro
         raise error(f"{what} has a number beyond the doubles", allowed=_NUMBERS) from None
 
 
-def _is_real(one: object) -> bool:
-    return isinstance(one, Real) or (hasattr(one, "__float__") and not isinstance(one, np.generic | np.ndarray))
+def _is_real(value: object) -> bool:
+    return isinstance(value, Real) or (hasattr(value, "__float__") and not isinstance(value, np.generic | np.ndarray))
 
 
 def _masked(values: Any, deep: int = 0) -> bool:
     """Whether a value is masked, in lists of arrays too, as deep as NumPy reads them."""
     if isinstance(values, list | tuple):
-        inside = (one for one in values if isinstance(one, list | tuple | np.ma.MaskedArray))
-        return deep < _DEEPEST and any(_masked(one, deep + 1) for one in inside)
+        inside = (part for part in values if isinstance(part, list | tuple | np.ma.MaskedArray))
+        return deep < _DEEPEST and any(_masked(part, deep + 1) for part in inside)
     return bool(np.ma.is_masked(values))
 
 

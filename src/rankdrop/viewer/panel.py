@@ -130,7 +130,7 @@ def details_html(found: Explanation) -> str:
         if found.verdict != "singular":
             lines.append(f"<span style='{_QUIET}'>at the nearest singular configuration:</span>")
         lines += [_lost_line(lost_text(found.robot, seen)) for seen in list(found.lost.seen.values())[:_FRAMES]]
-    return lines_html([*lines, *(_blame_line(i, one) for i, one in enumerate(found.blame.smallest))])
+    return lines_html([*lines, *(_blame_line(i, circuit) for i, circuit in enumerate(found.blame.smallest))])
 
 
 def _blame_line(place: int, circuit: Circuit) -> str:

@@ -175,7 +175,7 @@ def axis_lines(body: Body, links: Array, variables: Sequence[int]) -> Array:
 def circuit_of(circuits: Sequence[Sequence[int]]) -> dict[int, int]:
     """Variable -> the first of the circuits (from 0) that it belongs to: the smallest, as they are ordered."""
     blamed = dict.fromkeys(chain.from_iterable(circuits))
-    return {number: next(k for k, one in enumerate(circuits) if number in one) for number in blamed}
+    return {number: next(k for k, circuit in enumerate(circuits) if number in circuit) for number in blamed}
 
 
 def wxyz(turns: Array) -> Array:

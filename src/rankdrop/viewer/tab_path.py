@@ -231,7 +231,8 @@ def state_of(path: str, robot: Robot) -> Array | None:
         return None
     if len(values) != robot.n or not np.isfinite(values).all():
         return None
-    return np.array([radians(x) if one.unit == "rad" else x for x, one in zip(values, robot.variables, strict=True)])
+    joints = zip(values, robot.variables, strict=True)
+    return np.array([radians(value) if joint.unit == "rad" else value for value, joint in joints])
 
 
 def path_csv(robot: Robot, rows: Sequence[tuple[float, Array]]) -> str:

@@ -208,13 +208,13 @@ class Detourer:
             held = [found.reason == "limit" for _, _, found in looks]  # larger ones turn the joints as far
             limited |= any(held)
             ways = [way for way, stops in zip(ways, held, strict=True) if not stops]
-            clear = [one for one in looks if self._clear(one[1], one[2], clearance)]
+            clear = [look for look in looks if self._clear(look[1], look[2], clearance)]
             if not clear:
                 before = size
                 continue
             if size > self.bound * (1 + 1e-9):
                 return NoDetour(core, Hindrance.TOOL, size)
-            clear.sort(key=lambda one: window.start is not None and not self._same(window.high, one[2].q[-1]))
+            clear.sort(key=lambda look: window.start is not None and not self._same(window.high, look[2].q[-1]))
             for way, moved, found in clear:
                 paths = self._smaller(window, way, (before, size), found, clearance)
                 for path in (*reversed(paths), moved):
@@ -317,14 +317,14 @@ class Detourer:
     def changes(self, detours: list[Detour]) -> list[Change]:
         """What each of them changes."""
         bumper, out = self.bumper, []
-        for one in detours:
-            start, end = (bumper.path.place(bumper.point(place)) for place in (one.low, one.high))
-            moves = one.q - bumper.configurations(one.place)
-            if self._back_on_path(one):
+        for detour in detours:
+            start, end = (bumper.path.place(bumper.point(place)) for place in (detour.low, detour.high))
+            moves = detour.q - bumper.configurations(detour.place)
+            if self._back_on_path(detour):
                 after = np.zeros_like(moves[-1])
             else:
                 after = moves[-1]
-            out.append(Change(start, end, largest_move(moves), one.off, after))
+            out.append(Change(start, end, largest_move(moves), detour.off, after))
         return out
 
     def trajectory(self, detours: list[Detour]) -> tuple[Trajectory, tuple[float, float]]:
@@ -335,18 +335,18 @@ class Detourer:
         rows = bumper.path.samples
         first = np.arange(int(np.ceil(detours[0].low)))
         places, values = [first.astype(np.float64)], [rows[first]]
-        for k, one in enumerate(detours):
-            places.append(one.place)
-            values.append(one.q)
-            if one.rest is not None:
-                places.append(one.rest[0])
-                values.append(one.rest[1])
+        for k, detour in enumerate(detours):
+            places.append(detour.place)
+            values.append(detour.q)
+            if detour.rest is not None:
+                places.append(detour.rest[0])
+                values.append(detour.rest[1])
                 continue
             if k + 1 < len(detours):
                 until = int(np.ceil(detours[k + 1].low))
             else:
                 until = count + 1
-            after = np.arange(int(np.floor(one.high)) + 1, until)
+            after = np.arange(int(np.floor(detour.high)) + 1, until)
             places.append(after.astype(np.float64))
             values.append(rows[after])
         place, q = np.concatenate(places), np.concatenate(values)

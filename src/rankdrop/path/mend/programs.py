@@ -87,8 +87,8 @@ def program_remedies(
         if part.check is not None:
             crossed = list(_local_change(part, part.check, analysis, how))
             found += crossed
-            moved = [one.move for one in crossed if one.advice in (Advice.BUMP, Advice.DETOUR)]
-            found += [one for one in _slower(part, part.check) if one.move not in moved]
+            moved = [remedy.move for remedy in crossed if remedy.advice in (Advice.BUMP, Advice.DETOUR)]
+            found += [remedy for remedy in _slower(part, part.check) if remedy.move not in moved]
         if part.ended is not None:
             found += _ways_on(check, part)
     return tuple(found)
@@ -101,7 +101,7 @@ def remedies_to_dict(remedies: Sequence[LineRemedy], robot: Robot) -> list[dict[
         remedies: of `program_remedies`.
         robot: the arm that moves.
     """
-    return [record_of("program_remedies", (one, robot)) for one in remedies]
+    return [record_of("program_remedies", (remedy, robot)) for remedy in remedies]
 
 
 def _ways_on(check: ProgramCheck, part: Part) -> Iterator[LineRemedy]:
@@ -143,8 +143,8 @@ def _slower(part: Part, check: PathCheck) -> Iterator[LineRemedy]:
 
 def _local_change(part: Part, check: PathCheck, analysis: Analysis | None, how: RemedyOptions) -> Iterator[LineRemedy]:
     """The least local change of a part that crosses singularities on its straight lines."""
-    met = [one for one in check.stretches if one.verdict != FREE]
-    lines = [one for one in met if part.moves[part.move_at(one.closest.place)].kind == "line"]
+    met = [stretch for stretch in check.stretches if stretch.verdict != FREE]
+    lines = [stretch for stretch in met if part.moves[part.move_at(stretch.closest.place)].kind == "line"]
     if check.clear or not lines:
         return
     mending = mend_path(check, analysis=analysis, kinds=(BUMP, DETOUR), options=how)

@@ -151,13 +151,13 @@ def _move(listing: Listing, names: Names, count: int, line: str, word: str, rest
         return
     goal, *arguments = parts_of(found[0])
     settings: dict[str, str] = {}
-    for place, one in enumerate(arguments):
-        key, mark, value = one.partition("=")
+    for place, argument in enumerate(arguments):
+        key, mark, value = argument.partition("=")
         if mark:
             name = key.strip()
         else:
             name = (*_ORDER[word], "", "", "", "")[min(place, 3)]
-        settings[name] = value.strip() if mark else one
+        settings[name] = value.strip() if mark else argument
     keys = {key: names.number(value) for key, value in settings.items()}
     if goal.startswith(("q=", "pose=", "q =", "pose =")):
         goal = goal.partition("=")[2].strip()

@@ -69,11 +69,11 @@ def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None, 
         displaced_jacobian(check.robot, setting, tolerance, check.task.rows)  # refuses what it is not for
     control = check.curve.control
     points = np.concatenate([control[:, :-1].reshape(-1, control.shape[2]), control[-1:, -1]])
-    met = [stretch for stretch in check.stretches if stretch.verdict != FREE]
+    open_stretches = [stretch for stretch in check.stretches if stretch.verdict != FREE]
     square = check.robot.n == setting.rank == len(setting.rows)
     claim = {
-        "verdict": CLEAR if not met else "met", "degree": check.curve.degree, "points": points.tolist(),
-        "spans": _spans(check.curve, met, square=square),
+        "verdict": CLEAR if not open_stretches else "met", "degree": check.curve.degree, "points": points.tolist(),
+        "spans": _spans(check.curve, open_stretches, square=square),
     }  # fmt: skip
     if check.margin == "kept":
         claim |= {"min_distance": check.options.min_distance, "scale": setting.scale.tolist()}
@@ -164,9 +164,9 @@ def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluat
     def prove_boxes(low: Array, high: Array) -> Mask:
         nonlocal spent
         spent += len(low)
-        found = enclose(robot, setting, *centre_and_half_sides(low, high, setting))
+        enclosure = enclose(robot, setting, *centre_and_half_sides(low, high, setting))
         drift = displaced_jacobian(robot, setting, tolerance, rows, np.maximum(np.abs(low), np.abs(high)))
-        return regular(found[3], found[2] + np.einsum("bi,bij->bj", drift, np.abs(found[5]))[:, None, :])
+        return regular(enclosure[3], enclosure[2] + np.einsum("bi,bij->bj", drift, np.abs(enclosure[5]))[:, None, :])
 
     def prove_pieces(control: Array) -> tuple[Mask, Mask]:
         low, high = boxes(control)

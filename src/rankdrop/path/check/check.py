@@ -202,17 +202,17 @@ def check_curve(
     survey = Survey(arm, arm_task, moved, families, source, robot, options, tolerances)
     parts = crossings(arm, arm_task, moved, proof.slivers, survey.families, tolerances)
     stretches, violations = survey.stretches(parts), survey.violations()
-    spent, kept, remarks = proof.evaluations, None, survey.remarks
+    spent, distance_kept, remarks = proof.evaluations, None, survey.remarks
     if options.min_distance > 0.0:
         nearest = min((stretch.closest.distance for stretch in stretches), default=np.inf)
-        kept = "violated" if nearest < options.min_distance else "not proven"
-        if kept == "not proven" and proof.complete and not proof.slivers:
+        distance_kept = "violated" if nearest < options.min_distance else "not proven"
+        if distance_kept == "not proven" and proof.complete and not proof.slivers:
             from rankdrop.path.check.certificate import margin  # with the checker of proofs
 
             row, more = margin(arm, arm_task, proof.setting, moved, options.min_distance, options.evaluations)
             spent += more
             if row < 0:
-                kept = "kept"
+                distance_kept = "kept"
             else:
                 remarks += (("distance open", row + 1),)
     length, undecided, time, free = _shares(moved, proof.setting.scale, parts)
@@ -220,8 +220,8 @@ def check_curve(
         stretches = tuple(_in_own_units(stretch, robot) for stretch in stretches)
     return PathCheck(
         robot=robot, task=resolved, curve=path, rows=len(path.control) + 1, options=options, tolerances=tolerances,
-        verdict=_verdict(parts, violations, kept, proof.complete), stretches=stretches, violations=violations,
-        free_share=free, undecided_share=undecided, undecided_length=length, undecided_time=time, margin=kept,
+        verdict=_verdict(parts, violations, distance_kept, proof.complete), stretches=stretches, violations=violations,
+        free_share=free, undecided_share=undecided, undecided_length=length, undecided_time=time, margin=distance_kept,
         evaluations=spent, source=source, remarks=remarks, complete=proof.complete, profile=survey.profile,
     )  # fmt: skip
 
@@ -397,18 +397,18 @@ def _branches(
         return ()
     from rankdrop.poses.postures import posture_names  # with the exact side, which a path of joint values does without
 
-    found = []
+    branches = []
     for row, q in enumerate(starts):
         if row == chosen:
             branch, place = taken, _not_free_taken(taken, check)
         else:
             branch = follow(robot, poses, q, task, tolerance=tolerance, through=True)
             place = _not_free(robot, asked, branch, tolerances)
-        found.append(ToolBranch(
+        branches.append(ToolBranch(
             q, posture_names(robot, task, q[None])[0], branch.complete, branch.reached, branch.reason, branch.joint,
             branch.folds, branch.turn, place == 0.0, place, row == chosen,
         ))  # fmt: skip
-    return tuple(found)
+    return tuple(branches)
 
 
 def _not_free_taken(taken: Followed, check: PathCheck) -> float:

@@ -106,15 +106,15 @@ def check_chunk(plan: Record, chunk: int) -> bytes:
         start = plan["reading"]["start"]
         read = plan["reading"] | {"start": None if start is None else tuple(start)}
         question = PathQuestion(task, analysis, PathOptions(**plan["options"]), **read)
-        found = check_any_file(robot, Path(place), question, say=said.append)
+        check = check_any_file(robot, Path(place), question, say=said.append)
     except RankdropError as error:
         sentence = error.on_command_line().replace(place, name)
         record = {"verdict": _BAD, "sentence": sentence, "rows": None, "free_share": None, "met": None,
                   "nearest_rad": None, "name": "", "said": said}  # fmt: skip
     else:
-        if not found.complete:  # Ctrl-C: no result of this file
+        if not check.complete:  # Ctrl-C: no result of this file
             raise KeyboardInterrupt
-        record = _record(found) | {"said": said}
+        record = _record(check) | {"said": said}
     return json.dumps(record, ensure_ascii=False, allow_nan=False).encode()
 
 

@@ -385,9 +385,9 @@ def check_program(
     parts: list[Part] = []
     runs = _runs(program)
     start = _start(question, runs)
-    left, before = runs[::-1], start
-    while left:
-        moves = left.pop()
+    waiting, before = runs[::-1], start
+    while waiting:
+        moves = waiting.pop()
         if len(parts) == _MOST_PARTS:
             raise TrajectoryError(
                 "the program has too many parts without a way from one to the next",
@@ -400,11 +400,11 @@ def check_program(
         if walked.rows:
             before = walked.rows[-1]
         if part.ended is not None and (rest := moves[moves.index(part.ended.move) + 1 :]):
-            left.append(rest)
+            waiting.append(rest)
         if part.check is not None and not part.check.complete:
             break
     return ProgramCheck(robot, asked_for(robot, question.task, question.analysis), program, tuple(parts), raised,
-                        len(left))  # fmt: skip
+                        len(waiting))  # fmt: skip
 
 
 def _start(question: PathQuestion, runs: Sequence[Sequence[Move]]) -> Array | None:
@@ -596,17 +596,17 @@ class _Walker:
             return
         branch = followed_branch(self.robot, way, now, self.task, self.tolerance, free=False)
         times = self._line_seconds(move, length, turn)
-        made = timed_branch(self.robot, self.task, way, None if times is None else np.array([0.0, times]), branch)
+        line_path = timed_branch(self.robot, self.task, way, None if times is None else np.array([0.0, times]), branch)
         if len(branch.q):
             off, turned = tip_apart(Aim(self.robot, self.task), branch.q, poses_at(way, branch.place - 1.0))
             walked.off, walked.turned = max(walked.off, off), max(walked.turned, turned)
             jump = np.abs(branch.q[0] - now).max(initial=0.0) > _STILL
-            if made.times is None:
+            if line_path.times is None:
                 lasts = None
             else:
-                lasts = np.diff(made.times)
+                lasts = np.diff(line_path.times)
             rows = branch.q[1:]
-            speeds = made.speeds
+            speeds = line_path.speeds
             if jump:  # the tool is held still there: the start lies on a singularity, and is left by a small turn
                 rows = branch.q
                 lasts = speeds = None

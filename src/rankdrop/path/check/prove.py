@@ -272,21 +272,21 @@ def prove(
     """
     setting = chosen(robot, settings, path)
     work = Proof(setting, evaluations, len(path.control), progress)
-    left = stretches_left(path, lambda low, high: free_boxes(robot, low, high, work))
-    work.report(len(left))
-    pieces = Pieces(left, np.zeros(len(left)), np.ones(len(left)), path.control[left])
+    stretch = stretches_left(path, lambda low, high: free_boxes(robot, low, high, work))
+    work.report(len(stretch))
+    pieces = Pieces(stretch, np.zeros(len(stretch)), np.ones(len(stretch)), path.control[stretch])
     along = Along(robot, setting)
     while len(pieces):
         work.report(len(np.unique(pieces.stretch)))
-        kept = []
+        halved = []
         for part in (pieces[i : i + _BATCH] for i in range(0, len(pieces), _BATCH)):
-            found = work.attempt(len(part), partial(_split_undecided, along, part, work, singular))
-            if found is None:
+            split = work.attempt(len(part), partial(_split_undecided, along, part, work, singular))
+            if split is None:
                 work.give_up(part, narrow=False)
                 continue
-            work.give_up(found[1], narrow=True)
-            kept.append(found[0].halves())
-        columns = (np.concatenate([getattr(part, name) for part in kept] or [getattr(pieces, name)[:0]])
+            work.give_up(split[1], narrow=True)
+            halved.append(split[0].halves())
+        columns = (np.concatenate([getattr(part, name) for part in halved] or [getattr(pieces, name)[:0]])
                    for name in Pieces.__dataclass_fields__)  # fmt: skip
         pieces = Pieces(*columns)
     return work

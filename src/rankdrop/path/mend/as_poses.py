@@ -163,14 +163,14 @@ class _Writer:
             if run > 0:
                 stuck = 0
                 continue
-            found = None
+            places = None
             if stuck < _EVERY or stuck % (stuck // _EVERY) == 0:
                 ahead = poses[after : after + min(_MOST, 4 * stuck + _SHORTEST)]
-                found = np.flatnonzero(self._same(ahead, now[row : row + 1]))
-            if found is None or not len(found):
+                places = np.flatnonzero(self._same(ahead, now[row : row + 1]))
+            if places is None or not len(places):
                 row, stuck = row + 1, stuck + 1
                 continue
-            row, after = self._first_of_run(now, row, after + int(found[0]), stuck, after)
+            row, after = self._first_of_run(now, row, after + int(places[0]), stuck, after)
             stuck = 0
         return given
 
@@ -191,8 +191,8 @@ class _Writer:
 
     def _needed_rows(self, now: Array, given: Index, times: Array | None) -> tuple[Mask, Array]:
         """(K,) rows that are needed, and the poses, those within a move of the file exactly on it."""
-        kept = given >= 0
-        kept[[0, -1]] = True
+        needed = given >= 0
+        needed[[0, -1]] = True
         of_file = np.flatnonzero(given >= 0)
         out = now.copy()
         edges = np.concatenate([[-1], of_file, [len(given)]])
@@ -202,19 +202,19 @@ class _Writer:
             inside = np.arange(low + 1, high)
             one_move = low >= 0 and high < len(given) and given[high] == given[low] + 1
             if not one_move:
-                kept[inside] = True
+                needed[inside] = True
                 continue
             begin, end = self.poses.matrices[given[low]], self.poses.matrices[given[high]]
             share = self._share(begin, end, now[inside])
             on_move = poses_at(np.stack([begin, end]), share)
             if not self._within_tolerance(on_move, now[inside]):
-                kept[inside] = True
+                needed[inside] = True
                 continue
             out[inside] = on_move
             if times is not None:
                 usual = times[low] + share * (times[high] - times[low])
-                kept[inside] = np.abs(times[inside] - usual).max() > _INSTANT + 1e-3 * (times[high] - times[low])
-        return kept, out
+                needed[inside] = np.abs(times[inside] - usual).max() > _INSTANT + 1e-3 * (times[high] - times[low])
+        return needed, out
 
     def _share(self, begin: Array, end: Array, now: Array) -> Array:
         """(N,) shares of a straight move at which poses (N, 4, 4) are nearest to it, in order."""

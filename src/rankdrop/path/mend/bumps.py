@@ -341,7 +341,7 @@ class Bumper:
         sides = [(side, np.asarray(side(home), dtype=np.float64)) for side in self.sides]
         if any((at != 0).all() and at[0] != at[1] for _, at in sides):
             return NoBump(core, Obstacle.SIDE)
-        found: list[tuple[float, bool, Bump]] = []
+        bumps: list[tuple[float, bool, Bump]] = []
         too_high: list[float] = []
         for way, null in self._ways(core, home):
             height = self._height(q, way, sides, clearance, null=null)
@@ -352,11 +352,11 @@ class Bumper:
                 continue
             off = self._off(q, self._move_joints(q, height * way, null=null))
             alone = np.count_nonzero(way) == 1
-            found.append((self._size(off), not alone, Bump(core, way, height, null, off=off)))
-        if not found:
+            bumps.append((self._size(off), not alone, Bump(core, way, height, null, off=off)))
+        if not bumps:
             return NoBump(core, Obstacle.HEIGHT, min(too_high, default=np.nan))
-        least = min(size for size, _, _ in found)
-        near = [candidate for candidate in found if candidate[0] <= _SIMPLER * least]
+        least = min(size for size, _, _ in bumps)
+        near = [candidate for candidate in bumps if candidate[0] <= _SIMPLER * least]
         return self._add_ramps(min(near, key=lambda candidate: (candidate[1], candidate[0]))[2])
 
     def lead_aside(self, bump: Bump, clearance: float) -> Bump:

@@ -178,23 +178,23 @@ class ToolPath:
         """
         tool = self
         for _ in range(_REFINED):
-            found = run(tool)
-            if found.complete:
-                far = self.room(found.q)
+            followed = run(tool)
+            if followed.complete:
+                far = self.room(followed.q)
             else:
                 far = np.zeros(1)
             if far.min() < _TOO_NEAR:
                 break
             wanted = np.minimum(_FINE, _RESOLVED * np.minimum(far[1:], far[:-1]))
-            parts = np.minimum(np.ceil(tool._steps(found.q) / np.maximum(wanted, 1e-12)), 16).astype(np.int64)
+            parts = np.minimum(np.ceil(tool._steps(followed.q) / np.maximum(wanted, 1e-12)), 16).astype(np.int64)
             if (parts <= 1).all():
-                return tool, found
+                return tool, followed
             if len(tool.place) + int(parts.sum()) > _MOST:
                 break
             k, part = number_parts(np.maximum(parts, 1))
             added = tool.place[k] + part / np.maximum(parts, 1)[k] * (tool.place[k + 1] - tool.place[k])
             tool = tool.at_places(np.append(added, tool.place[-1]))
-        return tool, replace(found, complete=False)
+        return tool, replace(followed, complete=False)
 
     def trajectory(self, q: Array, interpolate: str) -> Trajectory:
         """A joint path (K, n) at the places, with the times of the old one, and rates where cubics need them."""
@@ -307,7 +307,7 @@ def rank_starts(starts: Iterable[Start], count: int, report: Progress) -> Rankin
         count: how many there will be.
         report: how many are done.
     """
-    found: list[Candidate] = []
+    candidates: list[Candidate] = []
     ended: Counter[str] = Counter()
     for k, (tool, start, pull, how, parameters) in enumerate(starts):
         report(k, count)
@@ -321,10 +321,10 @@ def rank_starts(starts: Iterable[Start], count: int, report: Progress) -> Rankin
             continue
         own = bool((start == tool.q[0]).all())
         again = partial(ToolPath.follow_branch, start=start, pull=pull)
-        found.append(Candidate(tool, again, how, parameters, float(tool.room(run.q).min()), own))
-    found.sort(key=lambda one: -one.room)
+        candidates.append(Candidate(tool, again, how, parameters, float(tool.room(run.q).min()), own))
+    candidates.sort(key=lambda candidate: -candidate.room)
     report(count, count)
-    return found, ended
+    return candidates, ended
 
 
 def _begin_turn_away(tool: ToolPath, start: Array, pull: Pull | None, found: Followed) -> tuple[Followed, Array]:
@@ -494,17 +494,17 @@ def plan_path(tool: ToolPath, starts: Array, report: Progress, *, around: bool) 
     now = _cheapest(layers, starts, np.zeros(len(starts)), np.full(len(starts), -1))
     if around:
         now = _self_motion_layer(layers, now)
-    made = [now]
+    reached = [now]
     for k in range(1, len(layers.place)):
         report(k, len(layers.place))
         now = _next_layer(layers, now, k)
         if not len(now[0]):
             return layers.place[:k], np.empty((0, tool.robot.n)), 0.0
-        made.append(now)
+        reached.append(now)
     rows = [int(now[1].argmin())]
-    for _, _, parent in made[:0:-1]:
+    for _, _, parent in reached[:0:-1]:
         rows.append(int(parent[rows[-1]]))
-    q = np.array([layer[0][row] for layer, row in zip(made, rows[::-1], strict=True)])
+    q = np.array([layer[0][row] for layer, row in zip(reached, rows[::-1], strict=True)])
     q = _smooth(layers, q, fixed=not around)
     return layers.place, q, float(_room(layers, q).min())
 

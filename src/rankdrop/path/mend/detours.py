@@ -158,11 +158,11 @@ class Detourer:
                 before = out[-1]
                 assert isinstance(before, Detour)
                 out[-1], start = replace(before, rest=(rest[0][:-1], rest[1][:-1])), rest[1][-1]
-            made = self._at_crossing(core, ends, low, high, start, clearance)
-            out.append(made)
-            if isinstance(made, NoDetour):
+            outcome = self._at_crossing(core, ends, low, high, start, clearance)
+            out.append(outcome)
+            if isinstance(outcome, NoDetour):
                 return out
-            last, start = high, None if self._back_on_path(made) else made.q[-1]
+            last, start = high, None if self._back_on_path(outcome) else outcome.q[-1]
         if start is not None:
             rest, before = self._rest(last, final, start), out[-1]
             assert isinstance(before, Detour)
@@ -205,7 +205,7 @@ class Detourer:
         ways, before = [motion, -motion], 0.0
         for size in self._sizes(clearance):
             looks = [(way, *self._look(window, size * way)) for way in ways]
-            held = [found.reason == "limit" for _, _, found in looks]  # larger ones turn the joints as far
+            held = [followed.reason == "limit" for _, _, followed in looks]  # larger ones turn the joints as far
             limited |= any(held)
             ways = [way for way, stops in zip(ways, held, strict=True) if not stops]
             clear = [look for look in looks if self._clear(look[1], look[2], clearance)]
@@ -215,12 +215,12 @@ class Detourer:
             if size > self.bound * (1 + 1e-9):
                 return NoDetour(core, Hindrance.TOOL, size)
             clear.sort(key=lambda look: window.start is not None and not self._same(window.high, look[2].q[-1]))
-            for way, moved, found in clear:
-                paths = self._smaller(window, way, (before, size), found, clearance)
+            for way, moved, followed in clear:
+                paths = self._smaller(window, way, (before, size), followed, clearance)
                 for path in (*reversed(paths), moved):
-                    made = self._refine_detour(path, window, clearance)
-                    if made is not None:
-                        return made
+                    detour = self._refine_detour(path, window, clearance)
+                    if detour is not None:
+                        return detour
             before = size
         return NoDetour(core, Hindrance.LIMIT if limited else Hindrance.TOOL)
 

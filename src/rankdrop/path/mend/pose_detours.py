@@ -162,10 +162,10 @@ class PoseDetourer:
                 end = int(room.argmin())
                 if room[end] > _BESIDE * self.clearance:
                     return self._with_excess(Blocked(float(self._places(at, run)[-1]), Hindrance.LIMIT), at, start)
-            made = self._window_around(at, run, end)
-            if isinstance(made, Blocked):
-                return self._with_excess(made, at, start) if run.reason == "limit" and not made.joint else made
-            window, place, start = made
+            outcome = self._window_around(at, run, end)
+            if isinstance(outcome, Blocked):
+                return self._with_excess(outcome, at, start) if run.reason == "limit" and not outcome.joint else outcome
+            window, place, start = outcome
             windows.append(window)
             report(len(windows), len(windows) + 1)
         return windows

@@ -65,12 +65,12 @@ def slowed_down(path: Curve, rates: Array, accelerations: Array) -> tuple[Trajec
         return None
     most = np.asarray((path.rates / rates).max(axis=1))
     for k in range(_ROUNDS):
-        made = _slow_down(path, most, _BRAKING * _LONGER**k)
-        if made is None:
+        slowed = _slow_down(path, most, _BRAKING * _LONGER**k)
+        if slowed is None:
             return None
-        share = usage(made[0].curve("linear"), rates, accelerations)
+        share = usage(slowed[0].curve("linear"), rates, accelerations)
         if share.slower <= 1.0:
-            return made
+            return slowed
         if share.rate > 1.0:
             return None
         most = np.where(most > 1.0, most * min(2.0, share.slower), most)

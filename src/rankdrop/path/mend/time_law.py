@@ -167,12 +167,12 @@ def through(
     direction, curved = (_vector(name, value, resolved) for name, value in (("along", along), ("bend", bend)))
     if not direction.any():
         raise OptionError("the path has no direction", where="along", got=direction.tolist())
-    found = _Path(there, there_task, into_metres(robot, at), direction * length, curved * length).classify()
-    if len(found.joints):
-        joints = out_of_metres(robot, found.joints)
+    law = _Path(there, there_task, into_metres(robot, at), direction * length, curved * length).classify()
+    if len(law.joints):
+        joints = out_of_metres(robot, law.joints)
     else:
-        joints = found.joints
-    return replace(found, robot=robot, task=resolved, q=at, along=direction, bend=curved, joints=joints)
+        joints = law.joints
+    return replace(law, robot=robot, task=resolved, q=at, along=direction, bend=curved, joints=joints)
 
 
 class _Path:
@@ -310,13 +310,13 @@ class _Path:
             y, before, last, side = start, sign * slope, 0.0, []
             for step in steps.tolist():
                 missed = partial(self._equations, rows, rows @ start + sign * step * way)
-                made = newton(missed, (y + (step - last) * before)[None], iterations=_MOST, step=np.inf, cut=1e-13)[0]
-                solved = solved and not missed(made[None])[0][0]
+                root = newton(missed, (y + (step - last) * before)[None], iterations=_MOST, step=np.inf, cut=1e-13)[0]
+                solved = solved and not missed(root[None])[0][0]
                 if slope.any():
-                    before = (made - y) / (step - last)
+                    before = (root - y) / (step - last)
                 else:
                     before = before
-                y, last = made, step
+                y, last = root, step
                 side.append(y)
             sides.append(side)
         sigma = np.concatenate([-steps[::-1], [0.0], steps])

@@ -78,9 +78,9 @@ def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = 
                           error=TrajectoryError)  # fmt: skip
     parts = np.load(io.BytesIO(content))
     about = json.loads(str(parts["about"]))
-    found = arranged(about["where"], robot, parts, deg=deg)
+    trajectory = arranged(about["where"], robot, parts, deg=deg)
     notes = tuple(BAG_NOTES[kind].format(*values) for kind, *values in about["notes"])
-    return replace(found, name=path.name, notes=notes, unused=tuple(about["unused"]))
+    return replace(trajectory, name=path.name, notes=notes, unused=tuple(about["unused"]))
 
 
 def bag_rows(name: str, joints: list[str], topic: str | None) -> bytes:

@@ -60,14 +60,14 @@ def read(text: str, name: str) -> Program:
         if plain.startswith("/"):
             section = plain.split()[0].upper()
             continue
-        if section == "//POS" and (found := _POSITION.match(line)):
-            target = _target(found[2], kind, f"{name}, line {count}", rectangular=rectangular)
+        if section == "//POS" and (position := _POSITION.match(line)):
+            target = _target(position[2], kind, f"{name}, line {count}", rectangular=rectangular)
             if kind == "USER":
-                positions[found[1]] = in_base(target, None)
+                positions[position[1]] = in_base(target, None)
             else:
-                positions[found[1]] = target
+                positions[position[1]] = target
             if tool not in ("", "0"):
-                tools.add(found[1])
+                tools.add(position[1])
         elif section == "//INST" and plain:
             _instruction(listing, positions, tools, count, plain)
     return Program(name, Language.INFORM, tuple(listing.items), raised=True)

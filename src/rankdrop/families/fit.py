@@ -85,13 +85,13 @@ def find_rows(
     for index, (signature, members) in enumerate(groups):
         if progress is not None:
             progress(index, len(groups))
-        left = members[~on_any(cover, rows, len(inspection.q))[members]]
-        if not signature.rank or len(left) < (FEW if signature.residual else 1):
+        unexplained = members[~on_any(cover, rows, len(inspection.q))[members]]
+        if not signature.rank or len(unexplained) < (FEW if signature.residual else 1):
             continue
         rng = np.random.default_rng([seed, problem.corank, index])
-        if fitted < (MOST_GROUPS if problem.n <= _MANY else 1) and smooth(problem, inspection, left, rng):
+        if fitted < (MOST_GROUPS if problem.n <= _MANY else 1) and smooth(problem, inspection, unexplained, rng):
             fitted += bool(signature.residual)
-            rows += _rows_of(problem, signature, inspection, left, rng)
+            rows += _rows_of(problem, signature, inspection, unexplained, rng)
     rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
     rows += linear_rows(problem, rest, np.random.default_rng([seed, problem.corank, len(groups)]))
     return without_contained(problem, rows, np.random.default_rng([seed, problem.corank, len(groups) + 1]))
@@ -316,12 +316,12 @@ def minors(
     q[:, joints] = grid
     q = row.linear.place(q, np.repeat(np.array(row.combinations), len(grid), axis=0), rng)
     jacobian = np.asarray(task_jacobian(robot, q, task))
-    found = []
+    equations = []
     for columns in combinations(range(robot.n), task.m):
         values = np.linalg.det(jacobian[:, :, columns]).reshape(shape)
         if np.abs(values).max() >= 1e-13:
-            found.append(_equation_of(np.fft.fftn(values) / values.size, joints, robot.n))
-    short = [equation for equation in found if len(equation.terms) <= LONGEST]
+            equations.append(_equation_of(np.fft.fftn(values) / values.size, joints, robot.n))
+    short = [equation for equation in equations if len(equation.terms) <= LONGEST]
     return sorted(short, key=lambda equation: len(equation.terms))
 
 

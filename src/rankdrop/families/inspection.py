@@ -117,8 +117,8 @@ def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspectio
         return _merge_inspections(parts)
     local = problem.block(q)
     sigma = np.asarray(local.sigma)
-    kept = sigma[:, rank - 1] if rank else np.full(count, np.inf)  # the smallest singular value that stays
-    exact = kept > HIGHER
+    least_kept = sigma[:, rank - 1] if rank else np.full(count, np.inf)  # the smallest singular value that stays
+    exact = least_kept > HIGHER
     d = np.asarray(local.d).reshape(count, -1, n)
     s, v = _right(d)
     if s.shape[1] < n:
@@ -127,7 +127,7 @@ def inspect(problem: Problem, q: Array, *, signatures: bool = True) -> Inspectio
         s = s[:, :n]
     ranks = (s > tolerances.block_rank).sum(axis=1)
     smallest = np.where(ranks > 0, s[np.arange(count), np.maximum(ranks - 1, 0)], 0.0)
-    regular = exact & (kept > APART) & (smallest > WELL)
+    regular = exact & (least_kept > APART) & (smallest > WELL)
     inside = np.arange(n)[None, :] < ranks[:, None]  # (N, n)
     conormal, tangent = ((v * part[:, None, :]) @ v.swapaxes(1, 2) for part in (inside, ~inside))
     if signatures:

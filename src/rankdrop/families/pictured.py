@@ -66,14 +66,14 @@ def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = (
     least = choice.against(choice.own[None])[0] - _WORTH
     if least < 0.0:
         return family
-    found, gap = choice.members(candidates(choice.problem.robot, choice.problem.task, _CANDIDATES, 0))
-    if not len(found):
+    members, gap = choice.members(candidates(choice.problem.robot, choice.problem.task, _CANDIDATES, 0))
+    if not len(members):
         return family
-    against = choice.against(found)
-    best = int((against + _plainness(choice.problem.robot, found, gap)).argmin())
+    against = choice.against(members)
+    best = int((against + _plainness(choice.problem.robot, members, gap)).argmin())
     if against[best] > least:
         return family
-    return choice.with_witness(found, best)
+    return choice.with_witness(members, best)
 
 
 def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] = ()) -> Family:
@@ -95,16 +95,16 @@ def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] =
     poor, outside = _poor(here, own)[0], _count_joints_beyond_limits(here, own)[0]
     if poor == 0.0 and not outside:
         return family
-    found, gap = choice.members(candidates(here, choice.problem.task, _CANDIDATES, 0))
-    if outside and not (_count_joints_beyond_limits(here, found) == 0).any():
-        found, gap = choice.members(_random_inside_limits(choice.problem))
-    kept = choice.against(found) <= choice.against(own)[0] + _SLACK
-    kept &= (_poor(here, found) < poor - _TALLER) | (_count_joints_beyond_limits(here, found) < outside)
-    found, gap = found[kept], gap[kept]
-    if not len(found):
+    members, gap = choice.members(candidates(here, choice.problem.task, _CANDIDATES, 0))
+    if outside and not (_count_joints_beyond_limits(here, members) == 0).any():
+        members, gap = choice.members(_random_inside_limits(choice.problem))
+    better = choice.against(members) <= choice.against(own)[0] + _SLACK
+    better &= (_poor(here, members) < poor - _TALLER) | (_count_joints_beyond_limits(here, members) < outside)
+    members, gap = members[better], gap[better]
+    if not len(members):
         return family
-    cost = _poor(here, found) + choice.against(found) + _plainness(here, found, gap)
-    return choice.with_witness(found, int(cost.argmin()))
+    cost = _poor(here, members) + choice.against(members) + _plainness(here, members, gap)
+    return choice.with_witness(members, int(cost.argmin()))
 
 
 def members_of(robot: Robot, task: Task, family: Family, count: int) -> Array:

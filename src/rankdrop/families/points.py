@@ -143,14 +143,14 @@ def near_family(
     for values in product(*(pin.values for pin in family.pinned)):
         gap = q[:, numbers] - np.array(values)
         gap -= turn * np.round(gap / np.where(turn > 0.0, turn, 1.0))
-        left = within**2 - ((gap / scale[numbers]) ** 2).sum(axis=1)
-        rows = np.flatnonzero((left >= 0.0) & ~near)
+        room = within**2 - ((gap / scale[numbers]) ** 2).sum(axis=1)
+        rows = np.flatnonzero((room >= 0.0) & ~near)
         if not family.coupled:
             near[rows] = True
         elif len(rows):
             at = q[rows]
             at[:, numbers] -= gap[rows]
-            near[rows] = walk(rows, at, np.sqrt(left[rows]))
+            near[rows] = walk(rows, at, np.sqrt(room[rows]))
     return near
 
 
@@ -399,11 +399,11 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> C
             run = search(robot, wanted, task=task, starts=enough, seed=seed + 1000 * wanted + part)
             if not run.complete:
                 raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
-            kept = run.outcome == 0
+            arrived = run.outcome == 0
             parts.append(run.converged)
-            coranks.append(generic - (run.sigma[kept][:, :generic] > run.tolerances.singular).sum(axis=1))
+            coranks.append(generic - (run.sigma[arrived][:, :generic] > run.tolerances.singular).sum(axis=1))
             new = int((coranks[-1] == wanted).sum())
-            found, lost = found + new, lost + int(kept.sum())
+            found, lost = found + new, lost + int(arrived.sum())
             if found >= enough or new < enough / 10:
                 break
         if not lost:
@@ -434,12 +434,12 @@ def count_explained(
     for family in families:
         equations = (rescale_equation(equation, slides, power) for equation in family)
         systems.append(System(tuple(normalised_equation(equation.terms) for equation in equations)))
-    left = np.arange(len(points.q))
+    remaining = np.arange(len(points.q))
     for further in (False, True):
-        q = into_metres(robot, _further(points, left) if further else points.q)
+        q = into_metres(robot, _further(points, remaining) if further else points.q)
         for system in systems:
-            left = left[np.isinf(ways_to(problem, system, q[left])) | ~problem.singular(q[left])]
-    return Check(len(points.q), len(points.q) - len(left)), left
+            remaining = remaining[np.isinf(ways_to(problem, system, q[remaining])) | ~problem.singular(q[remaining])]
+    return Check(len(points.q), len(points.q) - len(remaining)), remaining
 
 
 def _further(points: Cloud, indices: NDArray[np.int64]) -> Array:

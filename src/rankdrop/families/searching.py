@@ -203,10 +203,10 @@ class Search:
         best = quick.q[np.argsort(quick.value, kind="stable")]
         for first in range(0, len(best), _FINISHED):
             some = best[first : first + _FINISHED]
-            found = brought_down(own, some, effort=6)
-            least = found.value
+            brought = brought_down(own, some, effort=6)
+            least = brought.value
             if len(self.converged):  # some lead on to zero: they were minima of the sum of squares alone
-                least = least[least > np.maximum(AM_THRESHOLD, found.slope)]
+                least = least[least > np.maximum(AM_THRESHOLD, brought.slope)]
             if len(least):
                 return float(f"{least.min():.{_DIGITS}g}")
         return None
@@ -276,8 +276,8 @@ def search(
         return _out_of_units(_draw_as_search(problem, how, progress), robot, resolved)
     problem = _problem(robot, resolved, corank, how, tolerances)
     q0 = sample(problem.robot, problem.task, how.starts, how.seed, limits=how.limits)
-    found = _refine_in_unit(problem, q0, how, history=history, progress=progress, first=None)
-    return _out_of_units(found, robot, resolved)
+    result = _refine_in_unit(problem, q0, how, history=history, progress=progress, first=None)
+    return _out_of_units(result, robot, resolved)
 
 
 @takes(SearchOptions)
@@ -311,10 +311,10 @@ def refine(
     here = robot.exponent is not None
     problem = _problem(robot, resolved, corank, how, tolerances)
     rows = rows if here else into_units(robot, rows)
-    found = _refine_in_unit(problem, rows, how, history=history, progress=progress, first=first)
+    result = _refine_in_unit(problem, rows, how, history=history, progress=progress, first=first)
     if here:
-        return found
-    return _out_of_units(found, robot, resolved)
+        return result
+    return _out_of_units(result, robot, resolved)
 
 
 def _problem(robot: Robot, task: Task, corank: int, how: SearchOptions, tolerances: Tolerances) -> Problem:
@@ -348,8 +348,8 @@ def _refine_in_unit(
         parts = _sparingly(descent)
     else:
         parts, _ = descent.run(0, len(starts))
-    found = _assemble(problem, how.method, how.seed, starts, parts)
-    return replace(_creases_told(found), step=step, tie=how.tie, most=most)
+    result = _assemble(problem, how.method, how.seed, starts, parts)
+    return replace(_creases_told(result), step=step, tie=how.tie, most=most)
 
 
 @dataclass(frozen=True)

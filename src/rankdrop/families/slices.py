@@ -159,19 +159,19 @@ def telling_slices(
         most: slices at most.
         seed: of the general points.
     """
-    found: list[Slice] = []
+    cuts: list[Slice] = []
     if robot.n < 2:
         return ()
     for family in families:
-        if family.corank != 1 or not family.named or len(found) == most:
+        if family.corank != 1 or not family.named or len(cuts) == most:
             continue
         joints = telling_joints(robot, family)
-        shown = {trace.family for cut in found if set(cut.joints) == set(joints) for trace in cut.traces}
+        shown = {trace.family for cut in cuts if set(cut.joints) == set(joints) for trace in cut.traces}
         if family.id in shown:
             continue
         q = general_member(robot, task, family, [number - 1 for number in joints], seed, families)
-        found.append(slice_through(robot, task, families, q, joints, family=family.id))
-    return tuple(found)
+        cuts.append(slice_through(robot, task, families, q, joints, family=family.id))
+    return tuple(cuts)
 
 
 def telling_joints(robot: Robot, family: Family) -> tuple[int, int]:
@@ -591,8 +591,8 @@ def singular_curves(
     seeds = seeds[np.abs(linear(seeds)[0]).max(axis=1) <= _ON]
     most = int(_LONGEST / step)
     lines = curves_through(linear, seeds, step, zero=_ON, most=most)
-    found = [_curve(set_joints(base, moving, line), closed) for line, closed in lines if closed or len(line) > most]
-    return tuple(sorted(found, key=lambda curve: -curve.length))
+    curves = [_curve(set_joints(base, moving, line), closed) for line, closed in lines if closed or len(line) > most]
+    return tuple(sorted(curves, key=lambda curve: -curve.length))
 
 
 def _curve(q: Array, closed: bool) -> Curve:

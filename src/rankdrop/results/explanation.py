@@ -447,7 +447,7 @@ class Explanation(Result):
             if far.nearest is None or far.nearest_family is None:
                 return Next(None, None, 0 if far.unasked else STARTS[0])
             return Next(far.nearest_family.family, far.nearest.distance, far.nearest.starts, np.array(far.nearest.q))
-        found = [*self._other_families(), *self._other_values()]
+        others = [*self._other_families(), *self._other_values()]
         searches = 0
         if far.nearest is not None and not ideal_arm:
             known = far.nearest.q
@@ -458,15 +458,15 @@ class Explanation(Result):
                 self.here, known, limits=self.options.limits, seed=self.options.seed,
                 seeds=tuple(point.q for point in far.families[:_SEEDS]),
             )  # fmt: skip
-            least = min((distance for _, distance, _ in found), default=np.inf)
+            least = min((distance for _, distance, _ in others), default=np.inf)
             for sheet in sheets:
                 if sheet.distance < least - _SHEETS and not self._is_slow_family(sheet.q, sheet.corank, sheet.distance):
                     place = np.array(sheet.q)
-                    found.append((self.incidences_at(place, sheet.corank)[0].family, sheet.distance, place))
+                    others.append((self.incidences_at(place, sheet.corank)[0].family, sheet.distance, place))
                     break
-        if not found:
+        if not others:
             return Next(None, None, searches)
-        family, distance, q = min(found, key=itemgetter(1))
+        family, distance, q = min(others, key=itemgetter(1))
         return Next(family, distance, searches, q)
 
     def _other_families(self) -> Iterator[tuple[Family, float, Array]]:

@@ -538,20 +538,20 @@ def path_sections(
     tone = {"free": "good", "undecided": "warning", "too near": "warning"}.get(check.verdict, "bad")
     first, *others = summary(check, mending)
     sections = [Section(first, lines=tuple(others), tone=tone)]
-    met = _met_lines(check, deg=deg, full=full)
-    if met:
-        sections.append(Section("Singularities on the path", lines=tuple(met)))
+    crossing_lines = _met_lines(check, deg=deg, full=full)
+    if crossing_lines:
+        sections.append(Section("Singularities on the path", lines=tuple(crossing_lines)))
     if check.tool is not None and len(check.tool.branches) > 1:
         sections.append(_branches_section(check, deg=deg))
     free = [stretch for stretch in check.stretches if stretch.verdict == "free"]
     if full and free:
         sections.append(_free_section(free, check, deg=deg))
-    told = list(check.notes)
+    notes = list(check.notes)
     if full:
         scale = f"σ with translation divided by {check.length_scale:.4g} m; distances in joint space"
-        told.append(f"{check.robot.name}, {check.task.name}: {scale}")
-    if told:
-        sections.append(Section("Notes", lines=tuple(told)))
+        notes.append(f"{check.robot.name}, {check.task.name}: {scale}")
+    if notes:
+        sections.append(Section("Notes", lines=tuple(notes)))
     return tuple(sections)
 
 

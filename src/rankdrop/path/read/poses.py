@@ -22,6 +22,8 @@ from rankdrop.path.read.trajectory import (
     TrajectoryError,
     checked_times,
     find_columns,
+    gives_every_joint,
+    has_underscored_unit,
     is_number,
     name_and_unit,
     names_of,
@@ -88,7 +90,14 @@ def holds_poses(path: Path, robot: Robot) -> bool:
     except RankdropError:
         return False
     joints = {joint.name for joint in robot.variables}
-    return {_column_name(word) for word in words} >= _LENGTHS and not joints <= set(words)
+    if not {_column_name(word) for word in words} >= _LENGTHS or joints <= set(words):
+        return False
+    return _plain_lengths(words) or not gives_every_joint(words, robot)
+
+
+def _plain_lengths(words: list[str]) -> bool:
+    """Whether x, y and z are columns by themselves or with a unit in brackets, not as "x_mm"."""
+    return {_column_name(word) for word in words if not has_underscored_unit(word)} >= _LENGTHS
 
 
 def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
@@ -143,13 +152,18 @@ def turned_by(quaternion: Array, where: Callable[[int], str]) -> NDArray[np.floa
 
 def _column_name(word: str) -> str:
     """A column's name, without its unit, as it is known here."""
-    plain = name_and_unit(word.strip())[0].lower()
+    return _pose_key(name_and_unit(word.strip())[0])
+
+
+def _pose_key(name: str) -> str:
+    """The name of a column, without a unit, as it is known here."""
+    plain = name.strip().lower()
     return _OTHER.get(plain, plain)
 
 
 def _measure(name: str) -> tuple[str, str] | None:
-    """A column of a pose, and what it measures."""
-    key = _column_name(name)
+    """A column of a pose by its name without a unit, and what it measures."""
+    key = _pose_key(name)
     kinds = {**dict.fromkeys(_LENGTHS, "length"), **dict.fromkeys(ANGLES, "angle"),
              **dict.fromkeys(QUATERNION, "number")}  # fmt: skip
     if key in kinds:

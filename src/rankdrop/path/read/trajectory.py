@@ -26,10 +26,16 @@ from rankdrop.text.words import MOST_TURNS, degrees_hint
 BAGS = (".bag", ".db3", ".mcap")
 ROW_SECONDS = 0.1  # between rows of a file without times
 _TIME = re.compile(r"(time|zeit|t|stamp|timestamp|seconds?)\s*([\[(_]?\s*(s|sec|seconds)\s*[\])]?)?", re.IGNORECASE)
+_FINE_TIME = re.compile(
+    r"(?:time|zeit|t|stamp|timestamp)(?:_(?P<plain>ms|us|ns)|\s*[\[(]\s*(?P<unit>ms|us|µs|μs|ns)\s*[\])])",
+    re.IGNORECASE,
+)
 _WITH_UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>rad|deg|°|m|mm)\s*[\])]", re.IGNORECASE)
-_JOINT = re.compile(r"(?:q|θ|theta|joint|j|axis|achse|a)_?(\d+)", re.IGNORECASE)
+_UNIT_AFTER_UNDERSCORE = re.compile(r"(?P<name>.+)_(?P<unit>rad|deg|mm)", re.IGNORECASE)
+_JOINT = re.compile(r"(?:q|θ|theta|joint|j|axis|achse|a)[_ ]?(\d+)", re.IGNORECASE)
 _COMMA = re.compile(r"(\d),(\d)")
 UNITS = {"angle": {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0)}, "length": {"m": 1.0, "mm": 1e-3}, "number": {}}
+PER_SECOND = {"ms": 1e3, "us": 1e6, "µs": 1e6, "μs": 1e6, "ns": 1e9}
 Known = Callable[[str], tuple[Hashable, str] | None]
 """Name of a column -> what it is, and its measure (angle, length or number); None for a column that is not used."""
 _PARTS = {"q": "the position", "qd": "the velocity", "qdd": "the acceleration"}
@@ -375,10 +381,11 @@ class Table:
         return value
 
     def times(self, column: int | None) -> Array | None:
-        """(T,) increasing times [s]; None without a column of them."""
+        """(T,) increasing times [s], of a column in the unit of its name; None without a column of them."""
         if column is None:
             return None
-        return checked_times(self.block([column])[:, 0], lambda row: f"{self.place(row)}, column {self.head[column]!r}")
+        seconds = self.block([column])[:, 0] / per_second(self.head[column])
+        return checked_times(seconds, lambda row: f"{self.place(row)}, column {self.head[column]!r}")
 
 
 def read_table(text: str, name: str) -> Table:
@@ -513,12 +520,38 @@ def is_number(word: str) -> bool:
     return True
 
 
+def per_second(word: str) -> float:
+    """How many units of a column of times are one second, by its name: 1000 of "time_ms", 1 without a unit.
+
+    Example:
+        >>> per_second("timestamp_ns"), per_second("t [ms]"), per_second("time")
+        (1000000000.0, 1000.0, 1.0)
+    """
+    match = _FINE_TIME.fullmatch(word)
+    if match is None:
+        return 1.0
+    unit = match["plain"] or match["unit"]
+    return PER_SECOND[unit.lower()]
+
+
 def name_and_unit(word: str) -> tuple[str, str | None]:
-    """The name of a column, and the unit behind it: "q2 [deg]"."""
-    match = _WITH_UNIT.fullmatch(word)
+    """The name of a column, and the unit behind it: "q2 [deg]", "q2_deg"."""
+    match = _WITH_UNIT.fullmatch(word) or _UNIT_AFTER_UNDERSCORE.fullmatch(word)
     if match:
         return (match["name"].strip(), match["unit"].lower())
     return (word, None)
+
+
+def has_underscored_unit(word: str) -> bool:
+    """Whether the name of a column ends with an underscore and a unit: "x_mm"."""
+    return _UNIT_AFTER_UNDERSCORE.fullmatch(word) is not None
+
+
+def gives_every_joint(head: list[str], robot: Robot) -> bool:
+    """Whether every joint of an arm has a column, by its name or its number."""
+    given = {name_and_unit(word)[0] for word in head} | set(head)
+    numbers = {int(match[1]) for match in map(_JOINT.fullmatch, given) if match}
+    return all(joint.name in given or i + 1 in numbers for i, joint in enumerate(robot.variables))
 
 
 def find_columns(
@@ -529,36 +562,81 @@ def find_columns(
     Raises:
         TrajectoryError: a column is given twice, its name too long, or its unit does not fit.
     """
+    _refuse_long_names(head, where)
+    named = [_named_column(word, known) for word in head]
+    plain = {column.key for column in named if column is not None and not column.underscored}
     found: dict[Hashable, tuple[int, float]] = {}
-    time, unused = None, []
-    for place, word in enumerate(head):
+    others: list[int] = []
+    for place, (word, column) in enumerate(zip(head, named, strict=True)):
+        if column is None or (column.underscored and column.key in plain):
+            others.append(place)
+            continue
         here = f"{where}, column {place + 1}"
+        if column.key in found:
+            raise TrajectoryError("the column is given twice", where=here, got=repr(word))
+        found[column.key] = place, _factor(word, column, here, deg=deg)
+    time = _time_column(head, others)
+    return found, time, tuple(head[place] for place in others if place != time)
+
+
+def _refuse_long_names(head: list[str], where: str) -> None:
+    """Refuse a name of a column that is longer than the reader takes.
+
+    Raises:
+        TrajectoryError: with the column.
+    """
+    for place, word in enumerate(head):
         if len(word) > LONGEST_HEAD:
-            raise TrajectoryError("the name of the column is too long", where=here, got=f"{len(word)} characters",
-                                  allowed=f"at most {LONGEST_HEAD}")  # fmt: skip
-        column = known(name_and_unit(word)[0])
-        if column is not None:
-            key, measure = column
-            if key in found:
-                raise TrajectoryError("the column is given twice", where=here, got=repr(word))
-            found[key] = place, _factor(word, measure, here, deg=deg)
-        elif time is None and _TIME.fullmatch(word):
-            time = place
-        else:
-            unused.append(word)
-    return found, time, tuple(unused)
+            raise TrajectoryError("the name of the column is too long", where=f"{where}, column {place + 1}",
+                                  got=f"{len(word)} characters", allowed=f"at most {LONGEST_HEAD}")  # fmt: skip
 
 
-def _factor(word: str, measure: str, where: str, *, deg: bool) -> float:
+@dataclass(frozen=True)
+class _NamedColumn:
+    """What a column is, its measure, and the unit in its name; whether an underscore precedes that unit."""
+
+    key: Hashable
+    measure: str
+    unit: str | None
+    underscored: bool
+
+
+def _named_column(word: str, known: Known) -> _NamedColumn | None:
+    """What a column is by its whole name, or by its name without the unit; None where it is not known."""
+    if _WITH_UNIT.fullmatch(word):
+        name, unit = name_and_unit(word)
+        column, underscored = known(name), False
+    else:
+        unit = None
+        column, underscored = known(word), False
+        if column is None:
+            name, unit = name_and_unit(word)
+            column, underscored = known(name), True
+    if column is None:
+        return None
+    key, measure = column
+    return _NamedColumn(key, measure, unit, underscored)
+
+
+def _time_column(head: list[str], others: list[int]) -> int | None:
+    """The first of these columns that holds seconds, else the first in a part of a second; None without one."""
+    for form in (_TIME, _FINE_TIME):
+        for place in others:
+            if form.fullmatch(head[place]):
+                return place
+    return None
+
+
+def _factor(word: str, column: _NamedColumn, where: str, *, deg: bool) -> float:
     """The factor of a column to rad or m, by the unit in its head; without one rad, or with `deg` degrees, and m.
 
     Raises:
         TrajectoryError: the unit does not fit.
     """
-    _, unit = name_and_unit(word)
-    fits = UNITS[measure]
+    unit = column.unit
+    fits = UNITS[column.measure]
     if unit is None:
-        return radians(1.0) if deg and measure == "angle" else 1.0
+        return radians(1.0) if deg and column.measure == "angle" else 1.0
     if unit not in fits:
         raise TrajectoryError("the unit does not fit the column", where=where, got=word,
                               allowed=", ".join(fits) or "none")  # fmt: skip
@@ -569,8 +647,8 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     """A trajectory from the text of a CSV file.
 
     The first line names the columns: joints by name or as q1 … qn, one optional time column (time, t, stamp) [s];
-    other columns are ignored. A unit may follow a name: "q2 [deg]", "slide [mm]". A file of numbers alone needs one
-    column for each joint; one column more, in front and increasing, is the time.
+    other columns are ignored. A unit may follow a name: "q2 [deg]", "slide_mm", "time_ms". A file of numbers alone
+    needs one column for each joint; one column more, in front and increasing, is the time.
 
     Args:
         text: of the file.
@@ -594,7 +672,9 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
         table.block(places), robot, factors=np.array(factors),
         place=lambda row, joint: f"{table.place(row)}, column {places[joint] + 1} ({table.head[places[joint]]})",
     )  # fmt: skip
-    times, stated = table.times(time), any(name_and_unit(table.head[place])[1] for place in places)
+    names = {joint.name for joint in robot.variables}
+    stated = any(table.head[place] not in names and name_and_unit(table.head[place])[1] for place in places)
+    times = table.times(time)
     return Trajectory(
         Path(name).name, regular_times(len(q)) if times is None else times, q, times is not None, unused,
         notes=table.notes, bare=not stated,

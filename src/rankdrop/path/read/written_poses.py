@@ -23,7 +23,7 @@ from rankdrop.errors import OptionError
 from rankdrop.path.curve import Index
 from rankdrop.path.read.messages import OBJECTS
 from rankdrop.path.read.poses import ANGLES, QUATERNION, list_in, loaded_poses, pose_in, pose_table, unit_of
-from rankdrop.path.read.trajectory import UNITS, delimiter_of
+from rankdrop.path.read.trajectory import UNITS, delimiter_of, per_second
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Array
 from rankdrop.text.path_files import DECIMAL_COMMAS
@@ -115,7 +115,7 @@ def _table(source: Path, matrices: Array, times: Array | None, given: Index, bef
             for place, factor, value in zip(form.places, form.factors, pose, strict=True):
                 cells[place] = form.word(value / factor)
         if time is not None and when is not None:
-            cells[time] = form.word(when[k])
+            cells[time] = form.word(when[k] * per_second(table.head[time]))
         out.append(form.delimiter.join(cells) + end)
     return "".join([*out, *lines[rows[-1] + 1 :]]).encode()
 

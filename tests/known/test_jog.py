@@ -69,3 +69,23 @@ def test_a_jog_stays_inside_the_limits() -> None:
     shut = explain(replace(arm, joints=tuple(joints)), q, evaluations=0)
     assert shut.summary.way_out == ()
     assert "no jog of one or two joints inside the limits was found" in shut.sections()[0].lines[1]
+
+
+BESIDE_THE_WRIST = np.radians([39.2, -66.0, 0.0, -138.5, 0.5, 118.2])  # σ₆: more after joint 5 by −8° than by +8°
+
+
+def test_the_way_out_of_one_singularity_does_not_lead_through_another() -> None:
+    found = explain(open_robot("ur5e"), BESIDE_THE_WRIST, evaluations=0).summary
+    assert [(number, round(float(np.degrees(step)))) for number, step in found.way_out] == [(3, 8), (5, 8)]
+    assert not found.crosses
+
+
+def test_a_way_out_through_another_singularity_is_told_where_the_limits_leave_no_other() -> None:
+    arm, q = open_robot("ur5e"), BESIDE_THE_WRIST
+    room_below, room_above = np.array([[0.0, 0.0, 0.5, 0.0, 0.5, 0.0], [0.0, 0.0, 0.5, 0.0, 0.0, 0.0]])
+    lower, upper = q - room_below, q + room_above
+    joints = [replace(one, lower=low, upper=high) for one, low, high in zip(arm.joints, lower, upper, strict=True)]
+    found = explain(replace(arm, joints=tuple(joints)), q, evaluations=0)
+    assert dict(found.summary.way_out)[5] < 0.0
+    assert found.summary.crosses
+    assert "it passes another singularity on the way" in " ".join(found.sections()[0].lines)

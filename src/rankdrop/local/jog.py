@@ -3,7 +3,8 @@
 A configuration is regular where σ_r exceeds `small`, the nearest singular configuration is farther than `near`, and no
 straight motion is slower than the speeds asked for. Jogs of every joint to both sides are tried in order of their size,
 many at once, then jogs of two joints. σ_r, the first-order distance σ_r/‖∇σ_r‖ and the slowest motions are computed for
-all of them; the nearest singular configuration is searched only from those that pass.
+all of them; the nearest singular configuration is searched only from those that pass. A jog that crosses another
+singularity on its way is advised only where none of the same number of joints, and of the same range, avoids that.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ _LEAST = 0.5  # a jog below it is none [°]
 _MARGIN = 1.1  # a jog is not exact: the bars of the verdict are exceeded by a tenth
 _FIRST_ORDER = 0.4  # the distance is hardly larger than σ_r/‖∇σ_r‖, or twice that where σ_r is of second order
 _SEARCHES = 40  # searches of the nearest singular configuration
+_SAMPLES, _FINER, _ROUNDS = 33, 17, 5  # configurations along a joint's motion, and around a minimum, so many times
+_CROSSED = 1e-6  # a minimum of σ on the way at or below this is a singular configuration
 WORTH = 1.01
 """From a regular configuration a jog that raises σ_r by a smaller factor is none."""
 
@@ -42,11 +45,13 @@ class Jog:
         moves: (number, step) of the joints to jog, one after the other [rad, m]; empty where none was found.
         regular: σ_r, distance and speeds exceed the bars of the verdict after them.
         sigma_after: σ_r then; None where there is no jog.
+        crosses: another singular configuration lies on the way.
     """
 
     moves: tuple[tuple[int, float], ...]
     regular: bool
     sigma_after: float | None
+    crosses: bool = False
 
 
 _NONE = Jog((), regular=False, sigma_after=None)
@@ -74,6 +79,8 @@ def jog_out(here: Configuration, options: ExplainOptions) -> Jog:
         trial.run(jogs)
         if trial.found is not None:
             return trial.found
+        if trial.crossing is not None:
+            return trial.crossing
     return trial.second or _NONE
 
 
@@ -129,6 +136,7 @@ class _Trial:
     def __init__(self, here: Configuration, options: ExplainOptions) -> None:
         self.here, self.options = here, options
         self.found: Jog | None = None
+        self.crossing: Jog | None = None  # the first that ends regular and crosses a singularity on its way
         self.second: Jog | None = None  # to full rank, the slowest motion as fast as can be
         self._fastest = 0.0
         self._searches = 0
@@ -165,9 +173,18 @@ class _Trial:
             return
         speed = self._speeds(ends[passing])
         for row, share in zip(passing, speed, strict=True):
-            if share > _MARGIN and self._is_clear(ends[row]):
-                self.found = self.jog(jogs[row], float(sigma[row]), regular=True)
+            if share <= _MARGIN:
+                continue
+            crosses = self.crosses_singularity(jogs[row])
+            if crosses and self.crossing is not None:
+                continue
+            if not self._is_clear(ends[row]):
+                continue
+            jog = self.jog(jogs[row], float(sigma[row]), regular=True)
+            if not crosses:
+                self.found = jog
                 return
+            self.crossing = replace(jog, crosses=True)
         best = int(np.minimum(speed, _MARGIN).argmax())
         if speed[best] > self._fastest:
             self._fastest = float(speed[best])
@@ -184,6 +201,58 @@ class _Trial:
         """The record of a jog (n,)."""
         moves = tuple((int(j) + 1, float(step[j])) for j in np.flatnonzero(step))
         return Jog(moves, regular, sigma)
+
+    def crosses_singularity(self, jog: Array) -> bool:
+        """Whether the joints of a jog (n,), moved one after the other, pass another singular configuration."""
+        start = self.here.q.copy()
+        moves = np.flatnonzero(jog)
+        for number in moves:
+            leg = np.zeros_like(jog)
+            leg[number] = jog[number]
+            if self._leg_crosses(start, leg, to_the_end=bool(number != moves[-1])):
+                return True
+            start = start + leg
+        return False
+
+    def _leg_crosses(self, start: Array, leg: Array, *, to_the_end: bool) -> bool:
+        """Whether the rank drops between the start and the end of one joint's motion (n,), or at the end as well.
+
+        Where the motion keeps a rank below the generic one, a drop below that rank counts.
+        """
+        shares = np.linspace(0.0, 1.0, _SAMPLES)
+        sigma = self._sigma(start + shares[:, None] * leg)
+        kept = int((sigma > self.here.tolerances.singular).sum(axis=1).max())
+        if not kept:
+            return False
+        values = sigma[:, kept - 1]
+        if to_the_end and values[-1] <= _CROSSED:
+            return True
+        before, after = np.append(np.inf, values[:-1]), np.append(values[1:], np.inf)
+        step = 1.0 / (_SAMPLES - 1)
+        for least in np.flatnonzero((values <= before) & (values <= after)):
+            if least == 0 and values[0] <= _CROSSED:  # the singularity that is left
+                continue
+            low, high = max(shares[least] - step, 0.0), min(shares[least] + step, 1.0)
+            if self._least_sigma(start, leg, (low, high), kept) <= _CROSSED:
+                return True
+        return False
+
+    def _least_sigma(self, start: Array, leg: Array, between: tuple[float, float], rank: int) -> float:
+        """The minimum of the singular value of a rank between two shares of a motion (n,)."""
+        low, high = between
+        least = np.inf
+        for _ in range(_ROUNDS):
+            shares = np.linspace(low, high, _FINER)
+            values = self._sigma(start + shares[:, None] * leg)[:, rank - 1]
+            best = int(values.argmin())
+            least = float(values[best])
+            low, high = shares[max(best - 1, 0)], shares[min(best + 1, _FINER - 1)]
+        return least
+
+    def _sigma(self, q: Array) -> Array:
+        """(N, r) singular values of the arm in metres, r the generic rank."""
+        here = self.here.metric
+        return here.singular_values(into_metres(self.here.robot, q))[:, : here.generic]
 
     def estimates(self, ends: Array) -> tuple[Array, Array]:
         """(N,) σ_r and (N,) σ_r/‖∇σ_r‖, the distance to first order [rad]."""

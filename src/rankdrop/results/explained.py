@@ -46,6 +46,7 @@ class Summary:
         radius: proven free of singularities [rad]; None where that is not known.
         place, next_place: the parts of the arm that are special at the singular configuration that the answer is about,
             and those that the next one adds; where it adds none, those of the next one.
+        crosses: the jogs of `way_out` pass another singular configuration on the way.
     """
 
     verdict: str
@@ -70,6 +71,7 @@ class Summary:
     radius: float | None
     place: tuple[Special, ...] = ()
     next_place: tuple[Special, ...] = ()
+    crosses: bool = False
 
 
 @dataclass(frozen=True, eq=False)

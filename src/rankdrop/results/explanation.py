@@ -407,7 +407,7 @@ class Explanation(Result):
             next_distance=self.next.distance, next_searches=self.next.searches,
             source=self.source, exact=self.source == "catalogue" and known is not None,
             radius=self.certified_radius,
-            place=place, next_place=added or next_place,
+            place=place, next_place=added or next_place, crosses=self.jog.crosses,
         )  # fmt: skip
 
     def _pinned(self, family: Family | None) -> tuple[tuple[int, float], ...]:

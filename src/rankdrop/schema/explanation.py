@@ -176,6 +176,7 @@ SUMMARY = table(
     radius=num("distance", ge=0) | None,
     place=(optional(many(SPECIAL)), "parts of the arm that are special at the singularity"),
     next_place=(optional(many(SPECIAL)), "the same at the next one"),
+    crosses=(optional(bool), "the way out passes another singularity"),
     text=(some(str), "five sentences: the configuration, the lost motion, the way out, the next singularity, how sure"),
 )
 _SUMMARY = {

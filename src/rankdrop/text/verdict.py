@@ -237,7 +237,10 @@ def _jog_words(explanation: Explanation) -> str:
     if summary.cause == Cause.NONE:
         before, after = float(rank.sigma[rank.generic_rank - 1]), summary.sigma_after or 0.0
         return f"jog {jog}; σ{rank.generic_rank} rises from {short(before, 2)} to {short(after, 2)}"
-    return f"jog {jog}{after_jog(rank.generic_rank, regular=summary.regular_after, deficient=rank.always_singular)}"
+    outcome = after_jog(rank.generic_rank, regular=summary.regular_after, deficient=rank.always_singular)
+    if summary.crosses:
+        outcome += "; it passes another singularity on the way"
+    return f"jog {jog}{outcome}"
 
 
 def _offset_words(summary: Summary) -> str:

@@ -114,12 +114,19 @@ def lost_direction(robot: Robot, q: np.ndarray) -> np.ndarray:
     return np.asarray(lost / np.linalg.norm(lost))
 
 
+def way_across(
+    robot: Robot, joint: int, near: list[float], along: list[float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A singular configuration, the motion (6,) that is lost there, and a way (6,) without a share of it."""
+    q = singular_near(robot, np.array(near), joint)
+    lost = lost_direction(robot, q)
+    return q, lost, np.array(along) - (lost @ along) * lost
+
+
 def followed_across(name: str, joint: int, near: list[float], along: list[float], start: list[float]) -> Followed:
     """A line of 0.08 whose middle is singular, and which has no share along the motion that is lost there."""
     robot = open_robot(name)
-    q = singular_near(robot, np.array(near), joint)
-    lost = lost_direction(robot, q)
-    way = np.array(along) - (lost @ along) * lost
+    q, _, way = way_across(robot, joint, near, along)
     home = pose(robot, q[None])[0]
     ends = np.array([at(home, way, s) for s in (-0.04, 0.04)])
     return follow(robot, ends, start, limits=False, tolerance=TOLERANCE, through=True)
@@ -422,9 +429,7 @@ def test_every_curve_that_leaves_a_crossing_is_found(
 ) -> None:
     """Flattest first, by reference kinematics; at the wrist the other curve is the self-motion, which is no way on."""
     robot = open_robot(name)
-    q = singular_near(robot, np.array(near), joint)
-    lost = lost_direction(robot, q)
-    way = np.array(along) - (lost @ along) * lost
+    q, lost, way = way_across(robot, joint, near, along)
     home = pose(robot, q[None])[0]
     ends = np.array([at(home, way, s) for s in (-0.04, 0.04)])
     found, folds = departures(Aim(robot, resolve_task(None, robot)), ends, 0.5, q)

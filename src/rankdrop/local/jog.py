@@ -31,7 +31,7 @@ _LEAST = 0.5  # a jog below it is none [°]
 _MARGIN = 1.1  # a jog is not exact: the bars of the verdict are exceeded by a tenth
 _FIRST_ORDER = 0.4  # the distance is hardly larger than σ_r/‖∇σ_r‖, or twice that where σ_r is of second order
 _SEARCHES = 40  # searches of the nearest singular configuration
-_SAMPLES, _FINER, _ROUNDS = 33, 17, 5  # configurations along a joint's motion, and around a minimum, so many times
+_SAMPLES, _FINER, _ROUNDS = 33, 17, 6  # configurations along a joint's motion, and around a minimum, so many times
 _CROSSED = 1e-6  # a minimum of σ on the way at or below this is a singular configuration
 WORTH = 1.01
 """From a regular configuration a jog that raises σ_r by a smaller factor is none."""

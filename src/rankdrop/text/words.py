@@ -60,17 +60,24 @@ def rounded_up(value: float, digits: int = 2) -> str:
     """A number with few digits that is never below it: a bound that holds as it is printed.
 
     Example:
-        >>> rounded_up(0.0101), rounded_up(99.1), rounded_up(1.2340001, 4)
-        ('0.011', '1e2', '1.235')
+        >>> from math import nan
+        >>> rounded_up(0.0101), rounded_up(99.1), rounded_up(1.2340001, 4), rounded_up(inf), rounded_up(nan)
+        ('0.011', '100', '1.235', '∞', 'nan')
     """
     return _rounded_by(ceil, value, digits)
 
 
 def _rounded_by(whole: Callable[[float], int], value: float, digits: int) -> str:
-    if value <= 0.0 or isinf(value):
+    if not 0.0 < value < inf:
         return short(value, digits)
     unit = 10.0 ** (floor(log10(value)) - digits + 1)
-    return short(whole(value / unit) * unit, digits)
+    rounded = whole(value / unit) * unit
+    if 1.0 <= rounded < _LONGEST_WHOLE:
+        return short(rounded, max(digits, len(str(round(rounded)))))
+    return short(rounded, digits)
+
+
+_LONGEST_WHOLE = 1e6  # from here on numbers have exponents
 
 
 def above_limit(times: float) -> str:

@@ -78,15 +78,16 @@ nb::object jacobian(const Chain& chain, const View& view, const In2& q, const nb
 }
 
 // What Python keeps for a robot, by the robot's address: found here in less time than in a dictionary. Both are kept alive by
-// whoever calls `keep`, until it calls `let_go`.
+// whoever calls `keep`, until it calls `let_go` or keeps others for a robot at the same address.
 struct Kept {
+    nb::object robot;  // a weak reference: another robot may stand at the address of one that is gone
     const Chain* chain;
     const View* world;  // all six rows, world-aligned
 };
 
 std::unordered_map<std::uintptr_t, Kept>& kept() {
-    static std::unordered_map<std::uintptr_t, Kept> robots;
-    return robots;
+    static auto* robots = new std::unordered_map<std::uintptr_t, Kept>;  // for good: Python has ended when statics go
+    return *robots;
 }
 
 // One configuration, the shortest way from Python to the kernel and back: `kernel` fills an array of the given shape. The
@@ -117,7 +118,7 @@ PyObject* one(const Chain& chain, PyObject* q, PyObject* out, const Py_ssize_t (
 // an error set.
 std::pair<const Chain*, const View*> kept_of(PyObject* robot, PyObject* given) {
     const auto found = kept().find(reinterpret_cast<std::uintptr_t>(robot));
-    if (found == kept().end()) return {nullptr, nullptr};
+    if (found == kept().end() || PyWeakref_GetObject(found->second.robot.ptr()) != robot) return {nullptr, nullptr};
     const Chain* chain = found->second.chain;
     if (given == Py_None) return {chain, found->second.world};
     if (!nb::isinstance<View>(given)) {
@@ -309,9 +310,11 @@ void bind_chain(nb::module_& module) {
     define<&one_of<Entry::derivative>>(module, "derivative_one");
     define<&one_of<Entry::sigma>>(module, "sigma_one");
     define<&decompose_one>(module, "decompose_one");
-    module.def("keep", [](std::uintptr_t robot, const Chain& chain, const View& world) {
+    module.def("keep", [](nb::handle robot, const Chain& chain, const View& world) {
         fit(chain, world);
-        kept()[robot] = {&chain, &world};
+        nb::object reference = nb::steal(PyWeakref_NewRef(robot.ptr(), nullptr));
+        if (!reference) nb::raise_python_error();
+        kept()[reinterpret_cast<std::uintptr_t>(robot.ptr())] = {std::move(reference), &chain, &world};
     }, nb::arg("robot"), nb::arg("chain"), nb::arg("world"));
     module.def("let_go", [](std::uintptr_t robot) { kept().erase(robot); }, nb::arg("robot"));
     module.def("derivative", &derivative, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),

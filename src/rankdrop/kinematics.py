@@ -37,10 +37,11 @@ _ALL_ROWS = (0, 1, 2, 3, 4, 5)
 class Handles:
     """Everything the core keeps for one robot."""
 
-    __slots__ = ("chain", "idle", "ranks", "samples", "scales", "tasks", "views", "world")
+    __slots__ = ("chain", "idle", "ranks", "robot", "samples", "scales", "tasks", "views", "world")
 
     def __init__(self, robot: Robot) -> None:
         check_robot(robot)
+        self.robot = weakref.ref(robot)
         self.chain = _make_chain(robot)
         self.views: dict[tuple[Frame, tuple[int, ...], float], _core.View] = {}
         self.tasks: dict[Task | str | tuple[str, ...] | None, _core.View] = {}  # views of tasks as people name them
@@ -93,11 +94,15 @@ def whole_number(name: str, value: object, least: int, most: int) -> int:
 
 
 def handles_of(robot: Robot) -> Handles:
-    """The robot's handles, forgotten when the robot is."""
+    """The robot's handles, forgotten when the robot is.
+
+    Where that failed, as a callback does that is called at the limit of recursion, another robot may come to stand at
+    the same address: handles are taken only from the robot that they were made for.
+    """
     handles = _handles.get(id(robot))
-    if handles is None:
+    if handles is None or handles.robot() is not robot:
         handles = _handles[id(robot)] = Handles(robot)
-        _core.keep(id(robot), handles.chain, handles.world)  # for the calls of one configuration
+        _core.keep(robot, handles.chain, handles.world)  # for the calls of one configuration
         weakref.finalize(robot, _let_go, id(robot))
     return handles
 

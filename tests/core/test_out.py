@@ -150,3 +150,28 @@ def test_a_robot_that_is_gone_is_forgotten() -> None:
     assert address not in kinematics._handles
     other = arms.puma()
     assert _core.jacobian_one(other, np.zeros(6), None, None) is None, "nothing was asked of this one yet"
+
+
+def test_another_robot_at_the_address_of_one_that_was_not_forgotten_has_its_own_handles(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The callback that forgets a robot can fail: at the limit of recursion no callback runs."""
+    with monkeypatch.context() as patch:
+        patch.setattr(kinematics.weakref, "finalize", lambda *_: None)
+        gone = [arms.puma() for _ in range(200)]
+        for robot in gone:
+            jacobian(robot, np.zeros(6))
+    addresses = {id(robot) for robot in gone}
+    del robot, gone
+    gc.collect()
+    others = [arms.pa10() for _ in range(400)]
+    there = [robot for robot in others if id(robot) in addresses]
+    assert there, "no robot was made at the address of another"
+    q = np.full(7, 0.3)
+    fresh = arms.pa10()
+    for robot in there:
+        assert _core.jacobian_one(robot, np.zeros(6), None, None) is None
+        assert np.array_equal(jacobian(robot, q), jacobian(fresh, q))
+        assert np.array_equal(pose(robot, q), pose(fresh, q))
+    for address in addresses:
+        kinematics._let_go(address)

@@ -12,7 +12,7 @@ import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from math import lcm, prod
-from typing import Any
+from typing import Any, NamedTuple
 
 from rankdrop.algebra.matrix import entries
 from rankdrop.algebra.polynomial import COS_SIN, TANGENT, Atom, Polynomial, flint, used_by, variables_in
@@ -84,10 +84,17 @@ Image = tuple[Polynomial, Polynomial, tuple[str, ...], Terms]
 """A polynomial, so that its id is no other one's, `modulo_prime`, names of the variables, the terms of a short one."""
 
 
+class Uses(NamedTuple):
+    """How often a polynomial was evaluated modulo a prime before its image was made."""
+
+    f: Polynomial
+    times: int
+
+
 def _image(ring: Ring, f: Polynomial, prime: int) -> Image:
     key = (id(f), prime)
-    known: Image | int | None = ring.images.get(key)
-    if known is None or isinstance(known, int):
+    known: Image | Uses | None = ring.images.get(key)
+    if known is None or isinstance(known, Uses):
         tick(8 * len(f))
         image, names = modulo_prime(f, prime), tuple(f.context().names())
         short: Terms = []
@@ -105,9 +112,11 @@ def value_at(ring: Ring, f: Polynomial, point: Point) -> int:
     """A polynomial of either ring modulo the prime of a point; variables that have no value there are not in it."""
     prime = point.prime
     if len(f) > _SHORT:
-        uses = ring.images.get((id(f), prime), 0)
-        if isinstance(uses, int) and uses < _SEEN:
-            return _early_value(ring, f, point, uses)
+        known: Image | Uses | None = ring.images.get((id(f), prime))
+        if known is None:
+            return _early_value(ring, f, point, 0)
+        if isinstance(known, Uses) and known.times < _SEEN:
+            return _early_value(ring, f, point, known.times)
     tick(5 + 0.12 * len(f))
     _, image, names, short = _image(ring, f, prime)
     if not short:
@@ -132,7 +141,7 @@ def _early_value(ring: Ring, f: Polynomial, point: Point, uses: int) -> int:
         tick(3 * len(f))
         known = ring.images.keep(id(f), (f, *_integer_terms(f)), len(f))
     _, bottom, terms = known
-    ring.images.keep((id(f), prime), uses + 1, 0)
+    ring.images.keep((id(f), prime), Uses(f, uses + 1), 0)
     tick(10 + 2 * len(f))
     names = f.context().names()
     tables = [_powers(point.get(name, 0), int(degree), prime) for name, degree in zip(names, f.degrees(), strict=True)]

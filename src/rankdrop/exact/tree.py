@@ -142,7 +142,7 @@ class _Known:
         self._angles, self._moving = ring.angles, ring.moving
         self._by_variables: dict[tuple[int, ...], list[Polynomial]] = {}
         self._single: dict[int, Polynomial] = {}  # gcd of those in one variable
-        self._tried: set[tuple[int, int, int]] = set()
+        self._tried: dict[tuple[int, int, int], tuple[Polynomial, Polynomial]] = {}  # with both: ids are of what lives
         self._kept: list[Polynomial] = []
         self.barren = False
 
@@ -214,7 +214,7 @@ class _Known:
             key = (id(f), id(g), k)
             if key in self._tried:
                 continue
-            self._tried.add(key)
+            self._tried[key] = f, g
             if self._full(tuple(sorted(together - {k}))):
                 continue
             work.check()

@@ -46,6 +46,27 @@ def test_a_crossing_is_bracketed_named_and_told() -> None:
     assert found.to_dict()["crossings"][0]["how"] == "the determinant changes its sign"
 
 
+def test_a_path_that_lies_in_a_singularity_is_named_where_it_has_the_rank_of_most_of_it() -> None:
+    """In the elbow of the UR5 all the time, and in the middle at its wrist as well."""
+    rows = np.array([[0.0, -1.0, 0.0, 0.4, -0.8, 0.0], [0.1, -0.8, 0.0, 0.3, 0.8, 0.0]])
+    (stretch,) = check_path(open_robot("ur5"), rows).crossings
+    assert (stretch.lies, stretch.corank) == (True, 1)
+    assert stretch.name.startswith("elbow: ")
+    assert abs(stretch.closest.q[4]) > 0.1
+
+
+@pytest.mark.parametrize("back", [-0.5, 0.5])
+def test_a_stretch_in_a_singularity_is_one_whatever_changes_its_sign_on_it(back: float) -> None:
+    """To the elbow, along it through the wrist, and off it on either side: the determinant changes its sign, or not."""
+    rows = np.array([[0.0, -1.0, 0.5, 0.4, 0.8, 0.0], [0.0, -1.0, 0.0, 0.4, 0.8, 0.0],
+                     [0.1, -0.8, 0.0, 0.3, -0.6, 0.0], [0.1, -0.8, back, 0.3, -0.6, 0.0]])  # fmt: skip
+    (stretch,) = check_path(open_robot("ur5"), rows).crossings
+    assert (stretch.lies, stretch.corank, stretch.name[:7]) == (True, 1, "elbow: ")
+    low, high = stretch.bracket
+    assert low.row - 1 + low.share == pytest.approx(1.0, abs=1e-6)
+    assert high.row - 1 + high.share == pytest.approx(2.0, abs=1e-6)
+
+
 def test_the_same_path_in_another_task_may_be_free() -> None:
     robot = open_robot("planar3r")
     assert check_path(robot, THROUGH).verdict == "crossing"

@@ -177,18 +177,38 @@ class _Judge:
         if finished:  # a place next to each end, in what is free: a zero at an end has no certain sign on both sides
             width = places[-1] - places[0]
             wide = np.unique(np.clip([places[0] - width, *places, places[-1] + width], 0.0, size + 1.0))
+        lying = self._lying(places) if finished else []
         samples = self._configurations(wide)
         brackets = []
         for condition, function in self.functions.items():
             for low, high in self._brackets(wide, function(samples), function):
-                brackets.append(self._part(CROSSING, low, high, (low + high) / 2,
-                                           "condition" if condition else "determinant", condition))  # fmt: skip
+                if not any(low <= end and start <= high for start, end, _ in lying):
+                    brackets.append(self._part(CROSSING, low, high, (low + high) / 2,
+                                               "condition" if condition else "determinant", condition))  # fmt: skip
         parts = self._distinct(brackets)
         if not finished:
             return self._crossings_seen(parts, places)
+        parts += [self._part(TOUCHING, *stretch, "singular throughout") for stretch in lying]
         if parts:
-            return self._spread(parts)
+            return self._spread(sorted(parts, key=lambda part: part.closest.place))
         return [self._still(places)]
+
+    def _lying(self, places: Array) -> list[tuple[float, float, float]]:
+        """Where the path does not leave the singular set: first and last place, and one to tell it by.
+
+        Functions that are zero all the time change no sign there, and others, as that of the wrist on a path in the
+        elbow, tell of a singularity in the singularity.
+        """
+        q = self._configurations(places)
+        singular = _sigma(self.robot, self.task, q) <= self.tolerances.singular
+        lengths = np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1)
+        ends = np.flatnonzero(np.diff(np.concatenate([[False], singular, [False]]).astype(int)))
+        found = []
+        for first, last in ends.reshape(-1, 2):
+            if lengths[first : last - 1].sum() > _LYING:
+                at = self._typical(places[first:last], q[first:last])
+                found.append((float(places[first]), float(places[last - 1]), at))
+        return found
 
     def _spread(self, parts: list[Stretch]) -> list[Stretch]:
         """Crossings that share the sliver: none of it is proven free."""
@@ -276,15 +296,27 @@ class _Judge:
 
     def _still(self, places: Array) -> Stretch:
         """No change of sign: the point of least σ."""
-        q = self._configurations(places)
-        length = float(np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1).sum())
         limit, low, high = self.tolerances.singular, float(places[0]), float(places[-1])
-        if length > _LYING and bool((_sigma(self.robot, self.task, q) <= limit).all()):
-            return self._part(TOUCHING, low, high, (low + high) / 2, "singular throughout")
         at, least = self._least(places)
         if least <= limit:
             return self._part(TOUCHING, low, high, at, "small sigma")
         return self._part(UNDECIDED, low, high, at, "no enclosure")
+
+    def _typical(self, places: Array, q: Array) -> float:
+        """Of places that are all singular: near their middle, and away from those at which the rank drops further.
+
+        Args:
+            places: (N,) in ascending order.
+            q: (N, n) there.
+        """
+        limit = self.tolerances.singular
+        sigma = singular_values(self.robot, q, self.task)[:, : generic_rank(self.robot, self.task)]
+        least_corank = int((sigma <= limit).sum(axis=1).min())
+        middle = (places[0] + places[-1]) / 2
+        if least_corank < sigma.shape[1]:
+            next_sigma = sigma[:, -1 - least_corank]
+            places = places[next_sigma >= next_sigma.max() / 2]
+        return float(places[np.abs(places - middle).argmin()])
 
     def _least(self, places: Array) -> tuple[float, float]:
         """The place of least σ, zoomed in around the least sample."""

@@ -182,7 +182,8 @@ class _Judge:
         brackets = []
         for condition, function in self.functions.items():
             for low, high in self._brackets(wide, function(samples), function):
-                if not any(low <= end and start <= high for start, end, _ in lying):
+                outside = high < places[0] or places[-1] < low  # of another sliver
+                if not outside and not any(low <= end and start <= high for start, end, _ in lying):
                     brackets.append(self._part(CROSSING, low, high, (low + high) / 2,
                                                "condition" if condition else "determinant", condition))  # fmt: skip
         parts = self._distinct(brackets)

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rankdrop.path.read.csv_file import names_of
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.path.read.poses import holds_poses, read_poses
-from rankdrop.path.read.trajectory import TrajectoryError, names_of, unit_hint
+from rankdrop.path.read.trajectory import TrajectoryError, unit_hint
 from rankdrop.path.read.written_poses import poses_bytes
 from rankdrop.robot.open import open_robot
 

@@ -17,9 +17,9 @@ import pytest
 from rankdrop.cli.command import parse_configuration
 from rankdrop.errors import RankdropError, RobotError
 from rankdrop.path.read import messages as message_file
+from rankdrop.path.read.csv_file import parse_trajectory
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.path.read.messages import parse_message
-from rankdrop.path.read.trajectory import parse_trajectory
 from rankdrop.robot import files, formats, quantities
 from rankdrop.robot import urdf as urdf_reader
 from rankdrop.robot.ideal import read_tolerance

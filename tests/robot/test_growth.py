@@ -18,10 +18,10 @@ import pytest
 
 from rankdrop.cli.command import parse_configuration
 from rankdrop.errors import RankdropError
+from rankdrop.path.read.csv_file import parse_trajectory
 from rankdrop.path.read.messages import parse_message
 from rankdrop.path.read.poses import read_poses
 from rankdrop.path.read.program_file import read_program
-from rankdrop.path.read.trajectory import parse_trajectory
 from rankdrop.robot.open import open_robot
 
 ARM = open_robot("scara")

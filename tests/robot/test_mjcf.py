@@ -12,8 +12,8 @@ import pytest
 
 from rankdrop.errors import MissingExtraError, RobotError
 from rankdrop.kinematics import jacobian, pose
+from rankdrop.robot.mjcf import from_mjcf
 from rankdrop.robot.model import JointKind, Robot
-from rankdrop.robot.models import from_mjcf
 from rankdrop.robot.open import open_robot
 
 GEOM = '<geom size="0.05"/>'

@@ -23,7 +23,7 @@ from rankdrop.task import Frame, resolve_task
 
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 
-from rankdrop.path.read.trajectory import parse_trajectory
+from rankdrop.path.read.csv_file import parse_trajectory
 from rankdrop.viewer.controls import pull_towards
 from rankdrop.viewer.scene import Now
 from rankdrop.viewer.server import Viewer, Wishes

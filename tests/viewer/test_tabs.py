@@ -17,7 +17,7 @@ from rankdrop.task import Task, resolve_task
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
 
-from rankdrop.path.read.trajectory import parse_trajectory
+from rankdrop.path.read.csv_file import parse_trajectory
 from rankdrop.viewer.server import Viewer, Wishes
 from rankdrop.viewer.tab_families import PACE
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from rankdrop.distance.monitor import Monitor
+from rankdrop.path.read.csv_file import parse_trajectory
 from rankdrop.path.read.files import read_trajectory
-from rankdrop.path.read.trajectory import TrajectoryError, parse_trajectory
+from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.viewer.tab_path import plotted_rows, track_of

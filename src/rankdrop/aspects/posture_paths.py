@@ -37,7 +37,7 @@ from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, s
 from rankdrop.options import takes
 from rankdrop.path.check.prove import prove
 from rankdrop.path.curve import Index, curve
-from rankdrop.path.read.trajectory import csv_text
+from rankdrop.path.read.csv_file import csv_text
 from rankdrop.poses.inverse import check_square, determinants, joint_difference, near_and_within, regular, solutions
 from rankdrop.poses.postures import decide_exactly
 from rankdrop.problem import Mask

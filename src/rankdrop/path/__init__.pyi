@@ -38,6 +38,7 @@ from .mend.remedies import Remedy as Remedy
 from .mend.remedies import mend_path as mend_path
 from .mend.time_law import Through as Through
 from .mend.time_law import through as through
+from .read.csv_file import parse_trajectory as parse_trajectory
 from .read.example import example_path as example_path
 from .read.files import ENDINGS as ENDINGS
 from .read.files import WRITTEN as WRITTEN
@@ -51,7 +52,6 @@ from .read.poses import read_poses as read_poses
 from .read.program_record import is_program as is_program
 from .read.trajectory import Trajectory as Trajectory
 from .read.trajectory import is_bag as is_bag
-from .read.trajectory import parse_trajectory as parse_trajectory
 from .read.trajectory import unit_hint as unit_hint
 from .read.written_poses import check_pose_target as check_pose_target
 from .read.written_poses import poses_bytes as poses_bytes

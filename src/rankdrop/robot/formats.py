@@ -113,7 +113,7 @@ def _read_urdf(file: RobotFile) -> Robot:
 FORMATS = (
     Format("xacro", (".xacro",), lambda file: file.xacro or file.suffix == ".xacro",
            _reader("xacro.from_xacro", "base", "tip", "packages", "args"), arguments=True),
-    Format("MJCF", (".xml", ".mjcf"), lambda file: file.root == "mujoco", _reader("models.from_mjcf", "base", "tip")),
+    Format("MJCF", (".xml", ".mjcf"), lambda file: file.root == "mujoco", _reader("mjcf.from_mjcf", "base", "tip")),
     Format("URDF", (".urdf", ".xml"), lambda file: file.root != "", _read_urdf),
     Format("plain screws (six numbers a line)", (".txt",), _holds_screws, _reader("screws.from_screw_list"),
            links=False),

@@ -37,7 +37,7 @@ from rankdrop.codec import Result
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import check_robot, one_configuration, pose, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
-from rankdrop.path.read.trajectory import csv_text
+from rankdrop.path.read.csv_file import csv_text
 from rankdrop.poses.inverse import Aim, check_axes, rotation
 from rankdrop.problem import Mask
 from rankdrop.robot.model import Array, Robot

@@ -17,29 +17,12 @@ from typing import Any, BinaryIO
 from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo, is_zipfile
 
 import numpy as np
-from numpy.lib.format import (
-    MAGIC_PREFIX,
-    read_array,
-    read_array_header_1_0,
-    read_array_header_2_0,
-    read_magic,
-)
+from numpy.lib.format import MAGIC_PREFIX, read_array, read_array_header_1_0, read_array_header_2_0, read_magic
 from numpy.typing import NDArray
 
 from rankdrop.disk import is_endless
-from rankdrop.path.read.trajectory import (
-    Trajectory,
-    TrajectoryError,
-    arranged,
-    increasing,
-)
-from rankdrop.robot.files import (
-    LARGEST_ARRAY,
-    LONGEST_HEAD,
-    MOST_MEMBERS,
-    MOST_ROWS,
-    MOST_STEPS,
-)
+from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, arranged, increasing
+from rankdrop.robot.files import LARGEST_ARRAY, LONGEST_HEAD, MOST_MEMBERS, MOST_ROWS, MOST_STEPS
 from rankdrop.robot.model import Array, Robot
 
 ARRAYS = (

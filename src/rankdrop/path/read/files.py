@@ -13,19 +13,11 @@ import numpy as np
 from rankdrop.disk import is_endless
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.path.read.arrays import read_arrays
+from rankdrop.path.read.csv_file import csv_text, parse_trajectory
 from rankdrop.path.read.messages import ENTRIES, OBJECTS, parse_message
 from rankdrop.path.read.program_record import PROGRAMS, is_program
-from rankdrop.path.read.trajectory import (
-    BAGS,
-    Trajectory,
-    TrajectoryError,
-    csv_text,
-    is_bag,
-    parse_trajectory,
-)
-from rankdrop.robot.files import (
-    read_text,
-)
+from rankdrop.path.read.trajectory import BAGS, Trajectory, TrajectoryError, is_bag
+from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Array, Robot
 
 ENDINGS = (".csv", ".tsv", ".txt", ".npy", ".npz", ".json", ".yaml", ".yml", *BAGS, *PROGRAMS)

@@ -10,15 +10,8 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError
-from rankdrop.path.read.trajectory import (
-    Trajectory,
-    TrajectoryError,
-    arranged,
-)
-from rankdrop.robot.files import (
-    DEEPEST,
-    LARGEST_YAML,
-)
+from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, arranged
+from rankdrop.robot.files import DEEPEST, LARGEST_YAML
 from rankdrop.robot.model import Array, Robot
 
 _INSIDE = ("trajectory", "joint_trajectory", "goal")

@@ -13,14 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import RankdropError
-from rankdrop.path.read.files import text_of_file
-from rankdrop.path.read.messages import OBJECTS, all_or_none, documents, is_double
-from rankdrop.path.read.trajectory import (
-    BAGS,
+from rankdrop.path.read.csv_file import (
     UNITS,
     Table,
-    TrajectoryError,
-    checked_times,
     find_columns,
     gives_every_joint,
     has_underscored_unit,
@@ -29,12 +24,10 @@ from rankdrop.path.read.trajectory import (
     names_of,
     read_table,
 )
-from rankdrop.robot.files import (
-    MOST_ROWS,
-    RANGE,
-    allowed_range,
-    read_text,
-)
+from rankdrop.path.read.files import text_of_file
+from rankdrop.path.read.messages import OBJECTS, all_or_none, documents, is_double
+from rankdrop.path.read.trajectory import BAGS, TrajectoryError, checked_times
+from rankdrop.robot.files import MOST_ROWS, RANGE, allowed_range, read_text
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.text.path_files import MILLIMETRES

@@ -21,9 +21,9 @@ import numpy as np
 
 from rankdrop.errors import OptionError
 from rankdrop.path.curve import Index
+from rankdrop.path.read.csv_file import UNITS, delimiter_of, per_second
 from rankdrop.path.read.messages import OBJECTS
 from rankdrop.path.read.poses import ANGLES, QUATERNION, list_in, loaded_poses, pose_in, pose_table, unit_of
-from rankdrop.path.read.trajectory import UNITS, delimiter_of, per_second
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Array
 from rankdrop.text.path_files import DECIMAL_COMMAS

@@ -9,8 +9,9 @@ import pytest
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
-from rankdrop.poses.branches import JOINTS, ORIENTATION, POSITION, inverse, matrix_of
+from rankdrop.poses.branches import inverse, matrix_of
 from rankdrop.poses.inverse import Aim, joint_difference, rotation
+from rankdrop.poses.unreached import JOINTS, ORIENTATION, POSITION
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -21,8 +21,9 @@ from rankdrop.distance.tolerant import LockedJoint, SelfMotions
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose as pose_of
 from rankdrop.local.failures import worst_case
-from rankdrop.poses.branches import Curve, self_motion_curves
+from rankdrop.poses.branches import self_motion_curves
 from rankdrop.poses.inverse import Aim, within_limits
+from rankdrop.poses.solution_search import Curve
 from rankdrop.problem import into_limits, whole_turns
 from rankdrop.questions import InverseOptions
 from rankdrop.robot.model import Array, Robot

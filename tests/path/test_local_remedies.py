@@ -16,7 +16,8 @@ from rankdrop.local.block import singular_values
 from rankdrop.path.check.turns import far_turns
 from rankdrop.path.curve import Curve, curve
 from rankdrop.path.mend import remedies
-from rankdrop.path.mend.bumps import CLEARANCE, least_motion, step, tool_off
+from rankdrop.path.mend.bumps import CLEARANCE, least_motion
+from rankdrop.path.mend.local_change import step, tool_off
 from rankdrop.path.mend.remedies import LOCAL, Mending, Remedy, mend_path
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.robot.model import Array

@@ -21,8 +21,9 @@ import numpy as np
 
 from rankdrop.kinematics import pose
 from rankdrop.path.check.follow import Followed
-from rankdrop.path.mend.bumps import Bumper, Change, Core, largest_move, step, tool_off
+from rankdrop.path.mend.bumps import Bumper, Core
 from rankdrop.path.mend.candidates import ToolPath
+from rankdrop.path.mend.local_change import Change, largest_move, step, tool_off
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.robot.model import Array

@@ -22,9 +22,9 @@ from rankdrop.path.check.follow import Followed, follow
 from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import Curve, Place
-from rankdrop.path.mend.bumps import step
 from rankdrop.path.mend.candidates import ToolPath
 from rankdrop.path.mend.detours import Hindrance
+from rankdrop.path.mend.local_change import step
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.poses.inverse import Aim

@@ -19,11 +19,12 @@ from rankdrop.codec import record_of
 from rankdrop.kinematics import pose
 from rankdrop.local.rates import rate_limits
 from rankdrop.path.check.check import within_limits
+from rankdrop.path.check.moves import Cause
 from rankdrop.path.check.passing import Turn
-from rankdrop.path.check.program import Cause, Part, ProgramCheck
+from rankdrop.path.check.program import Part, ProgramCheck
 from rankdrop.path.check.record import FREE, PathCheck
 from rankdrop.path.curve import Place
-from rankdrop.path.mend.bumps import Change
+from rankdrop.path.mend.local_change import Change
 from rankdrop.path.mend.remedies import BUMP, DETOUR, mend_path
 from rankdrop.path.read.program_record import Move
 from rankdrop.questions import RemedyOptions

@@ -28,7 +28,7 @@ from rankdrop.path.check.check import check_path
 from rankdrop.path.check.record import FREE, UNDECIDED, PathCheck, Stretch
 from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve
-from rankdrop.path.mend.bumps import CLEARANCE, ON_PATH, SPARE, Bump, Bumper, Change, NoBump, Obstacle, RowsBefore
+from rankdrop.path.mend.bumps import CLEARANCE, ON_PATH, SPARE, Bump, Bumper, NoBump, Obstacle
 from rankdrop.path.mend.candidates import (
     Candidate,
     Parameter,
@@ -41,6 +41,7 @@ from rankdrop.path.mend.candidates import (
     tool_path,
 )
 from rankdrop.path.mend.detours import Detour, Detourer, NoDetour
+from rankdrop.path.mend.local_change import Change, RowsBefore
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
 from rankdrop.path.mend.retime import Usage, retime_path, usage
 from rankdrop.path.mend.slow_down import slowed_down

@@ -1,0 +1,343 @@
+"""The moves of a robot program, followed one after the other: rows of joint values with their times.
+
+A joint move goes straight in joint space, a linear move straight with its tip (`path.check.follow`), from the
+configuration in which the move before it ended, as a controller does without blending.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from itertools import product
+from math import floor, pi
+from typing import Literal
+
+import numpy as np
+
+from rankdrop.errors import ConfigurationError
+from rankdrop.kinematics import pose
+from rankdrop.local.block import joint_scale
+from rankdrop.local.orientation import rotation_vector
+from rankdrop.path.check.check import (
+    PathQuestion,
+    check_tilt,
+    configuration_at,
+    followed_branch,
+    timed_branch,
+    tip_apart,
+    within_limits,
+)
+from rankdrop.path.check.follow import Followed, follow
+from rankdrop.path.check.tool_line import poses_at
+from rankdrop.path.read.program_record import Move, Posture, Program
+from rankdrop.path.read.trajectory import TrajectoryError
+from rankdrop.poses.inverse import Aim
+from rankdrop.robot.files import MOST_ROWS
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.units import counted_length
+
+STILL = 1e-12  # a move that is shorter does nothing [m, rad]
+_SLOWER = 1.0 + 1e-9  # a joint move at the limits of its rates stays below them by rounding
+ON_AXIS = 1e-6  # of directions of axes that count as parallel
+_AT_ZERO = 1e-6  # a joint so near to a quarter turn has either sign [rad]
+_MOST_TURNS = 4096  # combinations of whole turns of one solution
+
+
+class Cause(StrEnum):
+    """Why a move could not be followed."""
+
+    UNREACHED = "out of reach"
+    POSTURE = "no such posture"
+    BRANCH = "branch ends"
+
+
+@dataclass(frozen=True, eq=False)
+class Ended:
+    """A move that could not be followed to its end.
+
+    Attributes:
+        move: the move.
+        cause: why.
+        branch: how far the tip was followed on its line: place 1 is its beginning, 2 its end; None for other causes.
+    """
+
+    move: Move
+    cause: Cause
+    branch: Followed | None = None
+
+
+@dataclass(eq=False)
+class FollowedMoves:
+    """Rows of a part while it is built."""
+
+    moves: list[Move]
+    begins: Literal["joints", "start", "before", "posture"] = "joints"
+    rows: list[Array] = field(default_factory=list)
+    owner: list[int] = field(default_factory=list)
+    lasts: list[float] = field(default_factory=list)
+    speeds: list[Array] = field(default_factory=list)
+    untimed: Move | None = None
+    ended: Ended | None = None
+    off: float = 0.0
+    turned: float = 0.0
+    passed: list[int] = field(default_factory=list)
+
+    def add(self, index: int, rows: Array, lasts: Array | None, speeds: Array | None) -> None:
+        """Rows after the last one, with the time and the joint rates of each stretch."""
+        self.rows.extend(rows)
+        self.owner.extend([index] * len(rows))
+        if lasts is None or speeds is None:
+            self.untimed = self.untimed or self.moves[index]
+        else:
+            self.lasts.extend(lasts.tolist())
+            self.speeds.extend(speeds)
+
+
+class MoveFollower:
+    """Moves made one after the other."""
+
+    def __init__(self, robot: Robot, task: Task, program: Program, question: PathQuestion, raised: float) -> None:
+        self.robot, self.task, self.program, self.raised = robot, task, program, raised
+        how = question.options
+        self.tolerance = how.tip_tolerance * counted_length(robot), how.turn_tolerance
+        self.rates = np.array([joint.velocity for joint in robot.variables], dtype=np.float64)
+        self.solved: dict[bytes, Array] = {}
+
+    def follow_moves(self, moves: list[Move], before: Array | None, *, given: bool) -> FollowedMoves:
+        """Rows of a run of moves, up to the first that cannot be followed."""
+        followed = FollowedMoves(moves)
+        for index, move in enumerate(moves):
+            if not followed.rows:
+                self._begin(followed, move, before, given=given)
+            elif move.kind == "joint":
+                self._joint_move(followed, index, move)
+            else:
+                self._line(followed, index, move)
+            if followed.ended is not None:
+                break
+            if len(followed.rows) > MOST_ROWS:
+                raise TrajectoryError(
+                    "the moves up to this line need too many rows", where=f"{self.program.name}, line {move.line}",
+                    allowed=f"at most {MOST_ROWS:,}", mend="check parts of the program for themselves",
+                )  # fmt: skip
+        return followed
+
+    def _begin(self, followed: FollowedMoves, move: Move, before: Array | None, *, given: bool) -> None:
+        """The first configuration of a part."""
+        if move.target.joints is not None:
+            followed.rows.append(self._joints(move))
+            return
+        first = self._at_first_pose(move, before)
+        if isinstance(first, Cause):
+            followed.ended = Ended(move, first)
+            return
+        followed.rows.append(first)
+        if before is None:
+            followed.begins = "posture"
+        elif given:
+            followed.begins = "start"
+        else:
+            followed.begins = "before"
+
+    def _at_first_pose(self, move: Move, before: Array | None) -> Array | Cause:
+        """A configuration at the pose of a move: in the posture it names, else near to the one before; or why none."""
+        goal, posture = self._pose(move), move.target.posture
+        if before is not None and posture == Posture():
+            try:
+                return configuration_at(self.robot, goal, self.task, before)[0]
+            except ConfigurationError:
+                return Cause.UNREACHED
+        solutions = self._solutions(goal)
+        if before is None and len(solutions):
+            near = solutions[0]
+        else:
+            near = before
+        chosen = self._in_posture(solutions, near, posture)
+        if chosen is not None:
+            return chosen
+        if len(solutions):
+            return Cause.POSTURE
+        return Cause.UNREACHED
+
+    def _joint_move(self, followed: FollowedMoves, index: int, move: Move) -> None:
+        """Straight in joint space, to joint values or to a solution of a pose."""
+        now = followed.rows[-1]
+        if move.target.joints is not None:
+            end = self._joints(move)
+        else:
+            goal = self._pose(move)
+            if self.robot.n > self.task.m:
+                reached = follow(self.robot, goal[None], now, self.task)
+                if reached.complete:
+                    solutions = reached.q
+                else:
+                    solutions = self._solutions(goal)
+            else:
+                solutions = self._solutions(goal)
+            chosen = self._in_posture(solutions, now, move.target.posture)
+            if chosen is None:
+                followed.ended = Ended(move, Cause.POSTURE if len(solutions) else Cause.UNREACHED)
+                return
+            end = chosen
+        step = np.abs(end - now)
+        if step.max(initial=0.0) <= STILL:
+            return
+        lasts = self._seconds(move, step)
+        followed.add(index, end[None], np.array([lasts]), step[None] / lasts)
+
+    def _seconds(self, move: Move, step: Array) -> float:
+        """How long a joint move takes: as stated, else as its share of the largest joint rates allows [s].
+
+        Where the arm has no limits of rates, a joint that leads is taken to turn by 1 rad/s: nothing is checked by it.
+        """
+        speed = move.speed
+        if speed.time is not None:
+            return speed.time
+        if speed.joint is not None:
+            return float(step.max()) / speed.joint
+        limited = np.isfinite(self.rates) & (self.rates > 0.0)
+        if limited.any():
+            rates = np.where(limited, self.rates, np.inf)
+        else:
+            rates = np.ones(len(step))
+        share = min(1.0, speed.share or 1.0)
+        least = float((step / rates).max()) * _SLOWER / share
+        return least if least > 0.0 else 1.0
+
+    def _line(self, followed: FollowedMoves, index: int, move: Move) -> None:
+        """Straight with the tip, followed on the branch of the last row."""
+        now = followed.rows[-1]
+        begin = pose(self.robot, now)
+        if move.target.joints is None:
+            end = self._pose(move)
+        else:
+            end = pose(self.robot, self._joints(move))
+        way = np.stack([begin, end])
+        length = float(np.linalg.norm(end[:3, 3] - begin[:3, 3]))
+        turn = float(np.linalg.norm(rotation_vector((end[:3, :3] @ begin[:3, :3].T)[None])[0]))
+        if max(length, turn) <= STILL:
+            return
+        branch = followed_branch(self.robot, way, now, self.task, self.tolerance, free=False)
+        times = self._line_seconds(move, length, turn)
+        line_path = timed_branch(self.robot, self.task, way, None if times is None else np.array([0.0, times]), branch)
+        if len(branch.q):
+            off, turned = tip_apart(Aim(self.robot, self.task), branch.q, poses_at(way, branch.place - 1.0))
+            followed.off, followed.turned = max(followed.off, off), max(followed.turned, turned)
+            jump = np.abs(branch.q[0] - now).max(initial=0.0) > STILL
+            if line_path.times is None:
+                lasts = None
+            else:
+                lasts = np.diff(line_path.times)
+            rows = branch.q[1:]
+            speeds = line_path.speeds
+            if jump:  # the tool is held still there: the start lies on a singularity, and is left by a small turn
+                rows = branch.q
+                lasts = speeds = None
+            if len(rows):
+                followed.add(index, rows, lasts, speeds)
+        if branch.passed:
+            followed.passed.append(index)
+        if not branch.complete:
+            followed.ended = Ended(move, Cause.BRANCH, branch)
+
+    def _line_seconds(self, move: Move, length: float, turn: float) -> float | None:
+        """How long a linear move takes; None where the program does not say.
+
+        The tip keeps its speed and the tool its rate of turning; the slower of the two decides. Where only one is
+        stated it decides, as long as there is a way for it.
+        """
+        speed = move.speed
+        if speed.time is not None:
+            return speed.time
+        if speed.linear is None or length <= STILL:
+            by_length = None
+        else:
+            by_length = length / speed.linear
+        if speed.angular is None or turn <= STILL:
+            by_turn = None
+        else:
+            by_turn = turn / speed.angular
+        stated = [duration for duration in (by_length, by_turn) if duration is not None]
+        return max(stated) if stated else None
+
+    def _joints(self, move: Move) -> Array:
+        """(n,) joint values of a target [rad, m].
+
+        Raises:
+            TrajectoryError: not as many as the arm has, or joint 3 is counted from the horizontal and the arm has other
+                axes.
+        """
+        given, where = move.target.joints or (), f"{self.program.name}, line {move.line}"
+        n = self.robot.n
+        if len(given) < n or any(given[n:]):
+            raise TrajectoryError("the target has another number of joints than the arm", where=where, got=len(given),
+                                  allowed=f"{n} of {self.robot.name}")  # fmt: skip
+        values = np.array(given[:n])
+        if self.program.degrees:
+            values *= [np.pi / 180.0 if joint.unit == "rad" else 1e-3 for joint in self.robot.variables]
+        if self.program.level and n >= 3:
+            if not self._axes_2_and_3_opposed():
+                raise TrajectoryError(
+                    "J3 is counted from the horizontal, and axes 2 and 3 of this arm do not point against each other",
+                    where=where, mend="give the targets as poses",
+                )  # fmt: skip
+            values[2] += values[1]
+        return values
+
+    def _axes_2_and_3_opposed(self) -> bool:
+        """Axes 2 and 3 point against each other, and no joint is a mimic."""
+        robot = self.robot
+        if len(robot.joints) != robot.n:
+            return False
+        return float(np.dot(robot.joints[1].axis, robot.joints[2].axis)) <= -1.0 + ON_AXIS
+
+    def _pose(self, move: Move) -> Array:
+        """(4, 4) of a target in the base frame of the arm."""
+        goal = np.array(move.target.pose)
+        goal[2, 3] += self.raised
+        check_tilt(self.robot, self.task, goal[None], f"{self.program.name}, line {move.line}")
+        return goal
+
+    def _solutions(self, goal: Array) -> Array:
+        """(S, n) solutions of a pose within the joint limits, those first that people use."""
+        key = goal.tobytes()
+        if key not in self.solved:
+            self.solved[key] = within_limits(self.robot, goal, self.task)
+        return self.solved[key]
+
+    def _in_posture(self, solutions: Array, near: Array | None, posture: Posture) -> Array | None:
+        """The solution in a posture that is nearest to a configuration, whole turns within the limits included."""
+        if near is None or not len(solutions):
+            return None
+        every = np.concatenate([self._add_whole_turns(solution) for solution in solutions])
+        fits = every[[_fits(solution, posture) for solution in every]]
+        if not len(fits):
+            return None
+        away = np.linalg.norm((fits - near) / joint_scale(self.robot, self.task), axis=1)
+        return np.asarray(fits[away.argmin()])
+
+    def _add_whole_turns(self, q: Array) -> Array:
+        """(k, n) a solution with all whole turns that the joint limits allow, at most one either way."""
+        options = []
+        for value, joint, low, high in zip(q, self.robot.variables, self.robot.lower, self.robot.upper, strict=True):
+            turns = (0.0, -2 * pi, 2 * pi) if joint.unit == "rad" else (0.0,)
+            options.append([value + turn for turn in turns if turn == 0.0 or low <= value + turn <= high])
+        if np.prod([len(turns) for turns in options]) > _MOST_TURNS:
+            return q[None]
+        return np.array(list(product(*options)))
+
+
+def _fits(q: Array, posture: Posture) -> bool:
+    """Whether a configuration has the signs of KRL's T, and the quarter turns of RAPID's cf1, cf4 and cf6."""
+    if posture.signs is not None:
+        for joint, value in enumerate(q[:6].tolist()):
+            negative = bool(posture.signs >> joint & 1)
+            if abs(value) > _AT_ZERO and (value < 0.0) != negative:
+                return False
+    if posture.quarters is not None and len(q) >= 6:
+        for value, quarter in zip((q[0], q[3], q[5]), posture.quarters, strict=True):
+            turns = float(value) / (pi / 2)
+            if quarter not in (floor(turns - _AT_ZERO), floor(turns + _AT_ZERO)):
+                return False
+    return True

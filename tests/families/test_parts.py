@@ -15,8 +15,8 @@ from rankdrop.results.known import shipped
 from rankdrop.robot.open import robot_names
 from rankdrop.text.brief import compared_arms
 from rankdrop.text.claims import opening, summary_of_analysis
-from rankdrop.text.paths import stretch_place
 from rankdrop.text.special import family_label, family_title, place_name
+from rankdrop.text.stretches import stretch_place
 
 S, E, W = ArmPart
 

@@ -18,7 +18,7 @@ from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
-from rankdrop.text.paths import branch_chosen
+from rankdrop.text.tool_paths import branch_chosen
 
 ARM = open_robot("ur5")
 Q = np.array([[0.3, -1.2, 1.4, -1.0, 1.2, 0.4], [0.6, -1.0, 1.2, -1.2, 1.0, 0.4], [0.5, -0.9, 1.1, -1.1, 0.9, 0.1]])

@@ -12,9 +12,9 @@ from rankdrop.codec import Count, Positive, many, num, optional, pair, plain, ro
 from rankdrop.local.block import generic_rank
 from rankdrop.schema.arm import ROBOT, TOLERANCES, file
 from rankdrop.text.aspects import decision_text, rounding_notes
-from rankdrop.text.paths import evidence_words
 from rankdrop.text.programs import remedy_words, why_skipped
 from rankdrop.text.remedies import GAINS as UNITS
+from rankdrop.text.stretches import evidence_words
 from rankdrop.version import VERSION
 
 VERDICT = Literal["crossing", "touching", "cannot be followed", "outside limits", "too fast", "too near", "undecided",

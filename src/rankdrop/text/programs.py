@@ -10,17 +10,10 @@ from rankdrop.lists import flat_map
 from rankdrop.options import advise
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
-from rankdrop.text.paths import (
-    REACHED,
-    crossing_lines,
-    free_words,
-    how_reached,
-    joints_words,
-    stretch_place,
-    times,
-    turn_words,
-)
+from rankdrop.text.paths import free_words, times
 from rankdrop.text.remedies import joint_moves, tool_off_words
+from rankdrop.text.stretches import REACHED, crossing_lines, how_reached, joints_words, stretch_place
+from rankdrop.text.tool_paths import turn_words
 from rankdrop.text.words import above_limit, angle, motion, plural, rounded_down, rounded_up, short
 from rankdrop.tolerances import NEAR
 from rankdrop.units import counted_length

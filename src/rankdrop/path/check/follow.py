@@ -28,7 +28,7 @@ from rankdrop.poses.inverse import Aim
 from rankdrop.problem import Mask
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
-from rankdrop.text.paths import branch_chosen
+from rankdrop.text.tool_paths import branch_chosen
 
 Pull = Callable[[Array], Array]
 """pull(q) -> (n,) wanted joint motion per unit length of joint motion; its part in the null space is followed."""

@@ -20,7 +20,7 @@ from rankdrop.questions import PathOptions
 from rankdrop.results.analysis import Analysis, robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
-from rankdrop.text.paths import stretch_place
+from rankdrop.text.stretches import stretch_place
 
 _BAD = "bad input"
 _HERE = 1 << 20  # bytes of files below which processes take longer to begin than the work takes

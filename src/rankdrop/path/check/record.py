@@ -23,6 +23,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text import paths as text
+from rankdrop.text.tool_paths import why_ended
 from rankdrop.tolerances import Tolerances
 
 LEADS = 1e-6
@@ -279,7 +280,7 @@ class PathCheck(Result):
         """Why the tool path could not be followed to its end; "" where it was, or joints were given."""
         if self.tool is None:
             return ""
-        return text.why_ended(self.tool, self.robot)
+        return why_ended(self.tool, self.robot)
 
     def sections(self, *, deg: bool = True, full: bool = False, mending: Any = None) -> tuple[Section, ...]:
         """As sections of text; `full`: every crossing and every free stretch; `mending`: local remedies of it."""

@@ -1,4 +1,6 @@
-"""The posture in which a family is shown: a member that people would choose, and in pictures one that stands.
+"""The configuration by which a family is shown: one of round numbers, one that people would choose, one that stands.
+
+`witness` is a readable configuration: zeros where nothing depends on a joint, round numbers elsewhere.
 
 `posed` chooses the witness of a table: a member that nothing speaks against (`rankdrop.local.fault`). In a picture that
 is not enough: an arm that lies along the floor is a thin line in a wide frame. `upright` draws the member that stands
@@ -9,11 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
 from rankdrop.families.naming import lost_motions
 from rankdrop.families.record import Family, family_in_metres
+from rankdrop.families.row import Linear, Row
 from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.local.posture import candidates, fault, spine, start_posture
@@ -38,6 +42,76 @@ _TALLER = 0.05  # of `_poor` that another member has to gain for a picture
 _POINTS = 24  # members from which the frame of the words is chosen
 _ROOM = 1e-3  # the singular value that is kept is at least this [1]: not on a more special family
 _SHARED = 1.0  # added to `fault` of a member that lies on another family too: it is an example of both
+_TRIES = 64  # round configurations that are looked at
+_ROUND = 0.1  # free angles stand at multiples of this [rad], free lengths at multiples of a power of ten [m]
+
+
+def witness(problem: Problem, row: Row, rng: np.random.Generator) -> Array | None:
+    """(n,) a point of the row of corank exactly k, the next singular value as large as round numbers allow.
+
+    Joints on which σ does not depend are 0, free ones at round numbers, pinned ones at the first of their values,
+    and only as many coupled ones as there are residual equations are solved for. None when no try succeeds.
+    """
+    values = np.array([[joint_values[0] for joint_values in row.sets]] * _TRIES).reshape(_TRIES, -1)
+    placed = row.linear.place(_round_configurations(problem, rng), values, rng)
+    best: tuple[float, Array | None] = (0.0, None)
+    for along in _solving_directions(row) if row.residual else [np.zeros((problem.n, 0))]:
+        q, good = placed, np.ones(_TRIES, dtype=np.bool_)
+        if row.residual:
+            q, good = System(row.residual).solve(placed, along=along)
+        q = _wrap_without_rounding(problem, q)
+        good = good & problem.within_limits(q)
+        sigma = problem.sigma(q)
+        good &= sigma[:, problem.rank] <= problem.tolerances.singular
+        gap = np.where(good, sigma[:, problem.rank - 1] if problem.rank else 1.0, 0.0)
+        i = int(np.argmax(gap))
+        if gap[i] > max(1e-6, 1.2 * best[0]):
+            best = (float(gap[i]), q[i])
+    return best[1]
+
+
+def _round_configurations(problem: Problem, rng: np.random.Generator) -> Array:
+    """(_TRIES, n) random configurations of round numbers."""
+    low, high = problem.box
+    periodic = problem.robot.periodic
+    reach = np.where(periodic, 1.5, 0.5 * (high - low))
+    middle = np.where(problem.limits | ~periodic, 0.5 * (low + high), 0.0)
+    half = 0.5 * np.maximum(high - low, 1e-9)
+    scale = np.where(periodic, _ROUND, 10.0 ** np.floor(np.log10(0.4 * half)))
+    q = middle + rng.uniform(-1, 1, (_TRIES, problem.n)) * np.minimum(reach, half)
+    q = np.round(q / scale) * scale
+    q = np.where((q < low) | (q > high), middle, q)
+    resting = problem.idle & (low <= 0) & (high >= 0)
+    return np.asarray(np.round(np.where(resting, 0.0, q), 12), dtype=np.float64)
+
+
+def _solving_directions(row: Row) -> list[Array]:
+    """Directions in which the residual equations may be solved: as few coupled joints as there are equations."""
+    need = row.signature.residual
+    moves = _dragged_motions(row.linear)
+    coupled = [j for j in row.signature.coupled if j not in row.linear.pivots]
+    few = list(combinations(reversed(coupled), need))[:12]
+    return [np.linalg.qr(moves[:, list(chosen)])[0] for chosen in few] + [row.linear.kept_motions]
+
+
+def _dragged_motions(linear: Linear) -> Array:
+    """(n, n) column j: what joint j drags along so that all covectors keep their values (zero for pivots)."""
+    n = linear.covectors.shape[1]
+    moves = np.eye(n)
+    if len(linear):
+        pivots = list(linear.pivots)
+        moves[:, pivots] = 0.0
+        moves[pivots] = -np.linalg.solve(linear.covectors[:, pivots].astype(np.float64), linear.covectors @ moves)
+    return moves
+
+
+def _wrap_without_rounding(problem: Problem, q: Array) -> Array:
+    """Angles in (−π, π], or between the limits where they are set; rounding around zero taken off."""
+    if problem.limits:
+        q = into_limits(problem.robot, q)
+    else:
+        q = wrap_joints(problem.robot, q)
+    return np.where(np.abs(q) < 1e-15, 0.0, q)
 
 
 def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = ()) -> Family:

@@ -3,8 +3,6 @@
 Linear conditions are m·q = c, for pinned joints and whole-number relations, and the values c they take. A set of values
 has an equation, too: what the pinned joint, or the relation, satisfies.
 
-A readable configuration on a family: zeros where nothing depends on a joint, round numbers elsewhere.
-
 What else solves a row's equations are parts of lower dimension, which no random start finds. Equations of coupled
 joints may all vanish where some joints stand at special values: A·cos θ4 + B·sin θ6 with A and B long, say, at θ4 =
 ±π/2, θ6 = 0, whatever the others do. Newton's method from random starts ends on the family itself, almost surely. So
@@ -30,7 +28,7 @@ from rankdrop.families.inspection import HIGHER, ROUNDING, Covector, Signature, 
 from rankdrop.families.record import Check, Family, ways_to
 from rankdrop.formula.equation import Equation, Mask, System, Term, normalised_equation
 from rankdrop.lists import flat_map
-from rankdrop.problem import Problem, into_limits, wrap, wrap_joints
+from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 
 CONDITIONED = 1e-3  # solutions where the equations' Jacobian has a smaller singular value are too inexact to judge σ
@@ -601,10 +599,6 @@ def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:
     return Row(linear, tuple(pins[j] for j in joints), residual, signature, FamilyEvidence(ObtainedFrom.EXACT), family)
 
 
-TRIES = 64  # round configurations that are looked at
-ROUND = 0.1  # free angles stand at multiples of this [rad], free lengths at multiples of a power of ten [m]
-
-
 RIGHT = (0.0, pi, pi / 2, -pi / 2)
 SINGLE, SEVERAL = 24, 40  # sets of one joint held, and of two or more, at most
 EACH = 8  # random starts for each
@@ -682,71 +676,3 @@ def _free(linear: Linear, held: list[int], n: int) -> Array:
     rows = np.concatenate([linear.covectors.astype(np.float64).reshape(-1, n), np.eye(n)[held]])
     _, sigma, vt = np.linalg.svd(rows)
     return np.asarray(vt[int((sigma > sigma.max(initial=0.0) * max(rows.shape) * np.finfo(np.float64).eps).sum()) :].T)
-
-
-def witness(problem: Problem, row: Row, rng: np.random.Generator) -> Array | None:
-    """(n,) a point of the row of corank exactly k, the next singular value as large as round numbers allow.
-
-    Joints on which σ does not depend are 0, free ones at round numbers, pinned ones at the first of their values,
-    and only as many coupled ones as there are residual equations are solved for. None when no try succeeds.
-    """
-    values = np.array([[joint_values[0] for joint_values in row.sets]] * TRIES).reshape(TRIES, -1)
-    placed = row.linear.place(_round(problem, rng), values, rng)
-    best: tuple[float, Array | None] = (0.0, None)
-    for along in _ways(row) if row.residual else [np.zeros((problem.n, 0))]:
-        q, good = placed, np.ones(TRIES, dtype=np.bool_)
-        if row.residual:
-            q, good = System(row.residual).solve(placed, along=along)
-        q = _near_zero(problem, q)
-        good = good & problem.within_limits(q)
-        sigma = problem.sigma(q)
-        good &= sigma[:, problem.rank] <= problem.tolerances.singular
-        gap = np.where(good, sigma[:, problem.rank - 1] if problem.rank else 1.0, 0.0)
-        i = int(np.argmax(gap))
-        if gap[i] > max(1e-6, 1.2 * best[0]):
-            best = (float(gap[i]), q[i])
-    return best[1]
-
-
-def _round(problem: Problem, rng: np.random.Generator) -> Array:
-    """(TRIES, n) random configurations of round numbers."""
-    low, high = problem.box
-    periodic = problem.robot.periodic
-    reach = np.where(periodic, 1.5, 0.5 * (high - low))
-    middle = np.where(problem.limits | ~periodic, 0.5 * (low + high), 0.0)
-    half = 0.5 * np.maximum(high - low, 1e-9)
-    scale = np.where(periodic, ROUND, 10.0 ** np.floor(np.log10(0.4 * half)))
-    q = middle + rng.uniform(-1, 1, (TRIES, problem.n)) * np.minimum(reach, half)
-    q = np.round(q / scale) * scale
-    q = np.where((q < low) | (q > high), middle, q)
-    resting = problem.idle & (low <= 0) & (high >= 0)
-    return np.asarray(np.round(np.where(resting, 0.0, q), 12), dtype=np.float64)
-
-
-def _ways(row: Row) -> list[Array]:
-    """Directions in which the residual equations may be solved: as few coupled joints as there are equations."""
-    need = row.signature.residual
-    moves = _moves(row.linear)
-    coupled = [j for j in row.signature.coupled if j not in row.linear.pivots]
-    few = list(combinations(reversed(coupled), need))[:12]
-    return [np.linalg.qr(moves[:, list(chosen)])[0] for chosen in few] + [row.linear.kept_motions]
-
-
-def _moves(linear: Linear) -> Array:
-    """(n, n) column j: what joint j drags along so that all covectors keep their values (zero for pivots)."""
-    n = linear.covectors.shape[1]
-    moves = np.eye(n)
-    if len(linear):
-        pivots = list(linear.pivots)
-        moves[:, pivots] = 0.0
-        moves[pivots] = -np.linalg.solve(linear.covectors[:, pivots].astype(np.float64), linear.covectors @ moves)
-    return moves
-
-
-def _near_zero(problem: Problem, q: Array) -> Array:
-    """Angles in (−π, π], or between the limits where they are set; rounding around zero taken off."""
-    if problem.limits:
-        q = into_limits(problem.robot, q)
-    else:
-        q = wrap_joints(problem.robot, q)
-    return np.where(np.abs(q) < 1e-15, 0.0, q)

@@ -28,6 +28,7 @@ from rankdrop.families.fit import find_rows
 from rankdrop.families.inspection import HIGHER, Inspection, inspect, not_singular, verify_points
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import distinct_names, lost_motions, name_family
+from rankdrop.families.pictured import witness
 from rankdrop.families.record import (
     Check,
     CorankFamilies,
@@ -48,7 +49,6 @@ from rankdrop.families.row import (
     solve_at_special_values,
     soundness,
     stated_row,
-    witness,
 )
 from rankdrop.families.searching import Outcome, Progress, Search, none_found, search, unseen
 from rankdrop.formula.equation import SOLVED, Mask, pretty_angle

@@ -58,12 +58,12 @@ def _once(make: Callable[[Robot], _Made]) -> Callable[[Robot], _Made]:
     known: WeakKeyDictionary[Robot, _Made] = WeakKeyDictionary()
 
     @wraps(make)
-    def made(robot: Robot) -> _Made:
+    def cached_for_robot(robot: Robot) -> _Made:
         if robot not in known:
             known[robot] = make(robot)
         return known[robot]
 
-    return made
+    return cached_for_robot
 
 
 def in_units(robot: Robot) -> Robot:
@@ -211,7 +211,7 @@ def scale_lengths(robot: Robot, power: int) -> Robot:
         return robot
     kinds = {joint.name: joint.kind for joint in robot.joints}
 
-    def followed(joint: Joint) -> Joint:
+    def scale_mimic(joint: Joint) -> Joint:
         """Its mimic, which has the unit of the joint over that of its leader."""
         if joint.mimic is None:
             return joint
@@ -221,20 +221,20 @@ def scale_lengths(robot: Robot, power: int) -> Robot:
 
     made = _with_lengths(robot, lambda length: shift_decimal(length, power))
     lengths = tuple((letter, shift_decimal(value, power)) for letter, value in robot.lengths)
-    return replace(made, joints=tuple(map(followed, made.joints)), lengths=lengths)
+    return replace(made, joints=tuple(map(scale_mimic, made.joints)), lengths=lengths)
 
 
 def _with_lengths(robot: Robot, change: Callable[[Any], Any]) -> Robot:
     """The arm with other lengths: of axes, of frames, and of what slides do."""
 
-    def changed(joint: Joint) -> Joint:
+    def scale_joint(joint: Joint) -> Joint:
         joint = replace(joint, frame=_pose(joint.frame, change))
         if joint.kind is JointKind.PRISMATIC:
             ends = {name: change(getattr(joint, name)) for name in ("lower", "upper", "velocity")}
             return replace(joint, **ends)
         return replace(joint, screw=np.concatenate([change(joint.screw[:3]), joint.screw[3:]]))
 
-    return replace(robot, joints=tuple(map(changed, robot.joints)), home=_pose(robot.home, change))
+    return replace(robot, joints=tuple(map(scale_joint, robot.joints)), home=_pose(robot.home, change))
 
 
 def _pose(pose: Array, change: Callable[[Any], Any]) -> Array:

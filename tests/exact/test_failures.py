@@ -12,7 +12,7 @@ import rankdrop.verbs.deriving as deriving
 from rankdrop.algebra.factoring import factor
 from rankdrop.algebra.gcd import gcd, quotient
 from rankdrop.algebra.halt import OutOfTime
-from rankdrop.algebra.polynomial import norm, watched
+from rankdrop.algebra.polynomial import calling_in_loops, norm
 from rankdrop.algebra.ring import Ring
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
@@ -73,6 +73,6 @@ def test_a_limit_that_has_passed_ends_the_algebra(operation) -> None:
     def check() -> None:
         raise OutOfTime
 
-    with watched(check), pytest.raises(OutOfTime):
+    with calling_in_loops(check), pytest.raises(OutOfTime):
         operation(f, g, shared)
     operation(f, g, shared)  # and afterwards nobody looks

@@ -123,7 +123,7 @@ def test_a_file_that_takes_too_long_is_named_and_the_rest_is_read(
 ) -> None:
     for name in ("a.obj", "slow.obj", "z.obj"):
         (tmp_path / name).write_text(TRIANGLE)
-    real = mesh_file._read
+    real = mesh_file._read_parts
 
     def slow(file: Path, *most: int) -> Any:
         while file.stem == "slow":

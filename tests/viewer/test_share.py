@@ -166,7 +166,7 @@ def test_the_ghost_stands_at_the_nearest_singular_posture(viewer: Viewer) -> Non
     until(lambda: bool(np.allclose(viewer.stage._ghost[-1].position, at)))  # drawn a moment after it is explained
     assert not viewer.stage._ghost[0].visible  # a link that stands there already
     viewer.stage.show_ghost(None)
-    viewer.shown(viewer.session.live.look(START), None)  # drawn later than explained, as when it opens
+    viewer.on_look(viewer.session.live.look(START), None)  # drawn later than explained, as when it opens
     assert viewer.stage._ghost[-1].visible
     viewer.session.set(np.array(nearest.q))
     until(lambda: not viewer.stage._ghost[-1].visible)
@@ -191,7 +191,7 @@ def test_what_is_told_of_an_older_configuration_does_not_stay(
     until(lambda: controls.found is not None and np.array_equal(controls.found.q, here))
     found, tell = controls.found, controls._tell
     assert found is not None
-    looking = Thread(target=controls.shown, args=(viewer.session.live.look(other), None))
+    looking = Thread(target=controls.on_look, args=(viewer.session.live.look(other), None))
 
     def slowly(now: Now, of: Explanation | None) -> None:
         if of is not None and not looking.ident:
@@ -200,7 +200,7 @@ def test_what_is_told_of_an_older_configuration_does_not_stay(
         tell(now, of)
 
     monkeypatch.setattr(controls, "_tell", slowly)
-    controls.explained(found)
+    controls.on_explanation(found)
     looking.join(timeout=180)
     assert controls.now is not None
     assert np.array_equal(controls.now.q, other)

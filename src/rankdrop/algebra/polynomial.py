@@ -28,7 +28,7 @@ _watching: list[Callable[[], None]] = []
 
 
 @contextmanager
-def watched(check: Callable[[], None]) -> Iterator[None]:
+def calling_in_loops(check: Callable[[], None]) -> Iterator[None]:
     """Until the end of the block the loops of this file call `check`, which raises `OutOfTime` at a limit."""
     _watching.append(check)
     try:

@@ -19,7 +19,7 @@ from rankdrop.algebra.halt import INTERRUPTED, Halt, HaltKind
 from rankdrop.algebra.halt import OutOfTime as OutOfTime
 from rankdrop.algebra.halt import TooLong as TooLong
 from rankdrop.algebra.polynomial import Polynomial, is_number, primitive
-from rankdrop.algebra.polynomial import watched as watched
+from rankdrop.algebra.polynomial import calling_in_loops as calling_in_loops
 
 _spent = 0.0
 

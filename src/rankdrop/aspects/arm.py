@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rankdrop.algebra.work import OutOfTime, Work, watched
+from rankdrop.algebra.work import OutOfTime, Work, calling_in_loops
 from rankdrop.aspects.count import AspectCount, Left, count_aspects, walls_of
 from rankdrop.errors import MissingExtraError, RobotError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
@@ -27,7 +27,7 @@ def count_of_arm(robot: Robot, task: Task) -> tuple[AspectCount, Signs | None]:
     """
     work = Work(COUNTING)
     try:
-        with watched(work.check):
+        with calling_in_loops(work.check):
             chain = exact_chain(robot, task, lengths="numbers")
             if chain.n == chain.task.m:
                 signs: Signs | None = signs_of(chain)

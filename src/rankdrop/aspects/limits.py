@@ -17,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.algebra.work import OutOfTime, Work, watched
+from rankdrop.algebra.work import OutOfTime, Work, calling_in_loops
 from rankdrop.aspects.cells import Box
 from rankdrop.aspects.count import AspectCount, Left, count_in_box, head_of
 from rankdrop.exact.signs import Signs
@@ -52,7 +52,7 @@ def count_within_limits(robot: Robot, signs: Signs) -> AspectCount:
     """
     work = Work(COUNTING)
     try:
-        with watched(work.check):
+        with calling_in_loops(work.check):
             return count_in_box(signs, box_of(robot, signs), work)
     except OutOfTime:
         return replace(head_of(signs), left=Left.WORK)

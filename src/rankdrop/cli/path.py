@@ -81,7 +81,7 @@ class Remedies(RemedyOptions):
     ] = "input"  # fmt: skip
 
     @property
-    def wanted(self) -> bool:
+    def any_requested(self) -> bool:
         """Whether any remedy is asked for; bounds of local ones, that are computed anyway, do not ask for others."""
         return replace(self, bump=0.0, detour=0.0, fixed_as="input") != replace(NO_REMEDIES, bump=0.0, detour=0.0)
 
@@ -94,9 +94,9 @@ class Remedies(RemedyOptions):
         """
         if self.remedy is not None:
             return ((self.remedy if self.remedy in paths.KINDS else self.remedy.replace("-", " "),),)
-        if not self.wanted:
+        if not self.any_requested:
             return (paths.LOCAL,)
-        if replace(self, fixed=None, acceleration=None).wanted:
+        if replace(self, fixed=None, acceleration=None).any_requested:
             return (paths.KINDS,)
         return paths.LOCAL, tuple(kind for kind in paths.KINDS if kind not in paths.LOCAL)
 
@@ -121,7 +121,7 @@ class ManyFiles(Options):
     status: Annotated[str | None, option("Print the progress of the paths kept in this folder, and end")] = None
 
     @property
-    def wanted(self) -> bool:
+    def as_batch(self) -> bool:
         """Whether the work is kept in a folder or done by a cluster: even one file is checked as several are."""
         return self.out is not None or self.scheduler is not None
 
@@ -223,7 +223,7 @@ def path(
     if output.rows is not None:
         paths.check_format(output.rows)
     name, named = _files(robot, files)
-    several = len(named) > 1 or many.wanted
+    several = len(named) > 1 or many.as_batch
     _check_asked(named, several, output, mend)
     model, task = open_arm(name, arm, source)
     question = _question(model, task, arm, source, check)
@@ -239,8 +239,8 @@ def path(
         result, remedies = paths.check_any_file(model, named[0], question, say=say, progress=progress), None
         if isinstance(result, paths.ProgramCheck):
             return _of_program(result, _line_remedies(result, families, mend), output)
-        if result.complete and (mend.wanted or _needs_remedy(result)):
-            remedies = _mended(result, families, mend, report)
+        if result.complete and (mend.any_requested or _needs_remedy(result)):
+            remedies = _find_remedies(result, families, mend, report)
     written = Written(name, named[0], families, source.deg)
     return _of_one(result, remedies, near, families, output, mend, written)
 
@@ -285,7 +285,7 @@ def _opened_families(file: str | None) -> results.Analysis | None:
     return results.Analysis.load(file)
 
 
-def _mended(
+def _find_remedies(
     check: paths.PathCheck, families: results.Analysis | None, mend: Remedies, report: Report
 ) -> paths.Mending | None:
     """Remedies of the kinds asked for, one group after the other until one has a remedy."""
@@ -363,7 +363,7 @@ def _check_several(output: PathOutput, mend: Remedies) -> None:
         OptionError: of several files, remedies or an output of one path are asked for.
     """
     given = [f"--{name.replace('_', '-')}" for name in OF_ONE_PATH if getattr(output, name) is not None]
-    for name in (["--remedies"] if mend.wanted else []) + given:
+    for name in (["--remedies"] if mend.any_requested else []) + given:
         raise OptionError("this option is for one path", where=name, mend="name one file, without --out")
 
 
@@ -374,7 +374,7 @@ def _check_program(output: PathOutput, mend: Remedies) -> None:
         OptionError: remedies or an output of a joint path are asked for.
     """
     given = [f"--{name.replace('_', '-')}" for name in OF_ONE_PATH if getattr(output, name) is not None]
-    for name in (["--remedies"] if mend.wanted else []) + given:
+    for name in (["--remedies"] if mend.any_requested else []) + given:
         raise OptionError("this option is not for robot programs", where=name,
                           mend="programs are not written: the plain command names the remedy for each line, and "
                           "--json writes the joint path of every part, which can be checked and mended as a file",
@@ -403,7 +403,7 @@ def _of_one(
     families: results.Analysis | None, output: PathOutput, mend: Remedies, written: Written,
 ) -> Done:  # fmt: skip
     local = None
-    if not mend.wanted:
+    if not mend.any_requested:
         local, remedies = remedies, None
     proven = near is not None and result.complete and result.clear and paths.proven_for_near_arms(result, near)
     complete = result.complete and (remedies is None or remedies.complete)
@@ -423,7 +423,7 @@ def _of_one(
     files: dict[str, Callable[[], Any]] = {
         "certificate": partial(_certificate, result, certified, written.source),
         "json": partial(_record, result, remedies),
-        "fixed": partial(_fixed, remedies, mend, written),
+        "fixed": partial(_mended_path_bytes, remedies, mend, written),
         "figure": partial(_figure, result, output.figure),
         "html": partial(_page, result),
         "rows": partial(_rows, result, families, output.rows),
@@ -475,7 +475,7 @@ def _rows(check: paths.PathCheck, families: results.Analysis | None, target: str
     return paths.rows_file(paths.path_rows(check, families), target or "")
 
 
-def _fixed(mending: paths.Mending | None, mend: Remedies, written: Written) -> bytes | None:
+def _mended_path_bytes(mending: paths.Mending | None, mend: Remedies, written: Written) -> bytes | None:
     """The mended path; what was done, or why there is none, goes to stderr."""
     target = mend.fixed
     if mending is None or target is None:

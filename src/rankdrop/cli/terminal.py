@@ -98,7 +98,7 @@ def answer_lines(answer: str, verdict: Verdict, subject: str = "") -> list[Text]
     from rich.text import Text
 
     tone = TONES["good" if verdict.holds else "bad"]
-    lines = [Text(line, style=tone if line == verdict.sentence else "bold") for line in verdict.beside(answer)]
+    lines = [Text(line, style=tone if line == verdict.sentence else "bold") for line in verdict.headlines(answer)]
     if subject:
         return [Text.assemble((subject, "bold"), lines[0]), *lines[1:]]
     return lines

@@ -63,12 +63,12 @@ def _draws(seed: int, moves: tuple[bool, ...], values: tuple[int, ...]) -> tuple
     """
     rng = np.random.default_rng(seed)
 
-    def drawn(radii: Array) -> _Draw:
+    def draw_in_balls(radii: Array) -> _Draw:
         x = _ball(rng, radii, np.array(moves))
         x[0] = 0
         return x, [rng.integers(count, size=len(radii)) for count in values]
 
-    return drawn(np.resize(_RADII, STARTS)), drawn(np.ones(LATER))
+    return draw_in_balls(np.resize(_RADII, STARTS)), draw_in_balls(np.ones(LATER))
 
 
 def _ball(rng: np.random.Generator, radii: Array, moves: Mask) -> Array:

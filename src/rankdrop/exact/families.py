@@ -20,7 +20,7 @@ from rankdrop.algebra.decompose import decompose, with_points
 from rankdrop.algebra.matrix import each_entry, submatrix
 from rankdrop.algebra.polynomial import Polynomial, coefficients, is_number, variables_in
 from rankdrop.algebra.ring import Form
-from rankdrop.algebra.work import OutOfTime, TooLong, Work, halt_of, watched
+from rankdrop.algebra.work import OutOfTime, TooLong, Work, calling_in_loops, halt_of
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
@@ -356,7 +356,7 @@ def real_sets(
         try:
             work.check()
             drop = waiting[0]
-            with watched(work.check):
+            with calling_in_loops(work.check):
                 piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
                 systems = len(work.unresolved)
                 work.without_points.clear()

@@ -41,7 +41,7 @@ from rankdrop.algebra.matrix import each_entry, entries, submatrix
 from rankdrop.algebra.polynomial import Atom, Polynomial, flint, primitive
 from rankdrop.algebra.ring import Form, Ring, Terms, replace_angles
 from rankdrop.algebra.roots import ROOTS
-from rankdrop.algebra.work import OutOfTime, TooLong, Work, halt_of, tick, watched, work_spent
+from rankdrop.algebra.work import OutOfTime, TooLong, Work, calling_in_loops, halt_of, tick, work_spent
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.families.unfinished import Unfinished, UnfinishedKind
@@ -120,7 +120,7 @@ def _random_turn(ring: Ring, rng: random.Random) -> Callable[[Form], Polynomial]
     context = module.nmod_mpoly_ctx.get(list(ring.names[: ring.moving]), P, module.Ordering.lex)
     turns = [(t + u, 1 - t * u) for t in context.gens()[: ring.angles] for u in [rng.randrange(2, P)]]
 
-    def turned(form: Form) -> Polynomial:
+    def turn_angles(form: Form) -> Polynomial:
         image, degrees = image_modulo(form.f, roots_at(ring, P), P), form.degrees
         tick(20 + 12 * len(form.f) + 2 * prod(1 + degree for degree in degrees))
 
@@ -134,7 +134,7 @@ def _random_turn(ring: Ring, rng: random.Random) -> Callable[[Form], Polynomial]
         terms = [(tuple(map(int, e)), int(number)) for e, number in image.to_dict().items()]
         return replace_angles(terms, ring.angles, lambda e, k: e[k], value, rest)
 
-    return turned
+    return turn_angles
 
 
 class _Known:
@@ -346,7 +346,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
         waiting = [whole]
         systems = len(work.unresolved)
         try:
-            with work.share(1.0 if order == lowest + 1 else _STAGE), watched(work.check):
+            with work.share(1.0 if order == lowest + 1 else _STAGE), calling_in_loops(work.check):
                 _explore(columns, order, waiting, found, tree, work, unwanted)
         except (Exception, KeyboardInterrupt) as stop:  # whatever fails leaves this open: the search does not need it
             tree.complete = False

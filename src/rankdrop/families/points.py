@@ -176,12 +176,12 @@ def move_to_singularity(problem: Problem, starts: Array, along: Array) -> tuple[
         ConfigurationError: starts have the wrong shape.
         OptionError: there is no block beyond that rank.
     """
-    def unsolved(q: Array) -> tuple[Mask, Array, Array]:
+    def block_residual(q: Array) -> tuple[Mask, Array, Array]:
         here = problem.block(q)
         going = here.sigma[:, problem.rank] > problem.tolerances.target
         return going, here.f.reshape(len(q), -1), here.d.reshape(len(q), -1, problem.n)
 
-    q = newton(unsolved, starts, scale=problem.scale[:, None] * along, iterations=ITERATIONS, step=STEP)
+    q = newton(block_residual, starts, scale=problem.scale[:, None] * along, iterations=ITERATIONS, step=STEP)
     return q, problem.singular(q)
 
 

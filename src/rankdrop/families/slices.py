@@ -580,14 +580,14 @@ def singular_curves(
         at = problem.block(set_joints(base, moving, x))
         return at.f.reshape(len(x), -1), at.d[..., moving].reshape(len(x), -1, len(moving))
 
-    def unsolved(x: Array) -> tuple[Mask, Array, Array]:
+    def slice_residual(x: Array) -> tuple[Mask, Array, Array]:
         f, slope = linear(x)
         return np.abs(f).max(axis=1) > _ON, f, slope
 
     if len(moving) == 1:
         return ()
     seeds = search(robot, corank, task=resolved, starts=starts).converged[:, moving]
-    seeds = newton(unsolved, seeds, iterations=_CORRECTIONS)
+    seeds = newton(slice_residual, seeds, iterations=_CORRECTIONS)
     seeds = seeds[np.abs(linear(seeds)[0]).max(axis=1) <= _ON]
     most = int(_LONGEST / step)
     lines = curves_through(linear, seeds, step, zero=_ON, most=most)

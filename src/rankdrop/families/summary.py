@@ -75,7 +75,7 @@ class Verdict:
         """Whether nothing speaks against what is claimed: exit code 0."""
         return self.word in (VERIFIED, UNCHECKED)
 
-    def beside(self, answer: str) -> tuple[str, str]:
+    def headlines(self, answer: str) -> tuple[str, str]:
         """An answer and how sure it is; the other way round where something speaks against it."""
         if self.holds:
             return (answer, self.sentence)

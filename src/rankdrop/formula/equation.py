@@ -177,14 +177,14 @@ class Equation:
 
         Terms smaller than `_UNSEEN` of the largest are left out; they stay in `terms`, where a double zero needs them.
         """
-        return _write_sum(self._seen, _PLAIN, lambda x: f"{x:.{digits}g}")
+        return _write_sum(self._visible_terms, _PLAIN, lambda x: f"{x:.{digits}g}")
 
     def latex(self, digits: int = 4) -> str:
         r"""The same as mathematics of LaTeX: "0.9087 \cos \theta_{2} + \cos(\theta_{2}+\theta_{3})"."""
-        return _write_sum(self._seen, _LATEX, lambda x: f"{x:.{digits}g}")
+        return _write_sum(self._visible_terms, _LATEX, lambda x: f"{x:.{digits}g}")
 
     @property
-    def _seen(self) -> list[Term]:
+    def _visible_terms(self) -> list[Term]:
         least = _UNSEEN * max(abs(term.coefficient) for term in self.terms)
         return [term for term in self.terms if abs(term.coefficient) > least]
 

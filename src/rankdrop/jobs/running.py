@@ -201,7 +201,7 @@ class Folder:
         """The bytes of a finished chunk."""
         return read_file(self.part(chunk), _LARGEST)
 
-    taken = read
+    take = read
     """The bytes of a finished chunk, which the folder keeps."""
 
 
@@ -223,7 +223,7 @@ class _Memory:
         """The bytes of a finished chunk."""
         return self.chunks[chunk]
 
-    def taken(self, chunk: int) -> bytes:
+    def take(self, chunk: int) -> bytes:
         """The bytes of a finished chunk, which is forgotten."""
         return self.chunks.pop(chunk)
 
@@ -403,7 +403,7 @@ def finish(
             done = store.finished()
         _make_the_rest(job, engine, store, done, report or _silent, each or _silent)
     for chunk in range(job.chunks):  # one at a time: a job larger than the memory is kept in a folder
-        yield chunk, store.taken(chunk)
+        yield chunk, store.take(chunk)
 
 
 def _silent(_: int, __: object) -> None:

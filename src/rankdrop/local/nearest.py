@@ -314,12 +314,13 @@ def _draws(seed: int, counts: tuple[int, ...], moves: tuple[bool, ...]) -> tuple
     """Points (N, n) that fill balls evenly, over the joints that move: first of several radii, then of radius 1."""
     rng = np.random.default_rng(seed)
 
-    def drawn(radii: Array) -> Array:
+    def draw_in_balls(radii: Array) -> Array:
         x = rng.standard_normal((len(radii), len(moves))) * np.array(moves)
         share = radii * rng.random((len(radii), 1)) ** (1 / max(1, sum(moves)))
         return np.asarray(x * (share / np.maximum(np.sqrt(np.add.reduce(x * x, axis=1, keepdims=True)), 1e-300)))
 
-    return drawn(np.resize(_RADII, (counts[0], 1))), *(drawn(np.ones((count, 1))) for count in counts[1:])
+    first = draw_in_balls(np.resize(_RADII, (counts[0], 1)))
+    return first, *(draw_in_balls(np.ones((count, 1))) for count in counts[1:])
 
 
 Run = Callable[[Array, float], tuple[Array, ...]]

@@ -210,7 +210,7 @@ class OrderedScrewSet:
         dimension = self.dimension(first, last)
         pairs = [(u, v) for u in range(first, last + 1) for v in range(u + 1, last + 1)]
         run = self.screws[first - 1 : last]
-        with_product = np.array([[*run, self._sized(self.lie(u, v))] for u, v in pairs])
+        with_product = np.array([[*run, self._drop_rounding(self.lie(u, v))] for u, v in pairs])
         grown = _ranks(self._rows(with_product.reshape(-1, len(run) + 1, 6)), self.tolerance)
         entries = tuple((u, v, bool(rank == dimension)) for (u, v), rank in zip(pairs, grown, strict=True))
         stopped = {u for u, _, inside in entries if inside}
@@ -239,7 +239,7 @@ class OrderedScrewSet:
         if not 1 <= first <= last <= len(self):
             raise OptionError("there is no such run of screws", got=f"({first}, {last})", allowed=f"1 … {len(self)}")
 
-    def _sized(self, screw: Array) -> Array:
+    def _drop_rounding(self, screw: Array) -> Array:
         """Zero where a Lie product is rounding, next to the largest direction and the largest moment of the set."""
         direction, moment = (np.linalg.norm(part, axis=1).max() for part in (self.screws[:, :3], self.screws))
         rounding = np.linalg.norm(screw[:3]) <= self.tolerance * direction

@@ -295,7 +295,8 @@ class Displacement:
         """
         rows = np.ascontiguousarray(q).reshape(-1, q.shape[-1])
         ends, off = _core.back_to_start(
-            chain_of(self.robot), self._six, self._told, rows, weak=WEAK, longest=_LONGEST, still=_STILL, rounds=_ROUNDS
+            chain_of(self.robot), self._six, self._core_displacement, rows,
+            weak=WEAK, longest=_LONGEST, still=_STILL, rounds=_ROUNDS,
         )
         return ends.reshape(q.shape), (off <= _ACCEPTED).reshape(q.shape[:-1])
 
@@ -305,7 +306,7 @@ class Displacement:
         return frame_view(self.robot, self._frame)
 
     @cached_property
-    def _told(self) -> _core.Displacement:
+    def _core_displacement(self) -> _core.Displacement:
         """The displacement as the core takes it."""
         return _core.make_displacement(
             rows=self._rows, row_scale=self._row_scale.tolist(), joints=self.joints.tolist(),

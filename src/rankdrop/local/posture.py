@@ -53,7 +53,7 @@ def drawn_at(robot: Robot, q: Array) -> Drawn:
     axes = np.where(np.array(slides)[:, None], screws[:, :3], screws[:, 3:])
     names = [joint.name for joint in robot.variables]
     return Drawn(
-        spine(robot, np.asarray(q)[None])[0], _moved(held, skeleton(robot)[1]),
+        spine(robot, np.asarray(q)[None])[0], _carry_points(held, skeleton(robot)[1]),
         np.einsum("nij,nj->ni", held[:, :3, :3], axes), slides,
         tuple(names.index(joint.mimic.leader if joint.mimic else joint.name) + 1 for joint in robot.joints),
     )  # fmt: skip
@@ -65,7 +65,7 @@ def _link_motions(robot: Robot, q: Array) -> Array:
     return np.asarray(link_poses(robot, q)[..., :-1, :, :] @ np.linalg.inv(frames))
 
 
-def _moved(motions: Array, points: Array) -> Array:
+def _carry_points(motions: Array, points: Array) -> Array:
     """(..., N, 3) points (N, 3) carried along by motions (..., N, 4, 4)."""
     return np.asarray((motions[..., :3, :3] @ points[..., None])[..., 0] + motions[..., :3, 3])
 
@@ -136,7 +136,7 @@ def fault(robot: Robot, q: Array) -> Array:
     low = np.clip(-points[:, :, 2].min(axis=1), 0.0, _DEEP) + np.clip(_TIP - points[:, -1, 2], 0.0, _TIP)
     beside = np.hypot(points[:, -1, 0], points[:, -1, 1])
     close = np.clip(0.3 - beside, 0.0, None)
-    return np.asarray(_LIMIT * outside + _UNDER * low / (_DEEP + _TIP) + _FOLDED * _folded(points) + _CLOSE * close)
+    return np.asarray(_LIMIT * outside + _UNDER * low / (_DEEP + _TIP) + _FOLDED * _fold_share(points) + _CLOSE * close)
 
 
 def by_habit(robot: Robot, task: Task, q: Array) -> NDArray[np.int64]:
@@ -164,12 +164,12 @@ def by_habit(robot: Robot, task: Task, q: Array) -> NDArray[np.int64]:
 def spine(robot: Robot, q: Array) -> Array:
     """(N, P, 3) points from the base to the tip, joined by the links, at configurations q (N, n) [m]."""
     points, motions = skeleton(robot)[0], _link_motions(robot, q)
-    pairs = np.stack([_moved(motions[:, :-1], points), _moved(motions[:, 1:], points)], axis=2)
+    pairs = np.stack([_carry_points(motions[:, :-1], points), _carry_points(motions[:, 1:], points)], axis=2)
     base, tip = np.zeros((len(q), 1, 3)), pose(robot, q)[:, None, :3, 3]
     return np.concatenate([base, pairs.reshape(len(q), -1, 3), tip], axis=1)
 
 
-def _folded(points: Array) -> Array:
+def _fold_share(points: Array) -> Array:
     """(N,) 0 … 1 how much of the arm is in the way of another part of it; points (N, P, 3) in units of the reach."""
     ways = np.diff(points, axis=1)
     longest = np.linalg.norm(ways, axis=2).max(axis=0)

@@ -226,7 +226,7 @@ def joint_rates(
     for row in left:
         nearest = (np.eye(resolved.m)[row] - gone.T @ gone[:, row]) / (1.0 - shares[row]) * unit / unit[row]
         motions.append((motions[row][0], six_rows(nearest, resolved)))
-    every = _along(robot, parts, motions, resolved, limits, rank, here.tolerances)
+    every = _rates_along(robot, parts, motions, resolved, limits, rank, here.tolerances)
     m = resolved.m
     remaining = dict(zip(left, every[given:], strict=True))
     return Rates(
@@ -236,7 +236,7 @@ def joint_rates(
     )  # fmt: skip
 
 
-def _along(
+def _rates_along(
     robot: Robot, parts: Factored, motions: list[tuple[str, Array]], task: Task, limits: Array, rank: int,
     tolerances: Tolerances,
 ) -> list[DirectionRates]:  # fmt: skip

@@ -285,7 +285,7 @@ def readable_parts(columns: Array) -> Array:
         if dimension <= _READABLE or dimension == len(members):
             local = readable_basis(basis)
         else:
-            local = _pivoted(inner)
+            local = _pivot_columns(inner)
         placed = np.zeros((size, dimension))
         placed[members] = local[:, :dimension]
         found.append(placed)
@@ -299,7 +299,7 @@ def _blocks(coupled: NDArray[np.bool_]) -> list[list[int]]:
     return [np.flatnonzero(row).tolist() for i, row in enumerate(joined) if not row[:i].any()]
 
 
-def _pivoted(projector: Array) -> Array:
+def _pivot_columns(projector: Array) -> Array:
     """Orthonormal columns from the projector's own, the longest remaining one first (earlier ones win ties)."""
     rest, found = projector.copy(), []
     for _ in range(round(float(np.trace(projector)))):

@@ -153,7 +153,7 @@ class Content:
     slow: NearShare | None = None
 
     @cached_property
-    def shown(self) -> Analysis:
+    def analysis_with_conditions(self) -> Analysis:
         """The analysis as tables show it: its families have the exact conditions that were derived apart from it."""
         if self.exact is None:
             return self.analysis
@@ -512,7 +512,7 @@ def families_csv(content: Content) -> str:
     Angles of the witness are in degrees, slides in metres; the joints' columns are those of the tables (× any value,
     c coupled, else the values in rad or m).
     """
-    analysis = content.shown
+    analysis = content.analysis_with_conditions
     robot = analysis.robot
     kinds = [str(joint.kind) for joint in robot.variables]
     joints = [joint_symbol(number, kind) for number, kind in enumerate(kinds, start=1)]

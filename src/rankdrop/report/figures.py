@@ -144,7 +144,7 @@ class Picture:
             parts.append(np.column_stack([start + share * (end - start), np.zeros(_DENSE)]))
         return np.vstack(parts)
 
-    def covered(self, bars: Sequence[Bar]) -> Array:
+    def bar_places(self, bars: Sequence[Bar]) -> Array:
         """(k, 3) places of bars, and how far around each of them no number stands."""
         share = np.linspace(0.0, 1.0, _DENSE)[:, None]
         parts = []
@@ -171,7 +171,7 @@ def words_apart(axes: Any, marks: ArmMarks, more: Sequence[Bar] = ()) -> list[An
     figure = axes.figure
     figure.draw_without_rendering()  # words of the axes have their places from then on
     picture = Picture(axes)
-    covered = np.vstack([picture.covered([*marks.bars, *marks.bodies, *more]), picture.edges()])
+    covered = np.vstack([picture.bar_places([*marks.bars, *marks.bodies, *more]), picture.edges()])
     half = 0.5 * _WIDE * picture.dot
     boxes = [_grown(box, half) for box in _words_of(axes)]
     placed = []

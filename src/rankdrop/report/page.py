@@ -131,7 +131,7 @@ def _header(content: Content) -> str:
         facts.insert(len(facts) - 2, ("speed", slow_line(analysis.slow)))
     title = f'{escape(robot.name)} <span class="badge {css}">{verdict.word}</span>'
     about = f'<div class="about">{escape(robot.about or "Kinematic singularities")}</div>'
-    return header(title, css, " ".join(verdict.beside(analysis.answer)), facts, about, _notes(content))
+    return header(title, css, " ".join(verdict.headlines(analysis.answer)), facts, about, _notes(content))
 
 
 def _notes(content: Content) -> str:
@@ -233,7 +233,7 @@ def _tables(content: Content) -> str:
     return (
         '<section id="tables"><h2>Families of singularities</h2><p>Every row is a set of configurations at which the '
         "arm loses freedoms, with the conditions on its joints. Corank is the number of freedoms lost.</p>"
-        f"{corank_tables(content.shown)}{shown}</section>"
+        f"{corank_tables(content.analysis_with_conditions)}{shown}</section>"
     )
 
 

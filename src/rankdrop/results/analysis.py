@@ -32,7 +32,7 @@ from rankdrop.results.names import name_of
 from rankdrop.results.old_files import conditions_of_derivation, exact_from_dict, freedoms_of_sentences
 from rankdrop.results.settings import Residual as Residual
 from rankdrop.results.settings import Settings as Settings
-from rankdrop.results.validate import at, check_analysis
+from rankdrop.results.validate import check_analysis, with_place
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
 from rankdrop.robot.note import NoteOn
@@ -175,10 +175,10 @@ class Analysis(Result):
     @classmethod
     def _from_dict(cls, record: Record) -> Analysis:
         settings: Settings = restore(Settings, record["settings"])
-        robot = at("$.robot", lambda: robot_from_dict(record["robot"]))
-        task = at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale))
+        robot = with_place("$.robot", lambda: robot_from_dict(record["robot"]))
+        task = with_place("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale))
         families = tuple(
-            at(f"$.families[{i}]", partial(family_from_dict, stored, robot, task))
+            with_place(f"$.families[{i}]", partial(family_from_dict, stored, robot, task))
             for i, stored in enumerate(record["families"])
         )
         return cls(
@@ -187,15 +187,15 @@ class Analysis(Result):
             generic_rank=record["robot"]["generic_rank"],
             settings=settings,
             coranks=tuple(corank_from_dict(stored) for stored in record["coranks"]),
-            families=at("$.exact.families", lambda: conditions_of_derivation(families, record)),
+            families=with_place("$.exact.families", lambda: conditions_of_derivation(families, record)),
             complete=record["complete"],
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
-            exact=at("$.exact", lambda: _derivation(record)),
+            exact=with_place("$.exact", lambda: _derivation(record)),
             near=_part(record, "near", Near),
             speeds=_part(record, "speeds", SpeedDistances),
             slow=_part(record, "slow", SlowShare),
-            aspects=at("$.aspects", lambda: _aspects(record)),
+            aspects=with_place("$.aspects", lambda: _aspects(record)),
         )
 
     def sections(self) -> tuple[Section, ...]:
@@ -331,7 +331,7 @@ def _part(record: Record, entry: str, kind: type[Any]) -> Any:
     """An entry that is absent where it was not computed."""
     if entry not in record:
         return None
-    return at(f"$.{entry}", lambda: restore(kind, record[entry]))
+    return with_place(f"$.{entry}", lambda: restore(kind, record[entry]))
 
 
 def _aspects(record: Record) -> AspectSummary | None:

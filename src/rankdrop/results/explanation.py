@@ -401,7 +401,7 @@ class Explanation(Result):
             verdict=self.verdict, cause=self.cause, distance=distance,
             family=family.name if family else "", family_id=family.id if family else "",
             ideal=near is not None, length=near.length if near else 0.0, angle=near.angle if near else 0.0,
-            pinned=self._pinned(about), lost=self._lost_in_base(), slowest=self._slowest(),
+            pinned=self._held_joints(about), lost=self._lost_in_base(), slowest=self._slowest(),
             way_out=self.jog.moves, regular_after=self.jog.regular, sigma_after=self.jog.sigma_after,
             next_family=self.next.family.name if self.next.family else "",
             next_distance=self.next.distance, next_searches=self.next.searches,
@@ -410,7 +410,7 @@ class Explanation(Result):
             place=place, next_place=added or next_place, crosses=self.jog.crosses,
         )  # fmt: skip
 
-    def _pinned(self, family: Family | None) -> tuple[tuple[int, float], ...]:
+    def _held_joints(self, family: Family | None) -> tuple[tuple[int, float], ...]:
         """Joints that a family holds at a value, and their values at the focus."""
         if family is None:
             return ()

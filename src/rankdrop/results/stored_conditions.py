@@ -108,7 +108,7 @@ def from_stored(
         raise ResultFileError("these are not conditions that can be read", got=repr(record.get("schema")),
                               allowed=SCHEMA)  # fmt: skip
     try:
-        return _read(record, robot, task, anew)
+        return _conditions_of(record, robot, task, anew)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         if isinstance(error, KeyError):
             what = f"no entry {error}"
@@ -117,7 +117,7 @@ def from_stored(
         raise ResultFileError("the stored conditions are damaged", where=robot.name, got=what) from error
 
 
-def _read(record: Record, robot: Robot, task: Task, anew: Callable[[], Conditions] | None) -> Conditions:
+def _conditions_of(record: Record, robot: Robot, task: Task, anew: Callable[[], Conditions] | None) -> Conditions:
     used: set[str] = set()
     for family in record["families"]:
         for polynomial in family["polynomials"]:

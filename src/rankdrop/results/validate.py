@@ -7,6 +7,7 @@ directions at the witness. What cannot be computed again without searching (shar
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -63,7 +64,7 @@ class _Analysed(Protocol):
     def residual_of(self, family: Family) -> Residual: ...
 
 
-def damaged(what: str, where: str, got: object = None, allowed: object = None) -> ResultFileError:
+def damage_error(what: str, where: str, got: object = None, allowed: object = None) -> ResultFileError:
     """The error of an element that cannot be believed."""
     return ResultFileError(f"the analysis is damaged: {what}", where=where, got=got, allowed=allowed,
                            mend="analyse the arm again")  # fmt: skip
@@ -77,10 +78,10 @@ def require(*claims: Claim) -> None:
     """Raise the error of the first claim that does not hold."""
     for holds, what, where, got, allowed in claims:
         if not holds:
-            raise damaged(what, where, got, allowed)
+            raise damage_error(what, where, got, allowed)
 
 
-def at(where: str, make: Callable[[], T]) -> T:
+def with_place(where: str, make: Callable[[], T]) -> T:
     """What `make` makes; whatever it raises becomes an error at an element.
 
     Raises:
@@ -91,9 +92,9 @@ def at(where: str, make: Callable[[], T]) -> T:
     except RankdropError as error:
         if error.where is not None and error.where.startswith("$"):  # it knows its place
             raise
-        raise damaged(error.what, where, error.got, error.allowed) from error
+        raise damage_error(error.what, where, error.got, error.allowed) from error
     except (KeyError, TypeError, ValueError, AttributeError, IndexError, ArithmeticError) as error:
-        raise damaged(f"{type(error).__name__}: {error}", where) from error
+        raise damage_error(f"{type(error).__name__}: {error}", where) from error
 
 
 def check_analysis(analysis: _Analysed, record: dict[str, Any]) -> None:
@@ -115,8 +116,8 @@ def check_analysis(analysis: _Analysed, record: dict[str, Any]) -> None:
         where = f"$.settings.tolerances.{name}"
         require((value <= most, "the tolerance is too large", where, value, f"up to {most:g}"))
     _check_robot(robot, record["robot"])
-    at("$.robot.task", lambda: _check_task(task, robot))
-    rank = at("$.robot", lambda: generic_rank(robot, task))
+    with_place("$.robot.task", lambda: _check_task(task, robot))
+    rank = with_place("$.robot", lambda: generic_rank(robot, task))
     require((rank == analysis.generic_rank, "the arm has another generic rank", "$.robot.generic_rank",
              analysis.generic_rank, rank))  # fmt: skip
     _check_coranks(analysis)
@@ -124,7 +125,7 @@ def check_analysis(analysis: _Analysed, record: dict[str, Any]) -> None:
     for i, family in enumerate(analysis.families):
         where = f"$.families[{i}]"
         _check_id(family, ids[:i], where)
-        at(where, lambda one=family, place=where: _check_family(analysis, one, place))  # type: ignore[misc]
+        with_place(where, lambda one=family, place=where: _check_family(analysis, one, place))  # type: ignore[misc]
     if analysis.near is not None:
         require(
             ([one.id for one in analysis.near.families] == ids, "the families are not those of the analysis",
@@ -148,10 +149,10 @@ def _check_id(family: Family, before: Sequence[str], where: str) -> None:
 
 def _check_robot(robot: Robot, record: dict[str, Any]) -> None:
     require((record["n"] == robot.n, "the chain has another number of variables", "$.robot.n", record["n"], robot.n))
-    at("$.robot.home", lambda: rigid(robot.home, ""))
+    with_place("$.robot.home", lambda: rigid(robot.home, ""))
     for i, (joint, written) in enumerate(zip(robot.joints, record["chain"], strict=True)):
         where, measure, mimic = f"$.robot.chain[{i}]", "length" if joint.unit == "m" else "angle", joint.mimic
-        at(f"{where}.frame", lambda one=joint: rigid(one.frame, ""))  # type: ignore[misc]
+        with_place(f"{where}.frame", lambda one=joint: rigid(one.frame, ""))  # type: ignore[misc]
         _check_screw(joint, np.array(written["screw"], dtype=np.float64), f"{where}.screw")
         require(
             *((written[key] is None or abs(written[key]) <= RANGE[measure], "the limit is too large",
@@ -189,7 +190,8 @@ def _check_task(task: Task, robot: Robot) -> None:
     rows = resolve_task(task.name, robot, length_scale=task.length_scale).rows
     require((rows == task.rows, "the rows are not those of the task", "$.robot.rows", list(task.rows), None))
     for what in ("axes", "origin"):
-        at(f"$.robot.frame.{what}", lambda one=what: link_index(getattr(task.frame, one), len(robot.joints), one))  # type: ignore[misc]
+        link = getattr(task.frame, what)
+        with_place(f"$.robot.frame.{what}", partial(link_index, link, len(robot.joints), what))
     far = max(map(abs, task.frame.point)) > RANGE["length"]
     require((not far, "the point is too far away", "$.robot.frame.point", None, allowed_range("length")))
 
@@ -336,7 +338,7 @@ def _check_exact(analysis: _Analysed, exact: Derivation) -> None:
         from rankdrop.exact.arm.chain import exact_chain  # with all exact algebra
 
         # of this task in this frame
-        at("$.robot.frame", lambda: exact_chain(analysis.robot, analysis.task, parts=True))
+        with_place("$.robot.frame", lambda: exact_chain(analysis.robot, analysis.task, parts=True))
     differs = (exact.status == "differs") is bool(exact.disagreements)
     require(
         (differs, "there are disagreements exactly where the status is differs", "$.exact.status", exact.status, None)

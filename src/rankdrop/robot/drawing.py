@@ -183,7 +183,7 @@ class Drawing:
             given = {place.key: x for place, x in ends.items() if place.part == end}
             numbers = [given.get(key, 0.0) for key in FRAME]
             if given:
-                found = _moved(found, end, from_xyz_rpy(numbers[:3], numbers[3:]))
+                found = _transform_end(found, end, from_xyz_rpy(numbers[:3], numbers[3:]))
             else:
                 found = found
         if name is None:
@@ -239,7 +239,7 @@ def _child(element: Element, tag: str) -> Element:
     return found
 
 
-def _moved(robot: Robot, end: str, pose: Array) -> Robot:
+def _transform_end(robot: Robot, end: str, pose: Array) -> Robot:
     if end == "tool":
         return replace(robot, home=times(robot.home, pose))
     joints = tuple(_move_joint(joint, pose) for joint in robot.joints)

@@ -232,7 +232,7 @@ def what_holds(robot: Robot, less: Robot | None = None) -> tuple[AxesHold, ...]:
     else:
         known = set()
     new = [fact for fact in _holding(robot) if fact not in known and not _follows(fact, known)]
-    return tuple(_merged(new, len(robot.joints)))
+    return tuple(_merge_facts(new, len(robot.joints)))
 
 
 def _follows(fact: AxesHold, known: set[AxesHold]) -> bool:
@@ -302,7 +302,7 @@ _ORDER = (Hold.PARALLEL, Hold.COMMON, Hold.MEETING, Hold.SQUARE, Hold.FLUSH)
 """Relations beyond axes in one point, the most telling first."""
 
 
-def _merged(facts: Sequence[AxesHold], n: int) -> list[AxesHold]:
+def _merge_facts(facts: Sequence[AxesHold], n: int) -> list[AxesHold]:
     """Facts put together, without those that others imply.
 
     Args:
@@ -319,7 +319,7 @@ def _merged(facts: Sequence[AxesHold], n: int) -> list[AxesHold]:
     for what in _ORDER:
         alike = [fact.joints for fact in facts if fact.what is what]
         if what in (Hold.PARALLEL, Hold.COMMON):
-            alike = _chained(alike)
+            alike = _chain_pairs(alike)
         if what is not Hold.SQUARE:
             alike = [joints for joints in alike if joints not in within]
         merged += [AxesHold(what, joints) for joints in alike]
@@ -334,7 +334,7 @@ def _in_points(points: Iterable[tuple[int, ...]]) -> set[tuple[int, ...]]:
     return within
 
 
-def _chained(pairs: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
+def _chain_pairs(pairs: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
     found: list[tuple[int, ...]] = []
     for pair in sorted(pairs):
         if found and found[-1][-1] == pair[0]:

@@ -122,7 +122,7 @@ def mesh_parts(names: list[str]) -> bytes:
     for i, name in enumerate(names):
         try:
             with _limited_time(name, end):
-                parts = _read(Path(name), MOST_FACES - faces, MOST_VERTICES - vertices)
+                parts = _read_parts(Path(name), MOST_FACES - faces, MOST_VERTICES - vertices)
         except RankdropError as error:
             about.append({"error": error_to_dict(error)})
         else:
@@ -168,7 +168,7 @@ def _limited_time(name: str, end: float) -> Iterator[None]:
         signal.signal(signal.SIGPROF, before)
 
 
-def _read(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
+def _read_parts(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
     """The parts of a file that fit into what is left of triangles and vertices.
 
     Raises:

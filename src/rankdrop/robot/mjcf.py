@@ -27,7 +27,7 @@ from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.note import NoteOn, RobotNote
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import translation
-from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, connected
+from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, connect_links
 
 _KINDS = {"hinge": JointKind.REVOLUTE, "slide": JointKind.PRISMATIC}
 _UNREAD = (
@@ -83,7 +83,8 @@ def robot_of(
     links = dict.fromkeys(model["bodies"], 0)
     steps = {step["name"]: step for step in model["steps"]}
     joints = {key: TreeJoint(key, step["kind"], step["parent"], step["child"]) for key, step in steps.items()}
-    tree = connected(Tree(name, place, links | dict.fromkeys((joint.child for joint in joints.values()), 0), joints))
+    links |= dict.fromkeys((joint.child for joint in joints.values()), 0)
+    tree = connect_links(Tree(name, place, links, joints))
     _refuse_floating(tree, model["floating"], base, tip)
     ends = choose_ends(tree, base, tip)
     moving = {step.name for step in ends.path if step.moves}
@@ -230,13 +231,13 @@ def _motion(tree: Tree, joint: TreeJoint, step: dict[str, Any]) -> Motion:
         return Motion(origin)
     if joint.kind not in _KINDS:
         raise RobotError(
-            "a joint of the chain has several freedoms", where=tree.where(joint), got=f"a {joint.kind} joint",
+            "a joint of the chain has several freedoms", where=tree.place_of(joint), got=f"a {joint.kind} joint",
             allowed="hinge, slide", mend=f"name a base below it: base={joint.child!r}",
             typed=f"name a base below it: --base {shlex.quote(joint.child)}",
         )
     kind, ref = _KINDS[joint.kind], step["ref"]
     if not abs(ref) <= RANGE[kind.measure]:  # MuJoCo takes NaN and infinities too
-        raise RobotError("ref is too large, or no number", where=tree.where(joint), got=f"{ref:g}",
+        raise RobotError("ref is too large, or no number", where=tree.place_of(joint), got=f"{ref:g}",
                          allowed=allowed_range(kind.measure))  # fmt: skip
     lower, upper = step["limits"]
     return Motion(origin, kind, _plain(np.array(step["axis"])), np.array(step["anchor"]), ref=ref, lower=lower,

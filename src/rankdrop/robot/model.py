@@ -263,12 +263,12 @@ class Robot:
     @cached_property
     def lower(self) -> Array:
         """(n,) lower limits [rad or m]."""
-        return _fixed([joint.lower for joint in self.variables])
+        return _read_only_array([joint.lower for joint in self.variables])
 
     @cached_property
     def upper(self) -> Array:
         """(n,) upper limits [rad or m]."""
-        return _fixed([joint.upper for joint in self.variables])
+        return _read_only_array([joint.upper for joint in self.variables])
 
     @cached_property
     def periodic(self) -> NDArray[np.bool_]:
@@ -276,7 +276,7 @@ class Robot:
         whole = [joint.kind is JointKind.REVOLUTE for joint in self.variables]
         for joint, driver in zip(self.joints, self.drivers, strict=True):
             whole[driver] &= joint.kind is JointKind.REVOLUTE and float(joint.multiplier).is_integer()
-        return _fixed(whole)
+        return _read_only_array(whole)
 
     @cached_property
     def turns(self) -> NDArray[np.int64]:
@@ -292,7 +292,7 @@ class Robot:
                 found[driver] = 0
             if found[driver] > MOST_TURNS:
                 found[driver] = 0
-        return _fixed(found)
+        return _read_only_array(found)
 
     def _repr_html_(self) -> str:
         """For notebooks: the joints with their kinds and limits, angles in degrees."""
@@ -324,7 +324,7 @@ def once(function: Callable[[Robot, *_Given], _Made]) -> Callable[[Robot, *_Give
     return compute
 
 
-def _fixed(values: list[Any]) -> NDArray[Any]:
+def _read_only_array(values: list[Any]) -> NDArray[Any]:
     array = np.array(values)
     array.flags.writeable = False
     return array

@@ -21,7 +21,7 @@ from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_j
 from rankdrop.robot.numbers import as_intended, nearest
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import frame_on_axis, inverse, rigid
-from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, connected
+from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, connect_links
 from rankdrop.robot.urdf import from_tree
 
 
@@ -157,7 +157,7 @@ def from_pinocchio(model: Any, *, base: str | None = None, tip: str | None = Non
     for link, (carrier, _) in places.items():
         if link != nodes[carrier]:
             joints[f"{link} (fixed)"] = TreeJoint(f"{link} (fixed)", "fixed", nodes[carrier], link)
-    tree = connected(Tree(name, f"Pinocchio model {name!r}", links, joints))
+    tree = connect_links(Tree(name, f"Pinocchio model {name!r}", links, joints))
     for named, label in ((base, "base"), (tip, "tip")):
         if named is not None:
             tree.check_link(named, label)
@@ -236,7 +236,7 @@ def _pinocchio_motion(pin: Any, model: Any, joint: TreeJoint, tree: Tree) -> Mot
     i = int(joint.kind)
     own = model.joints[i]
     if own.nv != 1 or "Mimic" in own.shortname():
-        raise RobotError("a joint of the chain is not of one freedom of its own", where=tree.where(joint),
+        raise RobotError("a joint of the chain is not of one freedom of its own", where=tree.place_of(joint),
                          got=own.shortname(), allowed="revolute, prismatic, helical",
                          mend="name a base below it")  # fmt: skip
     data = own.createData()
@@ -382,7 +382,7 @@ def from_yourdfpy(model: Any, *, base: str | None = None, tip: str | None = None
         if joint.origin is not None:
             origins[key] = rigid(joint.origin, f"yourdfpy model {name!r}, joint {key!r}, origin")
         joints[key] = TreeJoint(key, str(joint.type), str(joint.parent), str(joint.child), _urdf_element(joint))
-    tree = connected(Tree(name, f"yourdfpy model {name!r}", links, joints))
+    tree = connect_links(Tree(name, f"yourdfpy model {name!r}", links, joints))
     return from_tree(tree, "yourdfpy", base=base, tip=tip, as_written=as_written, origins=origins)
 
 

@@ -327,9 +327,9 @@ class Change:
     @property
     def ends(self) -> tuple[str, str]:
         """Its values before and after in words: ("0.3 mm", "0"), ("90.06°", "90°")."""
-        return self._written(self.before), self._written(self.after)
+        return self._value_words(self.before), self._value_words(self.after)
 
-    def _written(self, value: float) -> str:
+    def _value_words(self, value: float) -> str:
         """With one digit more than it was moved by."""
         if value == 0.0 and not self.turns:
             return "0"
@@ -569,7 +569,7 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     lines = axis_lines(robot, length=length)
     normals = common_normals(robot, lines, angle=angle, length=length)
     made = [_exact(one, unit, angle, length) for one in between(lines, normals)]
-    made = _cancelled(made, [joint.slides for joint in robot.joints], length)
+    made = _cancel_offsets(made, [joint.slides for joint in robot.joints], length)
     pose = _pose_squared(frame_at(normals[0][0], lines[0][0], normals[0][2]), unit, angle)
     joints = []
     for i, (joint, numbers) in enumerate(zip(robot.joints, made, strict=True)):
@@ -593,7 +593,7 @@ def _exact(given: Numbers, unit: float, angle: float, length: float) -> Numbers:
     return Numbers(phase, d, a, exact_angle(given.twist, angle))
 
 
-def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
+def _cancel_offsets(made: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
     """Offsets along parallel axes add up; where they cancel but for `length`, they cancel exactly."""
     found = list(made)
     for run in parallel_runs(found):

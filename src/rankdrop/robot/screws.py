@@ -220,10 +220,10 @@ def read_screw_list(path: Path) -> Array:
     Raises:
         RobotError: no screws, a line without six numbers, something that is not a number (line and column are told).
     """
-    return _read(path)[0]
+    return _screws_with_lines(path)[0]
 
 
-def _read(path: Path) -> tuple[Array, list[int]]:
+def _screws_with_lines(path: Path) -> tuple[Array, list[int]]:
     """The numbers, and the line each screw stands in."""
     rows, lines = [], []
     for number, line in enumerate(read_text(path, largest=LARGEST_TABLE).splitlines(), 1):
@@ -275,7 +275,7 @@ def from_screw_list(path: Path, *, name: str | None = None, as_written: bool = F
     Raises:
         RobotError: as `read_screw_list`; a screw that is no joint's (the line is told).
     """
-    rows, lines = _read(path)
+    rows, lines = _screws_with_lines(path)
     for screw, line in zip(rows, lines, strict=True):
         try:
             from_screws(screw[None], order="angular-first")

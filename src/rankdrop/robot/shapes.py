@@ -267,7 +267,7 @@ def meshes_of(visuals: tuple[Visual, ...]) -> tuple[tuple[Mesh, ...], tuple[str,
             used = _parts(trimesh, visual, parts)
             more_faces, more_vertices = sum(len(part.faces) for part in used), sum(len(part.vertices) for part in used)
             check_count(more_faces, more_vertices, str(visual.file), MOST_FACES - faces, MOST_VERTICES - vertices)
-            found += [_placed(part, visual) for part in used]
+            found += [_place_part(part, visual) for part in used]
         except RankdropError as error:
             notes.append(str(error))
         else:
@@ -299,7 +299,7 @@ def _solid(trimesh: Any, visual: Visual) -> Any:
     return trimesh.creation.icosphere(radius=size[0], subdivisions=3)
 
 
-def _placed(part: Part, visual: Visual) -> Mesh:
+def _place_part(part: Part, visual: Visual) -> Mesh:
     if visual.file is None:
         scale = np.ones(3)
     else:

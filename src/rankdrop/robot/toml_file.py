@@ -115,11 +115,11 @@ def robot_from_toml(
         else:
             title = ""
 
-        def where(key: str) -> str:
+        def place_of_key(key: str) -> str:
             line = line_of(lines, table, index, key)
             return f"{file}, line {line}{joint}{title}" + (f", {key}" if key else "")
 
-        return where
+        return place_of_key
 
     try:
         angles = Angles(as_written)

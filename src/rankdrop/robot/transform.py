@@ -47,7 +47,7 @@ def as_numbers(values: Any, what: str, error: type[RankdropError] = RobotError) 
     """
     if type(values) is np.ndarray and values.dtype == np.float64:
         return values
-    if _masked(values):
+    if _has_mask(values):
         raise error(f"{what} has masked values", mend="fill them in: q.filled(…)")
     try:
         array = np.asarray(values)
@@ -82,11 +82,11 @@ def _is_real(value: object) -> bool:
     return isinstance(value, Real) or (hasattr(value, "__float__") and not isinstance(value, np.generic | np.ndarray))
 
 
-def _masked(values: Any, deep: int = 0) -> bool:
+def _has_mask(values: Any, deep: int = 0) -> bool:
     """Whether a value is masked, in lists of arrays too, as deep as NumPy reads them."""
     if isinstance(values, list | tuple):
         inside = (part for part in values if isinstance(part, list | tuple | np.ma.MaskedArray))
-        return deep < _DEEPEST and any(_masked(part, deep + 1) for part in inside)
+        return deep < _DEEPEST and any(_has_mask(part, deep + 1) for part in inside)
     return bool(np.ma.is_masked(values))
 
 

@@ -60,7 +60,7 @@ class Tree:
     below: dict[str, list[TreeJoint]] = field(default_factory=dict)  # link -> the joints on it
     broken: list[tuple[TreeJoint, str]] = field(default_factory=list)  # joint, "parent" or "child"
 
-    def where(self, joint: TreeJoint, part: str = "") -> str:
+    def place_of(self, joint: TreeJoint, part: str = "") -> str:
         """Place of a joint, or of one of its elements, for errors: file, line, element, joint."""
         element = (joint.element.first(part) if part else None) or joint.element
         if element is joint.element:
@@ -159,10 +159,10 @@ def read_tree(root: Element, file: str) -> Tree:
             links[name] = element.line
         else:
             joints[name] = _joint(name, element, file)
-    return connected(Tree(root.attributes.get("name", ""), file, links, joints))
+    return connect_links(Tree(root.attributes.get("name", ""), file, links, joints))
 
 
-def connected(tree: Tree) -> Tree:
+def connect_links(tree: Tree) -> Tree:
     """The tree with its joints hung on its links; those that name a link which is not there are in `broken`.
 
     Raises:
@@ -175,7 +175,7 @@ def connected(tree: Tree) -> Tree:
             continue
         if joint.child in tree.above:
             raise RobotError(
-                f"the link {joint.child!r} has two parents", where=tree.where(joint, "child"),
+                f"the link {joint.child!r} has two parents", where=tree.place_of(joint, "child"),
                 got=f"joints {tree.above[joint.child].name!r} and {joint.name!r}", allowed="a tree",
                 mend="take out one of the two joints",
             )
@@ -217,7 +217,7 @@ def _refuse_cycles(tree: Tree) -> None:
                 ring = [tree.above[name] for name in order[order.index(link) :]]
                 first = min(ring, key=lambda joint: joint.element.line)
                 raise RobotError(
-                    "the links form a cycle", where=tree.where(first), got=", ".join(joint.name for joint in ring),
+                    "the links form a cycle", where=tree.place_of(first), got=", ".join(joint.name for joint in ring),
                     allowed="a tree", mend="cut the loop at one joint",
                 )
             walked[link] = None
@@ -310,7 +310,7 @@ def _leave_out_broken(tree: Tree, base: str | None, tip: str | None) -> list[Rob
         if tip is None or carries:
             hint = _hint(link, tree.links)
             raise RobotError(
-                f"the {end} link is not in the file", where=tree.where(joint, end), got=repr(link),
+                f"the {end} link is not in the file", where=tree.place_of(joint, end), got=repr(link),
                 allowed=hint["allowed"], mend=hint.get("mend") or f"declare it{'' if carries else ', or name a tip'}",
             )
         notes.append(RobotNote(NoteOn.LEFT_OUT, joint.name, link, end=end))
@@ -497,7 +497,7 @@ def chain_robot(
     for step in ends.path:
         motion = motion_of(step)
         if not all(np.isfinite(part).all() for part in (motion.origin, motion.axis, motion.anchor, motion.ref)):
-            raise RobotError("the place of a joint is not finite", where=tree.where(step), allowed="finite numbers")
+            raise RobotError("the place of a joint is not finite", where=tree.place_of(step), allowed="finite numbers")
         pose = times(pose, motion.origin)
         if motion.kind is not None:
             point = pose[:3, 3] + times(pose[:3, :3], motion.anchor)

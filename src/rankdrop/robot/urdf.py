@@ -120,7 +120,7 @@ def _trace(tree: Tree, joint: TreeJoint, known: dict[str, Mimic]) -> Mimic:
     passed = {joint.name: None}
     current = joint
     while current.name not in known and (element := current.element.first("mimic")) is not None:
-        where = tree.where(current, "mimic")
+        where = tree.place_of(current, "mimic")
         name = element.attributes.get("joint", "")
         if name not in tree.joints:
             raise RobotError("the mimic joint follows a joint that is not in the file", where=where, got=repr(name))
@@ -244,9 +244,9 @@ def _kind(tree: Tree, joint: TreeJoint) -> JointKind:
             what = "the joint type is not known"
         plain = joint.kind.strip().lower()
         if plain in {*_KINDS, "fixed"}:
-            raise RobotError(what, where=tree.where(joint), got=f"type {joint.kind!r}", mend=f"write {plain!r}")
+            raise RobotError(what, where=tree.place_of(joint), got=f"type {joint.kind!r}", mend=f"write {plain!r}")
         raise RobotError(
-            what, where=tree.where(joint), got=f"type {joint.kind!r}", allowed=", ".join([*_KINDS, "fixed"]),
+            what, where=tree.place_of(joint), got=f"type {joint.kind!r}", allowed=", ".join([*_KINDS, "fixed"]),
             mend=f"name a base below it, base={joint.child!r}, or a tip above it, or describe it by simple joints",
             typed=f"name a base below it, --base {shlex.quote(joint.child)}, or a --tip above it",
         )
@@ -262,7 +262,7 @@ def joint_origin(tree: Tree, joint: TreeJoint, angles: Angles) -> Array:
     element = joint.element.first("origin")
     if element is None:
         return np.eye(4)
-    where = tree.where(joint, "origin")
+    where = tree.place_of(joint, "origin")
     for unread in ("quat_xyzw", "wxyz"):  # used by some tools instead of rpy: ignoring it would turn the axis
         if unread in element.attributes and "rpy" not in element.attributes:
             raise RobotError("the rotation is not given as rpy", where=where, got=unread, allowed="xyz, rpy")
@@ -276,7 +276,7 @@ def _axis(tree: Tree, joint: TreeJoint) -> Array:
     element = joint.element.first("axis")
     if element is None:
         return np.array([1.0, 0.0, 0.0])  # the default of the URDF specification
-    where = tree.where(joint, "axis")
+    where = tree.place_of(joint, "axis")
     text = element.attributes.get("xyz", "1 0 0")
     axis = np.array(three(text, where, "xyz"))
     length = norm(axis)
@@ -294,7 +294,7 @@ def _limits(tree: Tree, joint: TreeJoint, notes: list[RobotNote]) -> tuple[float
         given = {}
     else:
         given = element.attributes
-    where = tree.where(joint, "limit")
+    where = tree.place_of(joint, "limit")
     if "velocity" in given:
         velocity = _largest_rate(_limit(joint, given, "velocity", where, notes), joint, where, notes)
     else:

@@ -100,10 +100,10 @@ def _below(folder: Path, down: int, left: list[int]) -> Iterator[Path]:
         yield from level
         if depth < down:
             parents = [place for place in level if depth == 0 or not (place / "package.xml").is_file()]
-            level = flat_map(lambda place: _inside(place, left), parents)
+            level = flat_map(lambda place: _subfolders(place, left), parents)
 
 
-def _inside(folder: Path, left: list[int]) -> list[Path]:
+def _subfolders(folder: Path, left: list[int]) -> list[Path]:
     left[0] -= 1
     if left[0] < 0:
         return []

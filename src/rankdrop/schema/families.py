@@ -311,7 +311,7 @@ IDEAL = table(
     families=(many(IDEAL_FAMILIES), "the arm itself on each family of the ideal one"),
 )
 ANSWER = (optional(many(str)), "the answer in two sentences: what the arm has, and how sure that is",
-          lambda result: result.verdict.beside(result.answer))  # fmt: skip
+          lambda result: result.verdict.headlines(result.answer))  # fmt: skip
 RANKS = table(
     "ranks", of=RankSummary, rank=(Count, "of the task Jacobian on these families"), corank=Positive, families=Positive,
     combinations=(Count, "of these, families that lie on two or more families of the smallest corank"),

@@ -15,7 +15,7 @@ __all__ = ["inside_limits", "latex_of", "of_analysis", "opening", "sections_of",
 
 def sections_of(analysis: Analysis) -> tuple[Section, ...]:
     """The answer and how it was verified, then a table of families for each corank."""
-    first, second = analysis.verdict.beside(analysis.answer)
+    first, second = analysis.verdict.headlines(analysis.answer)
     tables = overview(
         analysis.robot, analysis.generic_rank, analysis.coranks, analysis.families,
         limits=analysis.settings.limits,

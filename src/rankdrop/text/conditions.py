@@ -489,7 +489,7 @@ def _all_digits() -> str:
 
 def sections_of(conditions: Any) -> tuple[Section, ...]:
     """The answer and how it was verified, then the conditions."""
-    first, second = conditions.verdict.beside(conditions.answer)
+    first, second = conditions.verdict.headlines(conditions.answer)
     return (Section(first, lines=(second,)), *condition_sections(conditions))
 
 

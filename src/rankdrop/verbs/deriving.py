@@ -445,10 +445,10 @@ def _undivided_sets(
         known = [_own_equations(chain, family) for family in families if family.corank >= corank]
         return count_explained(Cloud(chain.own, chain.own_task, q, np.full(len(q), corank)), known)[1]
 
-    def followed(corank: int, q: Array) -> Array:
+    def follow_to_corank(corank: int, q: Array) -> Array:
         return _singular_ends(Problem(chain.own, chain.own_task, corank), q)
 
-    cases = undivided_sets(chain, tree, off_families, followed, work.seed)
+    cases = undivided_sets(chain, tree, off_families, follow_to_corank, work.seed)
     for place, case in enumerate(cases, 1):
         if case.witness is None:
             continue

@@ -66,13 +66,13 @@ class Gate:
         origin = headers.get("Origin")
         if origin is not None and origin.lower() not in {f"http://{host}", f"https://{host}"}:
             return "requests from other pages are refused"
-        if self.token is not None and not (self._shown(path) or self._kept(headers)):
+        if self.token is not None and not (self._in_query(path) or self._in_cookie(headers)):
             return "the token is missing: use the whole address that the viewer printed"
         return None
 
     def cookie(self, path: str) -> str | None:
         """The cookie to set with the answer to a request that showed the token."""
-        if self.token is None or not self._shown(path):
+        if self.token is None or not self._in_query(path):
             return None
         return f"{self._name}={self.token}; HttpOnly; SameSite=Strict; Path=/"
 
@@ -80,10 +80,10 @@ class Gate:
     def _name(self) -> str:
         return f"rankdrop-{self.port}"  # cookies do not tell ports apart: the name has to
 
-    def _shown(self, path: str) -> bool:
+    def _in_query(self, path: str) -> bool:
         return any(self._is(word) for word in parse_qs(urlsplit(path).query).get("token", []))
 
-    def _kept(self, headers: Mapping[str, str]) -> bool:
+    def _in_cookie(self, headers: Mapping[str, str]) -> bool:
         try:
             kept = SimpleCookie(headers.get("Cookie", ""))
         except CookieError:

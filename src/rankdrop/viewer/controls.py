@@ -85,10 +85,10 @@ class Controls:
             hint=f"limits {joint.lower * unit:.4g} … {joint.upper * unit:.4g}{sign}" if limited else "no limits",
         )  # fmt: skip
 
-        slider.on_update(lambda event: self._dragged(event, index))
+        slider.on_update(lambda event: self._on_drag(event, index))
         return slider
 
-    def _dragged(self, event: viser.GuiEvent[Any], index: int) -> None:
+    def _on_drag(self, event: viser.GuiEvent[Any], index: int) -> None:
         if event.client_id is not None:  # a hand moved it, not `shown`
             slider = self.sliders[index]
             self.session.set_joint(index, slider.value / self._unit[index], slider)
@@ -133,7 +133,7 @@ class Controls:
         else:
             self.message.content = ""
 
-    def shown(self, now: Now, source: object) -> None:
+    def on_look(self, now: Now, source: object) -> None:
         """A configuration was looked at."""
         with self._telling:
             self.now = now
@@ -165,7 +165,7 @@ class Controls:
         if slider.value != shown:
             set_input(slider, shown)
 
-    def explained(self, found: Explanation) -> None:
+    def on_explanation(self, found: Explanation) -> None:
         """A configuration was explained."""
         panel.details_html(found)  # what it works out late, before anybody waits for the lock
         with self._telling:

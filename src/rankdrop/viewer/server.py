@@ -92,7 +92,7 @@ class Viewer:
         self.notes = (*left_out, *unread)
         port = free_port(wishes.host, PORT if wishes.port is None else wishes.port, next_one=wishes.port is None)
         gate = Gate(port, new_token() if wishes.expose else None)
-        self.server: viser.ViserServer = start_gated(wishes.host, gate, self._arrived)
+        self.server: viser.ViserServer = start_gated(wishes.host, gate, self._on_request)
         self.url = _url(wishes.host, gate)
         if wishes.q is None:
             start = upright_start(robot, task)
@@ -151,7 +151,7 @@ class Viewer:
         nearest = found.far.nearest if at else None
         self.stage.show_ghost(None if nearest is None else np.array(nearest.q))
 
-    def _arrived(self, path: str) -> None:
+    def _on_request(self, path: str) -> None:
         """A request for the page: a link may say where the arm is to stand."""
         session = getattr(self, "session", None)
         if session is None:
@@ -174,7 +174,7 @@ class Viewer:
                                         control_width="large", brand_color=(0, 114, 178))  # fmt: skip
         self.stage.paint(dark=dark)
 
-    def shown(self, now: Now, source: object) -> None:
+    def on_look(self, now: Now, source: object) -> None:
         """Draw what was looked at."""
         self.stage.show(now)
         found = self.controls.found
@@ -182,16 +182,16 @@ class Viewer:
         circuits = now.blamed or (found.blame.smallest if found is not None and near else ())
         self.stage.blame([circuit.numbers for circuit in circuits], now)
         for part in (self.controls, self.path, self.share, self.slice):
-            part.shown(now, source)
+            part.on_look(now, source)
         if now.seen.corank or self.session.moving:
             self.stage.show_ghost(None)
         elif found is not None:  # it may have been explained before it was drawn
             self._show_ghost(found)
 
-    def explained(self, found: Explanation) -> None:
+    def on_explanation(self, found: Explanation) -> None:
         """Show what an explanation adds."""
-        self.controls.explained(found)
-        self._escape.explained(found)
+        self.controls.on_explanation(found)
+        self._escape.on_explanation(found)
         self._show_ghost(found)
         now = self.controls.now
         if now is not None and np.array_equal(now.q, found.q):
@@ -199,7 +199,7 @@ class Viewer:
             if not self.session.moving:
                 self.stage.keep_in_view(found.q)
 
-    def failed(self, error: BaseException) -> None:
+    def on_failure(self, error: BaseException) -> None:
         """Say what went wrong."""
         self.controls.say(f"{type(error).__name__}: {error}")
 

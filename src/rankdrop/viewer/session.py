@@ -33,13 +33,13 @@ _LEAST, _MOST = 0.4, 3.0  # how long it takes [s]
 class Listener(Protocol):
     """Whoever shows the state."""
 
-    def shown(self, now: Now, source: object) -> None:
+    def on_look(self, now: Now, source: object) -> None:
         """A configuration was looked at; `source` is whoever set it."""
 
-    def explained(self, found: Explanation) -> None:
+    def on_explanation(self, found: Explanation) -> None:
         """A configuration was explained."""
 
-    def failed(self, error: BaseException) -> None:
+    def on_failure(self, error: BaseException) -> None:
         """Looking or explaining failed."""
 
 
@@ -166,7 +166,7 @@ class Session:
                 seen, q, source = self._version, self._q, self._source
             begun = monotonic()
             try:
-                self.listener.shown(self.live.look(q), source)
+                self.listener.on_look(self.live.look(q), source)
             except Exception as error:
                 self._report(error)
             self.looked += 1
@@ -197,7 +197,7 @@ class Session:
                 with self._changed:
                     if not self._open:
                         return
-                self.listener.explained(found)
+                self.listener.on_explanation(found)
             except Exception as error:
                 self._report(error)
             self.thought += 1
@@ -207,7 +207,7 @@ class Session:
         if not self._open:
             return
         try:
-            self.listener.failed(error)
+            self.listener.on_failure(error)
         except Exception:  # the page has gone, or cannot show it: the terminal still can
             traceback.print_exception(error)
 

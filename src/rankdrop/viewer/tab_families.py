@@ -222,15 +222,15 @@ class EscapeTab:
         self.controls = controls
         with controls.tabs.add_tab("Escape"):
             self.ui = SimpleNamespace(
-                best=controls.button("best direction", lambda: self._along("best_direction"), colour="blue"),
-                pair=controls.button("best two joints", lambda: self._along("best_pair")),
+                best=controls.button("best direction", lambda: self._move_along("best_direction"), colour="blue"),
+                pair=controls.button("best two joints", lambda: self._move_along("best_pair")),
                 still=controls.button("with the tool held still", self._keep_still),
                 single=[controls.button(f"joint {joint}", partial(self._move_joint, number))
                         for number, joint in enumerate(controls.joints, start=1)],
                 stop=controls.button("stop", controls.session.stop),
             )  # fmt: skip
 
-    def explained(self, found: Explanation) -> None:
+    def on_explanation(self, found: Explanation) -> None:
         """Label the buttons with what they do from here."""
         out, r = found.escape, found.rank.generic_rank
         for way in out.single:
@@ -265,7 +265,7 @@ class EscapeTab:
         target[number - 1] += way.step
         session.go(target)
 
-    def _along(self, which: str) -> None:
+    def _move_along(self, which: str) -> None:
         session = self.controls.session
         direction: Direction | None = getattr(self._now(), which)
         if direction is None or direction.step == 0.0:
@@ -452,7 +452,7 @@ class SliceTab:
         self._drawn = None
         self.controls.server.scene.remove_by_name("/slice")
 
-    def shown(self, now: Now, _source: object) -> None:
+    def on_look(self, now: Now, _source: object) -> None:
         """Move the mark; where the other joints have moved and it is wanted, draw anew in the background."""
         if self._drawn is None:
             return

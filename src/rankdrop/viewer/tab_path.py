@@ -108,16 +108,16 @@ class PathTab:
         acts = {"▶ play": self._play, "■ stop": controls.session.stop, "worst": self._show_worst}
         with controls.tabs.add_tab("Path"):
             self.ui = SimpleNamespace(
-                upload=controls.upload("open a CSV file", "text/csv,.csv,.txt", self._uploaded),
+                upload=controls.upload("open a CSV file", "text/csv,.csv,.txt", self._on_upload),
                 about=gui.add_html(panel.message_html(
                     "Columns: joint names or q1 … qn, and a time if there is one.")),
                 time=gui.add_slider("time [s]", 0.0, 1.0, 0.001, 0.0, visible=False),
                 speed=gui.add_slider("speed", 0.1, 5.0, 0.1, 1.0, visible=False),
                 buttons=controls.buttons("path", acts, visible=False),
             )  # fmt: skip
-        self.ui.time.on_update(self._dragged)
+        self.ui.time.on_update(self._on_drag)
 
-    def _uploaded(self, file: Any) -> None:
+    def _on_upload(self, file: Any) -> None:
         text = file.content.decode("utf-8-sig", errors="replace")
         self.open(parse_trajectory(text, file.name, self.controls.robot, deg=self.deg))
 
@@ -199,11 +199,11 @@ class PathTab:
         set_input(self.ui.time, last)
         yield trajectory.q[-1]
 
-    def _dragged(self, event: viser.GuiEvent[Any]) -> None:
+    def _on_drag(self, event: viser.GuiEvent[Any]) -> None:
         if event.client_id is not None and self.trajectory is not None:
             self.controls.session.set(self.trajectory.at(self.ui.time.value), self)
 
-    def shown(self, _now: Now, source: object) -> None:
+    def on_look(self, _now: Now, source: object) -> None:
         """Move the marks of the plots, where the trajectory moves the arm."""
         if source is self:
             for plot, values in self._plots:
@@ -275,7 +275,7 @@ class ShareTab:
                                      hint="for the tab Path, and for `rankdrop path`"),
             )  # fmt: skip
 
-    def shown(self, now: Now, _source: object) -> None:
+    def on_look(self, now: Now, _source: object) -> None:
         """A configuration was looked at."""
         text = state_text(self.controls.robot, now.q)
         link, line = f"{self._url}?q={text}", f"{self._command} --deg --q={text}"

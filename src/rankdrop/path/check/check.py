@@ -53,7 +53,7 @@ from rankdrop.path.check.turns import jump
 from rankdrop.path.curve import Curve, Place, curve
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.path.read.poses import Poses, holds_poses, length_hint, read_poses
-from rankdrop.path.read.trajectory import Trajectory, checked, checked_times, refuse_degrees, rows_of, unit_hint
+from rankdrop.path.read.trajectory import Trajectory, check_times, check_values, refuse_degrees, rows_of, unit_hint
 from rankdrop.poses.inverse import Aim, distinct, joint_difference, near_and_within
 from rankdrop.problem import whole_turns
 from rankdrop.questions import PathOptions
@@ -136,7 +136,7 @@ def check_path(
             allowed=f"shape (T, {robot.n}), T ≥ 1",
         )  # fmt: skip
     if samples.shape[1] == robot.n:
-        checked(samples, robot, rows_of("q", robot))
+        check_values(samples, robot, rows_of("q", robot))
     rows = configurations(robot, samples)[0].copy()
     times = _times(t, len(rows), "row")
     rates, changes = (
@@ -170,7 +170,7 @@ def _times(t: ArrayLike | None, count: int, what: str) -> Array | None:
     if times.shape != (count,):
         raise ConfigurationError(f"there is one time for each {what}", where="t", got=f"shape {times.shape}",
                                  allowed=f"shape ({count},)")  # fmt: skip
-    return checked_times(times, lambda row: f"t, {what} {row + 1}")
+    return check_times(times, lambda row: f"t, {what} {row + 1}")
 
 
 def _like(rows: Array, values: ArrayLike, name: str, robot: Robot) -> Array:
@@ -178,7 +178,7 @@ def _like(rows: Array, values: ArrayLike, name: str, robot: Robot) -> Array:
     if array.shape != rows.shape:
         raise ConfigurationError(f"{name} have the shape of q", where=name, got=f"shape {array.shape}",
                                  allowed=f"shape {rows.shape}")  # fmt: skip
-    return checked(array, robot, rows_of(name, robot))
+    return check_values(array, robot, rows_of(name, robot))
 
 
 def check_curve(

@@ -21,7 +21,7 @@ from numpy.lib.format import MAGIC_PREFIX, read_array, read_array_header_1_0, re
 from numpy.typing import NDArray
 
 from rankdrop.disk import is_endless
-from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, arranged, increasing
+from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, increasing, trajectory_from_arrays
 from rankdrop.robot.files import LARGEST_ARRAY, LONGEST_HEAD, MOST_MEMBERS, MOST_ROWS, MOST_STEPS
 from rankdrop.robot.model import Array, Robot
 
@@ -55,11 +55,11 @@ def read_arrays(path: Path, robot: Robot, *, deg: bool = False) -> Trajectory:
     if isinstance(loaded, np.ndarray):
         q = _doubles(loaded)
         timed = q.ndim == 2 and q.shape[1] == robot.n + 1 and len(q) > 1 and increasing(q[:, 0])
-        return arranged(where, robot, {"q": q[:, 1:], "t": q[:, 0]} if timed else {"q": q}, deg=deg)
+        return trajectory_from_arrays(where, robot, {"q": q[:, 1:], "t": q[:, 0]} if timed else {"q": q}, deg=deg)
     names = loaded.pop("joint_names", None)
     listed = None if names is None else _texts(names)
     parts = {key: _doubles(part) for key, part in loaded.items()}
-    return arranged(where, robot, parts, listed, deg=deg)
+    return trajectory_from_arrays(where, robot, parts, listed, deg=deg)
 
 
 def _doubles(numbers: NDArray[Any]) -> Array:

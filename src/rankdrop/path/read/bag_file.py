@@ -24,7 +24,7 @@ import numpy as np
 
 from rankdrop.errors import MissingExtraError, RankdropError
 from rankdrop.jobs.limited import CPU, MEMORY, run_limited
-from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, arranged, checked_times
+from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, check_times, trajectory_from_arrays
 from rankdrop.robot.files import MOST_ROWS
 from rankdrop.robot.model import Array, Robot
 from rankdrop.text.path_files import BAG_MEND, BAG_NOTES, DAMAGES
@@ -78,7 +78,7 @@ def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = 
                           error=TrajectoryError)  # fmt: skip
     parts = np.load(io.BytesIO(content))
     about = json.loads(str(parts["about"]))
-    trajectory = arranged(about["where"], robot, parts, deg=deg)
+    trajectory = trajectory_from_arrays(about["where"], robot, parts, deg=deg)
     notes = tuple(BAG_NOTES[kind].format(*values) for kind, *values in about["notes"])
     return replace(trajectory, name=path.name, notes=notes, unused=tuple(about["unused"]))
 
@@ -329,7 +329,7 @@ class _Rows:
         again = {k for i, k in pairwise(in_force) if when[i] == when[k] and (q[i] == q[k]).all()}
         kept = [k for k in in_force if k not in again]
         times = np.array([when[k] - when[kept[0]] for k in kept], dtype=np.float64) * 1e-9
-        checked_times(times, lambda row: places[kept[row]])
+        check_times(times, lambda row: places[kept[row]])
         parts = {}
         for key, column in {"q": q, "qd": qd, "qdd": qdd}.items():
             values = [column[k] for k in kept]

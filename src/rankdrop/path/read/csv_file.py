@@ -17,8 +17,8 @@ from rankdrop.errors import RankdropError
 from rankdrop.path.read.trajectory import (
     Trajectory,
     TrajectoryError,
-    checked,
-    checked_times,
+    check_times,
+    check_values,
     increasing,
     joint_names,
     regular_times,
@@ -79,7 +79,7 @@ class Table:
     notes: tuple[str, ...] = ()
 
     @property
-    def where(self) -> str:
+    def head_place(self) -> str:
         """The line of the names, for errors."""
         return f"{self.name}, line {self.line}"
 
@@ -124,7 +124,7 @@ class Table:
         if column is None:
             return None
         seconds = self.block([column])[:, 0] / per_second(self.head[column])
-        return checked_times(seconds, lambda row: f"{self.place(row)}, column {self.head[column]!r}")
+        return check_times(seconds, lambda row: f"{self.place(row)}, column {self.head[column]!r}")
 
 
 def read_table(text: str, name: str) -> Table:
@@ -141,7 +141,7 @@ def read_table(text: str, name: str) -> Table:
     if not table.head:
         raise TrajectoryError("there is no row", where=name, mend="a line of names, then a row for each moment")
     if not len(table.lines):
-        raise TrajectoryError("there is no row below the names", where=table.where)
+        raise TrajectoryError("there is no row below the names", where=table.head_place)
     if len(table.lines) > MOST_ROWS:
         raise TrajectoryError("there are too many rows", where=name, got=len(table.lines),
                               allowed=f"at most {MOST_ROWS}")  # fmt: skip
@@ -401,13 +401,13 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     table = read_table(text, name)
     if all(map(is_number, table.head)):
         table.head = _names_of_numbers(table, robot)
-    columns, time, unused = find_columns(table.head, table.where, _joint_columns(table, robot), deg=deg)
+    columns, time, unused = find_columns(table.head, table.head_place, _joint_columns(table, robot), deg=deg)
     missing = [joint.name for i, joint in enumerate(robot.variables) if i not in columns]
     if missing:
-        raise TrajectoryError("joints have no column", where=table.where, got=", ".join(table.head),
+        raise TrajectoryError("joints have no column", where=table.head_place, got=", ".join(table.head),
                               allowed=joint_names(robot), mend=f"add {', '.join(missing)}")  # fmt: skip
     places, factors = zip(*(columns[i] for i in range(robot.n)), strict=True)
-    q = checked(
+    q = check_values(
         table.block(places), robot, factors=np.array(factors),
         place=lambda row, joint: f"{table.place(row)}, column {places[joint] + 1} ({table.head[places[joint]]})",
     )  # fmt: skip
@@ -424,18 +424,19 @@ def _joint_columns(table: Table, robot: Robot) -> Known:
     """A function that knows the columns of joints: by name or q1 … qn the joint, from 0, and what it measures."""
     numbers = {joint.name: i for i, joint in enumerate(robot.variables)}
 
-    def known(word: str) -> tuple[int, str] | None:
+    def joint_of_name(word: str) -> tuple[int, str] | None:
         short = _JOINT.fullmatch(word)
         index = numbers.get(word, int(short[1]) - 1 if short else None)
         if index is None:
             return None
         if not 0 <= index < robot.n:
             place = [name_and_unit(head)[0] for head in table.head].index(word)
-            raise TrajectoryError("there is no such joint", where=f"{table.where}, column {place + 1}", got=repr(word),
+            where = f"{table.head_place}, column {place + 1}"
+            raise TrajectoryError("there is no such joint", where=where, got=repr(word),
                                   allowed=joint_names(robot))  # fmt: skip
         return index, "angle" if robot.variables[index].unit == "rad" else "length"
 
-    return known
+    return joint_of_name
 
 
 def _names_of_numbers(table: Table, robot: Robot) -> list[str]:
@@ -445,7 +446,7 @@ def _names_of_numbers(table: Table, robot: Robot) -> list[str]:
         return ["time", *names]
     if len(table.head) != robot.n:
         raise TrajectoryError(
-            "the columns have no names", where=table.where, got=f"{len(table.head)} numbers",
+            "the columns have no names", where=table.head_place, got=f"{len(table.head)} numbers",
             allowed=f"{robot.n} numbers, one for each joint, a rising time in front of them, or a first line of names: "
             f"{joint_names(robot)}",
         )  # fmt: skip

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError
-from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, arranged
+from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, trajectory_from_arrays
 from rankdrop.robot.files import DEEPEST, LARGEST_YAML
 from rankdrop.robot.model import Array, Robot
 
@@ -46,7 +46,7 @@ def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool =
         raise TrajectoryError("the point has no positions", where=f"{name}, row 1")
     times = [_time(point, f"{name}, row {row}") for row, point in enumerate(points, start=1)]
     columns["t"] = all_or_none(times, "point", "time_from_start", lambda row: f"{name}, row {row + 1}")
-    return arranged(name, robot, columns, names, deg=deg)
+    return trajectory_from_arrays(name, robot, columns, names, deg=deg)
 
 
 def _names_and_points(text: str, name: str, *, yaml: bool) -> tuple[list[str], list[Any]]:

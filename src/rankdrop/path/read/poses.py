@@ -26,7 +26,7 @@ from rankdrop.path.read.csv_file import (
 )
 from rankdrop.path.read.files import text_of_file
 from rankdrop.path.read.messages import OBJECTS, all_or_none, documents, is_double
-from rankdrop.path.read.trajectory import BAGS, TrajectoryError, checked_times
+from rankdrop.path.read.trajectory import BAGS, TrajectoryError, check_times
 from rankdrop.robot.files import MOST_ROWS, RANGE, allowed_range, read_text
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
@@ -174,13 +174,13 @@ def pose_table(
     """
     table = read_table(text, name)
     if all(map(is_number, table.head)):
-        raise TrajectoryError("the columns have no names", where=table.where,
+        raise TrajectoryError("the columns have no names", where=table.head_place,
                               allowed="x, y, z and qx, qy, qz, qw or roll, pitch, yaw")  # fmt: skip
-    columns, time, _ = find_columns(table.head, table.where, _measure, deg=deg)
+    columns, time, _ = find_columns(table.head, table.head_place, _measure, deg=deg)
     turn = next((keys for keys in (QUATERNION, ANGLES) if columns.keys() >= set(keys)), ())
     if columns.keys() != {*_LENGTHS, *turn}:
         raise TrajectoryError(
-            "poses need other columns", where=table.where, got=", ".join(table.head),
+            "poses need other columns", where=table.head_place, got=", ".join(table.head),
             allowed="x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone",
         )  # fmt: skip
     return table, columns, time, turn
@@ -267,7 +267,7 @@ def _poses_of_objects(found: Any, name: str, *, deg: bool) -> Poses:
     if times is None:
         when = None
     else:
-        when = checked_times(times, place)
+        when = check_times(times, place)
     keys = _TURNS.get(turn, ())
     return Poses(Path(name).name, _matrices(values, keys, place), when, bool(turn), ())
 

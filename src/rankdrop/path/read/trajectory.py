@@ -82,7 +82,7 @@ def rows_of(where: str, robot: Robot) -> Callable[[int, int], str]:
     return lambda row, joint: f"{where}, row {row + 1}, joint {robot.variables[joint].name!r}"
 
 
-def checked(
+def check_values(
     values: Array, robot: Robot, place: Callable[[int, int], str], what: str = "the value", *,
     factors: Array | None = None,
 ) -> Array:  # fmt: skip
@@ -123,7 +123,7 @@ def _refuse_first(
         raise TrajectoryError(problem, where=place(row, joint), got=f"{values[row, joint]:g}", allowed=allowed)
 
 
-def checked_times(times: Array, where: Callable[[int], str]) -> Array:
+def check_times(times: Array, where: Callable[[int], str]) -> Array:
     """Times (T,), finite, in their range, and increasing.
 
     Args:
@@ -154,7 +154,7 @@ def regular_times(count: int) -> Array:
     return np.arange(count, dtype=np.float64) * ROW_SECONDS
 
 
-def arranged(
+def trajectory_from_arrays(
     where: str, robot: Robot, columns: Mapping[str, Array | None], names: list[str] | None = None, *, deg: bool = False
 ) -> Trajectory:
     """A trajectory of an arm from arrays: shapes, names, values and times checked, joints in the arm's order.
@@ -185,7 +185,7 @@ def arranged(
         if part.shape != q.shape:
             raise TrajectoryError(f"{what} has another shape than the positions", where=where,
                                   got=f"shape {part.shape}", allowed=f"shape {q.shape}")  # fmt: skip
-        parts[key] = checked(part[:, order], robot, rows_of(where, robot), what, factors=factors)
+        parts[key] = check_values(part[:, order], robot, rows_of(where, robot), what, factors=factors)
     if times is None:
         when = regular_times(len(q))
     else:
@@ -204,7 +204,7 @@ def _one_for_each_row(times: Array, rows: int, where: str) -> Array:
     if times.shape != (rows,):
         raise TrajectoryError("there is one time for each row", where=where, got=f"shape {times.shape}",
                               allowed=f"shape ({rows},)")  # fmt: skip
-    checked_times(times, lambda row: f"{where}, row {row + 1}")
+    check_times(times, lambda row: f"{where}, row {row + 1}")
     return times
 
 

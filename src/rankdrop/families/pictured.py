@@ -165,19 +165,19 @@ def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] =
     """
     family = posed(robot, task, family, others)
     choice = _Choice(robot, task, family, others)
-    here, own = choice.problem.robot, choice.own[None]
-    poor, outside = _poor(here, own)[0], _count_joints_beyond_limits(here, own)[0]
+    arm, present = choice.problem.robot, choice.own[None]
+    poor, outside = _poor(arm, present)[0], _count_joints_beyond_limits(arm, present)[0]
     if poor == 0.0 and not outside:
         return family
-    members, gap = choice.members(candidates(here, choice.problem.task, _CANDIDATES, 0))
-    if outside and not (_count_joints_beyond_limits(here, members) == 0).any():
+    members, gap = choice.members(candidates(arm, choice.problem.task, _CANDIDATES, 0))
+    if outside and not (_count_joints_beyond_limits(arm, members) == 0).any():
         members, gap = choice.members(_random_inside_limits(choice.problem))
-    better = choice.against(members) <= choice.against(own)[0] + _SLACK
-    better &= (_poor(here, members) < poor - _TALLER) | (_count_joints_beyond_limits(here, members) < outside)
+    better = choice.against(members) <= choice.against(present)[0] + _SLACK
+    better &= (_poor(arm, members) < poor - _TALLER) | (_count_joints_beyond_limits(arm, members) < outside)
     members, gap = members[better], gap[better]
     if not len(members):
         return family
-    cost = _poor(here, members) + choice.against(members) + _plainness(here, members, gap)
+    cost = _poor(arm, members) + choice.against(members) + _plainness(arm, members, gap)
     return choice.with_witness(members, int(cost.argmin()))
 
 
@@ -249,10 +249,10 @@ class _Choice:
             gap = np.ones(len(points))
         return points[gap > _ROOM], gap[gap > _ROOM]
 
-    def with_witness(self, found: Array, best: int) -> Family:
+    def with_witness(self, members: Array, best: int) -> Family:
         """The family with one of its members (M, n) as the witness."""
-        directions, lost = lost_motions(self.problem, found[best], found[:_POINTS])
-        witness = tuple(float(x) for x in out_of_metres(self._robot, found[best]))
+        directions, lost = lost_motions(self.problem, members[best], members[:_POINTS])
+        witness = tuple(float(x) for x in out_of_metres(self._robot, members[best]))
         return replace(self._family, witness=witness, lost_directions=directions, lost_freedoms=lost)
 
 

@@ -665,10 +665,10 @@ def families_at(
     for family in families:
         if family.equations and 1 <= family.corank <= corank:
             if family.corank == problem.corank:  # most often: what the problem keeps serves again
-                asked = problem
+                problem_of_corank = problem
             else:
-                asked = problem.at(family.corank)
-            length = float(ways_to(asked, family_in_metres(family, robot).system, at[None])[0])
+                problem_of_corank = problem.at(family.corank)
+            length = float(ways_to(problem_of_corank, family_in_metres(family, robot).system, at[None])[0])
             if length < inf:
                 met.append(Incidence(family, length, source))
     met.sort(key=lambda incidence: (-incidence.family.corank, incidence.family.dimension, incidence.residual))

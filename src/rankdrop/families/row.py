@@ -193,10 +193,10 @@ class Linear:
         """
         pairs = zip(self.values(q).T, self.periodic.tolist(), strict=True)
         columns = [_snap_to_known_values(column, weights, tolerance, periodic=turns) for column, turns in pairs]
-        found: dict[Values, list[int]] = {}
+        points_of_values: dict[Values, list[int]] = {}
         for point, values in enumerate(np.reshape(columns, (len(self), len(q))).T.tolist()):
-            found.setdefault(tuple(values), []).append(point)
-        return {key: np.array(members) for key, members in found.items()}
+            points_of_values.setdefault(tuple(values), []).append(point)
+        return {key: np.array(members) for key, members in points_of_values.items()}
 
     def neighbours(self, values: Values) -> list[Values]:
         """Combinations with one angle exchanged for v + π or −v: where symmetry puts further pieces."""
@@ -264,31 +264,31 @@ def grow(
         return tuple(known.setdefault((i, round(v, 9) + 0.0), v) for i, v in enumerate(values))
 
     tested: set[Values] = set()
-    found: set[Values] = set()
+    holding: set[Values] = set()
     front = list(dict.fromkeys(same(values) for values in start))
     while front and len(tested) < most:
         tested.update(front)
         good = [values for values, ok in zip(front, holds(front), strict=True) if ok]
-        found.update(good)
+        holding.update(good)
         near = dict.fromkeys(same(n) for values in good for n in linear.neighbours(values))
         front = [values for values in near if values not in tested][: max(0, most - len(tested))]
-    return found
+    return holding
 
 
-def boxes(found: set[Values]) -> list[tuple[Values, ...]]:
+def boxes(holding: set[Values]) -> list[tuple[Values, ...]]:
     """Cover a set of combinations by full products, large ones first: each product is one row of the table."""
-    left = set(found)
+    left = set(holding)
     result = []
     while left:
         seed = min(left, key=lambda values: (sum(abs(v) for v in values), values))
-        sets = _grown(seed, left, found)
+        sets = _grown(seed, left, holding)
         left -= set(product(*sets))
         result.append(tuple(tuple(sorted(values, key=_zero_first)) for values in sets))
     return result
 
 
-def _grown(seed: Values, left: set[Values], found: set[Values]) -> list[list[float]]:
-    """Per covector the values of a product that contains one combination, and is as large as `found` allows.
+def _grown(seed: Values, left: set[Values], holding: set[Values]) -> list[list[float]]:
+    """Per covector the values of a product that contains one combination, and is as large as `holding` allows.
 
     Covectors with many values in `left` come first.
     """
@@ -296,7 +296,7 @@ def _grown(seed: Values, left: set[Values], found: set[Values]) -> list[list[flo
     for i in sorted(range(len(seed)), key=lambda i: -len({v[i] for v in left})):
         for v in sorted({values[i] for values in left} - set(sets[i]), key=_zero_first):
             slab = product(*sets[:i], [v], *sets[i + 1 :])  # what the product grows by
-            if all(values in found for values in slab):
+            if all(values in holding for values in slab):
                 sets[i].append(v)
     return sets
 
@@ -407,8 +407,8 @@ def _least_slope(slope: Array) -> float:
 
 def complete_rows(problem: Problem, row: Row, start: Iterable[Values], rng: np.random.Generator) -> list[Row]:
     """Rows with all combinations of values that hold, from those observed outwards by symmetry."""
-    found = grow(start, row.linear, partial(verify_values, problem, row, rng=rng))
-    return [replace(row, sets=sets) for sets in boxes(found)]
+    combinations = grow(start, row.linear, partial(verify_values, problem, row, rng=rng))
+    return [replace(row, sets=sets) for sets in boxes(combinations)]
 
 
 def verify_values(problem: Problem, row: Row, values: list[Values], rng: np.random.Generator) -> list[bool]:

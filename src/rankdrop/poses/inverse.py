@@ -138,11 +138,11 @@ class Aim:
 
     def rates(self, q: Array, move: Array, omega: Array) -> Array:
         """(N, n) joint rates J⁺ẋ that move the tip by `move` (N, 3) [m/s] and turn it by `omega` (N, 3) [rad/s]."""
-        here = _core.pose(self._chain, q)[:, :3, :3]
-        shift = move + np.cross(omega, here @ self.point)
-        both = np.stack([shift, omega], axis=1)
-        both = both @ here if self.with_tip else both
-        twist = np.concatenate([both[:, 0] / self.length, both[:, 1]], axis=1)[:, self.rows]
+        tip_axes = _core.pose(self._chain, q)[:, :3, :3]
+        shift = move + np.cross(omega, tip_axes @ self.point)
+        velocities = np.stack([shift, omega], axis=1)
+        velocities = velocities @ tip_axes if self.with_tip else velocities
+        twist = np.concatenate([velocities[:, 0] / self.length, velocities[:, 1]], axis=1)[:, self.rows]
         return self.step(q, twist)
 
     def solve(self, poses: Array, q: Array) -> tuple[Array, Mask]:
@@ -170,8 +170,8 @@ class Aim:
         """(k, n) from far: solutions for the pose (4, 4) from the starts (N, n), in the order of their steps."""
         q, arrived = self.descend(goal, starts)
         order = np.argsort(arrived, kind="stable")
-        found = q[order[arrived[order] >= 0]]
-        return np.asarray(found[self.confirms(np.broadcast_to(goal, (len(found), 4, 4)), found)])
+        candidates = q[order[arrived[order] >= 0]]
+        return np.asarray(candidates[self.confirms(np.broadcast_to(goal, (len(candidates), 4, 4)), candidates)])
 
     def _newton(self, poses: Array, q: Array, close: float, rounds: int, *, far: bool) -> tuple[Array, Index]:
         """Ends (N, n), and the number of steps after which each arrived, −1 where it did not."""
@@ -288,10 +288,10 @@ def solutions(robot: Robot, task: Task, target: Array, *, starts: int, seed: int
     begin = sample(robot, task, starts, seed, limits=False)
     if also is not None:
         begin = np.concatenate([np.atleast_2d(also), begin])
-    found = Aim(robot, task).solve_from(target, begin)
-    found = wrap_joints(robot, found[singular_values(robot, found, task)[:, -1] > _REGULAR])
-    kept = distinct(robot, task, found, _SAME)
-    return kept[sorted(range(len(kept)), key=lambda row: [round(float(x), 6) for x in kept[row]])]
+    candidates = Aim(robot, task).solve_from(target, begin)
+    candidates = wrap_joints(robot, candidates[singular_values(robot, candidates, task)[:, -1] > _REGULAR])
+    different = distinct(robot, task, candidates, _SAME)
+    return different[sorted(range(len(different)), key=lambda row: [round(float(x), 6) for x in different[row]])]
 
 
 def distinct(
@@ -308,13 +308,18 @@ def distinct(
     """
     scale = joint_scale(robot, task)
     first = 0 if known is None else len(known)
-    kept = [] if known is None else list(known)
+    chosen = [] if known is None else list(known)
     for solution in q:
-        if most is not None and len(kept) - first >= most:
+        if most is not None and len(chosen) - first >= most:
             break
-        if not kept or np.linalg.norm(joint_difference(robot, solution, np.array(kept)) / scale, axis=1).min() > near:
-            kept.append(solution)
-    return np.array(kept[first:]).reshape(-1, robot.n)
+        if chosen:
+            gaps = joint_difference(robot, solution, np.array(chosen)) / scale
+            apart = bool(np.linalg.norm(gaps, axis=1).min() > near)
+        else:
+            apart = True
+        if apart:
+            chosen.append(solution)
+    return np.array(chosen[first:]).reshape(-1, robot.n)
 
 
 def regular(robot: Robot, task: Task, q: Array) -> bool:
@@ -347,7 +352,7 @@ def within_limits(robot: Robot, q: Array) -> Mask:
     return np.asarray(((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9)).all(axis=1))
 
 
-def joint_difference(robot: Robot, one: Array, other: Array) -> Array:
-    """other − one, turning joints the short way."""
-    gap = other - one
+def joint_difference(robot: Robot, start: Array, end: Array) -> Array:
+    """end − start, turning joints the short way."""
+    gap = end - start
     return np.asarray(gap - whole_turns(robot, gap))

@@ -34,8 +34,8 @@ def posture_names(robot: Robot, task: Task, q: Array) -> tuple[tuple[str, ...], 
         return ((),) * len(q)
     _, signs, _ = decide_exactly(robot, task)
     if signs is None:
-        there = in_metres(robot), task_in_metres(task, robot)
-        values = determinants(*there, np.stack([into_metres(robot, row) for row in q]))
+        arm_and_task = in_metres(robot), task_in_metres(task, robot)
+        values = determinants(*arm_and_task, np.stack([into_metres(robot, row) for row in q]))
         return tuple((f"det J {'+' if value > 0 else '−'}",) for value in values)
     flags = (configuration_flags(signs.chain, row, signs=signs).flags for row in q)
     return tuple(tuple(flag.label for flag in some) for some in flags)

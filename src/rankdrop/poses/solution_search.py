@@ -133,19 +133,19 @@ class SolutionSearch:
 
     def _take(self, starts: Array) -> bool:
         """Whether some of the starts led to new solutions."""
-        found = self.aim.solve_from(self.goal, starts)
-        self.arrived += len(found)
-        if not len(found):
+        solutions = self.aim.solve_from(self.goal, starts)
+        self.arrived += len(solutions)
+        if not len(solutions):
             return False
-        targets = np.broadcast_to(self.goal, (len(found), 4, 4))
-        polished, arrived = self.aim.solve(targets, found)
-        found = wrap_joints(self.robot, np.where(arrived[:, None], polished, found))
-        found = found[self.aim.confirms(targets, found)]
-        weak = self.sigma(found) <= SINGULAR
+        targets = np.broadcast_to(self.goal, (len(solutions), 4, 4))
+        polished, arrived = self.aim.solve(targets, solutions)
+        solutions = wrap_joints(self.robot, np.where(arrived[:, None], polished, solutions))
+        solutions = solutions[self.aim.confirms(targets, solutions)]
+        weak = self.sigma(solutions) <= SINGULAR
         near = _STEP if self.redundant else _SAME
-        regular = distinct(self.robot, self.task, found[~weak], near, self.regular)
-        apart_from_all = distinct(self.robot, self.task, found[weak], _NEWS, self.singular)
-        singular = distinct(self.robot, self.task, found[weak], _STEP, self.singular)
+        regular = distinct(self.robot, self.task, solutions[~weak], near, self.regular)
+        apart_from_all = distinct(self.robot, self.task, solutions[weak], _NEWS, self.singular)
+        singular = distinct(self.robot, self.task, solutions[weak], _STEP, self.singular)
         self.regular = np.concatenate([self.regular, regular])
         self.singular = np.concatenate([self.singular, singular])
         return len(regular) + len(apart_from_all) > 0
@@ -165,10 +165,10 @@ class SolutionSearch:
             same = [piece.q for piece in pieces if piece.dimension == dimension and piece.singular == singular]
             points = self._inwards(np.array(same))
             return isolated, (self._continuum(q, dimension, points, False, False, singular),), True
-        found, more = self._follow_curves(pieces)
-        found.sort(key=lambda continuum: (bool(continuum.beyond), not continuum.closed))
+        continua, more = self._follow_curves(pieces)
+        continua.sort(key=lambda continuum: (bool(continuum.beyond), not continuum.closed))
         alone = [not self._on_a_curve(q) for q in isolated]
-        return isolated[alone], tuple(found), more
+        return isolated[alone], tuple(continua), more
 
     def _inwards(self, points: Array) -> Array:
         """Points (N, n) of a surface, and where none of them is inside the joint limits, those towards the limits.
@@ -176,14 +176,14 @@ class SolutionSearch:
         Alternating projections: to the limits joint by joint, and by Newton's method back to the pose.
         """
         now = into_limits(self.robot, points)
-        kept = now
+        candidates = now
         for _ in range(_INWARDS):
-            if within_limits(self.robot, kept).any() or not len(now):
+            if within_limits(self.robot, candidates).any() or not len(now):
                 break
-            found, arrived = self.aim.solve(self.goal[None], np.clip(now, self.robot.lower, self.robot.upper))
-            now = into_limits(self.robot, found[arrived])
-            kept = np.concatenate([kept, now])
-        return kept
+            projected, arrived = self.aim.solve(self.goal[None], np.clip(now, self.robot.lower, self.robot.upper))
+            now = into_limits(self.robot, projected[arrived])
+            candidates = np.concatenate([candidates, now])
+        return candidates
 
     def _by_freedom(self) -> tuple[Array, list[_Piece]]:
         """Isolated solutions (k, n), and those on a self-motion; of a surface not all that were found."""
@@ -205,16 +205,16 @@ class SolutionSearch:
 
     def _follow_curves(self, pieces: Sequence[_Piece]) -> tuple[list[Continuum], bool]:
         """The curves through solutions, and whether some were not followed: there are more than `_CURVES`."""
-        found: list[Continuum] = []
+        continua: list[Continuum] = []
         for q, _, singular in pieces:
             if self._on_a_curve(q):
                 continue
             if len(self.curves) == _CURVES:
-                return found, True
+                return continua, True
             points, closed, complete = self._curve(q)
             self.curves.append(Curve(points, closed, complete))
-            found.append(self._continuum(q, 1, points, closed, complete, singular))
-        return found, False
+            continua.append(self._continuum(q, 1, points, closed, complete, singular))
+        return continua, False
 
     def _on_a_curve(self, q: Array) -> bool:
         return any(self._lies_on(q, curve.points) for curve in self.curves)
@@ -230,12 +230,12 @@ class SolutionSearch:
 
     def _next_solution(self, q: Array, guess: Array, step: float, off_at_most: float) -> Array | None:
         """The solution next to a guess a step away from q; None where the tool does not stand still along it."""
-        found, arrived = self.aim.solve(self.goal[None], guess[None])
-        off = float(np.linalg.norm((found[0] - guess) / self.scale))
-        gone = float(np.linalg.norm((found[0] - q) / self.scale))
+        solutions, arrived = self.aim.solve(self.goal[None], guess[None])
+        off = float(np.linalg.norm((solutions[0] - guess) / self.scale))
+        gone = float(np.linalg.norm((solutions[0] - q) / self.scale))
         good = arrived[0] and off <= off_at_most * step and gone >= step / 4
         if good:
-            return np.asarray(found[0])
+            return np.asarray(solutions[0])
         return None
 
     def _freedom(self, q: Array) -> int:

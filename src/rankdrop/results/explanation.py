@@ -118,15 +118,15 @@ class Far:
 
 
 def _seen_in_axes(
-    robot: Robot, q: Array, task: Task, corank: int, sparsest: FramedDirections, asked: str
+    robot: Robot, q: Array, task: Task, corank: int, sparsest: FramedDirections, axes: str
 ) -> dict[str, FramedDirections]:
     """What is lost in the axes asked for; in those of a link, where none are, only if they are the simplest."""
-    found = {name: lost_seen_from(robot, q, task, corank, name) for name in FRAMES[:2]}
-    fewest = min(int((np.abs(framed.directions) > ENTRY).sum()) for framed in found.values())
+    directions = {name: lost_seen_from(robot, q, task, corank, name) for name in FRAMES[:2]}
+    fewest = min(int((np.abs(framed.directions) > ENTRY).sum()) for framed in directions.values())
     simpler = int((np.abs(sparsest.directions) > ENTRY).sum()) < fewest
-    if asked == "link" or (not asked and simpler):
-        found["link"] = sparsest
-    return {name: framed for name, framed in found.items() if not asked or asked == name}
+    if axes == "link" or (not axes and simpler):
+        directions["link"] = sparsest
+    return {name: framed for name, framed in directions.items() if not axes or axes == name}
 
 
 def _never_possible(here: Configuration) -> Array:
@@ -159,9 +159,9 @@ def differences(far: Far, single: Sequence[JointEscape]) -> Iterator[Difference]
             yield Difference(DifferenceKind.FAMILIES_MISSED)
 
 
-def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Incidence]) -> FamilyDistance:
+def _no_farther(record: FamilyDistance, nearest: Nearest, incidences: Sequence[Incidence]) -> FamilyDistance:
     """A family through the point that the search found is no farther away than that point."""
-    through = any(met.family is record.family for met in there)
+    through = any(met.family is record.family for met in incidences)
     if not through or record.distance <= nearest.distance:
         return record
     return replace(record, distance=nearest.distance, q=nearest.q, delta=nearest.delta, sigma=nearest.sigma)
@@ -281,9 +281,9 @@ class Explanation(Result):
             miss = None
         if nearest is None:
             return Far(self, None, None, away, near_miss=miss)
-        there = self.incidences_at(np.array(nearest.q), nearest.corank)
-        closer = sorted((_no_farther(point, nearest, there) for point in away), key=lambda point: point.distance)
-        return Far(self, nearest, there[0], tuple(closer), near_miss=miss)
+        incidences = self.incidences_at(np.array(nearest.q), nearest.corank)
+        closer = sorted((_no_farther(point, nearest, incidences) for point in away), key=lambda point: point.distance)
+        return Far(self, nearest, incidences[0], tuple(closer), near_miss=miss)
 
     @property
     def _families_away(self) -> tuple[FamilyDistance, ...]:
@@ -301,19 +301,19 @@ class Explanation(Result):
     def _near_miss(self) -> float | None:
         """σ_r at the nonzero local minimum that a descent from q ends in; None where it ends in a singularity."""
         here, seed = self.here, self.options.seed
-        found = refine(here.robot, here.q[None], 1, task=here.task, seed=seed, tolerances=here.tolerances, threads=1)
-        if found.outcome[0] == Outcome.NEAR_MISS:
-            return found.smallest_near_miss
+        descent = refine(here.robot, here.q[None], 1, task=here.task, seed=seed, tolerances=here.tolerances, threads=1)
+        if descent.outcome[0] == Outcome.NEAR_MISS:
+            return descent.smallest_near_miss
         return None
 
     def incidences_at(self, q: Array, corank: int) -> tuple[Incidence, ...]:
         """The families that a singular configuration q lies on; named on the spot where none of its corank is known."""
         here = self.here
-        found = families_at(self.families, here.robot, q, here.task, here.tolerances, self.source)
-        if found and found[0].family.corank >= corank:
-            return found
+        incidences = families_at(self.families, here.robot, q, here.task, here.tolerances, self.source)
+        if incidences and incidences[0].family.corank >= corank:
+            return incidences
         local = name_on_the_spot(here.robot, q, here.task, corank, seed=self.options.seed)
-        return (Incidence(local, 0.0, "on the spot"), *found)
+        return (Incidence(local, 0.0, "on the spot"), *incidences)
 
     @cached_property
     def straight(self) -> tuple[StraightMotion, ...]:
@@ -350,29 +350,29 @@ class Explanation(Result):
             candidate for candidate in (nearest, *on_families)
             if any(_loses_along(here, candidate[1], candidate[2], y) for y in slow)
         )  # fmt: skip
-        distance, there, _, family = next(explains, nearest)
-        return family, distance, None, np.array(there)
+        distance, singular_q, _, family = next(explains, nearest)
+        return family, distance, None, np.array(singular_q)
 
     def _slow_ideal_family(self) -> SlowFamily | None:
         """The nearest family of the ideal arm nearby; None where there is no such arm, or the arm's own are nearer."""
-        here, own = self.here, self.far.nearest
+        here, nearest = self.here, self.far.nearest
         near = near_ideal(here.robot)
         if near is None:
             return None
         model = _ideal_arm(here.robot, near.tolerance.length, near.tolerance.angle)
         task = replace(here.task, length_scale=self.length_scale)
         try:
-            there = nearest_singularity(model, here.q, task, seed=self.options.seed)
+            ideal_nearest = nearest_singularity(model, here.q, task, seed=self.options.seed)
         except OptionError:  # too many joints for a search
             return None
-        if there is None or (own is not None and there.distance >= own.distance):
+        if ideal_nearest is None or (nearest is not None and ideal_nearest.distance >= nearest.distance):
             return None
         families, source = known_families(model, task, None, here.tolerances)
         other = replace(
             self, here=configuration_at(model, here.q, task, here.tolerances), families=families, source=source
         )
-        place = np.array(there.q)
-        return other.incidences_at(place, there.corank)[0].family, there.distance, near, place
+        place = np.array(ideal_nearest.q)
+        return other.incidences_at(place, ideal_nearest.corank)[0].family, ideal_nearest.distance, near, place
 
     @property
     def distance(self) -> float | None:
@@ -391,8 +391,8 @@ class Explanation(Result):
             about = self.met[0].family
         else:
             about = None
-        family, distance, near, there = slow or (about, self.distance, None, self.focus)
-        place = () if family is None else specials_at(here.robot, here.task, there, family.corank)
+        family, distance, near, singular_q = slow or (about, self.distance, None, self.focus)
+        place = () if family is None else specials_at(here.robot, here.task, singular_q, family.corank)
         next_place = self.next.place(here)
         stated = {(special.part, special.joint) for special in place}
         added = tuple(special for special in next_place if (special.part, special.joint) not in stated)
@@ -663,8 +663,8 @@ class Explanation(Result):
     @property
     def nearly_lost(self) -> int:
         """Further singular values that are small but not zero: freedoms nearly lost, by offsets or by nearness."""
-        kept = self.rank.sigma[: self.rank.rank]
-        return int((kept <= self.options.small).sum())
+        nonzero = self.rank.sigma[: self.rank.rank]
+        return int((nonzero <= self.options.small).sum())
 
     @property
     def outside_limits(self) -> tuple[int, ...]:

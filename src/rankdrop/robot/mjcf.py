@@ -163,13 +163,13 @@ def plain_model(
         if count == 0:
             add(f"{bodies[i]} (fixed)", "fixed", parent, bodies[i], pose)
         for part, j in enumerate(range(first, first + count), start=1):
-            own = model.joint(j).name or (f"{bodies[i]}_joint" if count == 1 else f"{bodies[i]}_joint{part}")
+            joint_name = model.joint(j).name or (f"{bodies[i]}_joint" if count == 1 else f"{bodies[i]}_joint{part}")
             if part == count:
                 child = bodies[i]
             else:
-                child = f"{bodies[i]} after {own}"
+                child = f"{bodies[i]} after {joint_name}"
             kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
-            add(own, kind, parent, child, pose, j)
+            add(joint_name, kind, parent, child, pose, j)
             links.add(child)
             parent, pose = child, ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
     for i in range(model.nsite):

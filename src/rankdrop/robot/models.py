@@ -53,7 +53,7 @@ def axis_frames(
     """
     taken = {robot.base, robot.tip}
     at = np.zeros(3)
-    found = []
+    frames = []
     for joint in robot.joints:
         where = f"robot {robot.name!r}, joint {joint.name!r}"
         if joint.mimic is not None and not mimics:
@@ -69,11 +69,11 @@ def axis_frames(
         while link in taken:
             link += "_"
         taken.add(link)
-        found.append((joint, point - at, joint.axis, link))
+        frames.append((joint, point - at, joint.axis, link))
         at = point
     tip = robot.home.copy()
     tip[:3, 3] -= at
-    return found, tip
+    return frames, tip
 
 
 def from_mujoco(model: Any, *, base: str | None = None, tip: str | None = None, as_written: bool = False) -> Robot:
@@ -152,8 +152,8 @@ def from_pinocchio(model: Any, *, base: str | None = None, tip: str | None = Non
     links = dict.fromkeys([*nodes, *places], 0)
     joints = {}
     for i in range(1, model.njoints):
-        own = str(model.names[i])
-        joints[own] = TreeJoint(own, str(i), nodes[model.parents[i]], nodes[i])
+        joint_name = str(model.names[i])
+        joints[joint_name] = TreeJoint(joint_name, str(i), nodes[model.parents[i]], nodes[i])
     for link, (carrier, _) in places.items():
         if link != nodes[carrier]:
             joints[f"{link} (fixed)"] = TreeJoint(f"{link} (fixed)", "fixed", nodes[carrier], link)
@@ -234,21 +234,22 @@ def _pinocchio_motion(pin: Any, model: Any, joint: TreeJoint, tree: Tree) -> Mot
     if not joint.moves:
         return Motion(np.eye(4))
     i = int(joint.kind)
-    own = model.joints[i]
-    if own.nv != 1 or "Mimic" in own.shortname():
+    joint_model = model.joints[i]
+    if joint_model.nv != 1 or "Mimic" in joint_model.shortname():
         raise RobotError("a joint of the chain is not of one freedom of its own", where=tree.place_of(joint),
-                         got=own.shortname(), allowed="revolute, prismatic, helical",
+                         got=joint_model.shortname(), allowed="revolute, prismatic, helical",
                          mend="name a base below it")  # fmt: skip
-    data = own.createData()
-    own.calc(data, pin.neutral(model))
+    data = joint_model.createData()
+    joint_model.calc(data, pin.neutral(model))
     kind, axis, pitch = _kind_of_motion(np.asarray(data.S).reshape(6))
     lower, upper = -inf, inf
-    if own.nq == 1:  # else it turns for ever, and the limits are those of a cosine and a sine
+    if joint_model.nq == 1:  # else it turns for ever, and the limits are those of a cosine and a sine
         most = RANGE[kind.measure]
-        lower, upper = (float(limit[own.idx_q]) for limit in (model.lowerPositionLimit, model.upperPositionLimit))
+        limits = model.lowerPositionLimit, model.upperPositionLimit
+        lower, upper = (float(limit[joint_model.idx_q]) for limit in limits)
         lower, upper = (lower if lower >= -most else -inf), (upper if upper <= most else inf)
     if len(model.velocityLimit):
-        velocity = float(model.velocityLimit[own.idx_v])
+        velocity = float(model.velocityLimit[joint_model.idx_v])
     else:
         velocity = inf
     rate = velocity if 0.0 < velocity <= RANGE["angle"] else inf  # 0 and huge numbers: not known
@@ -305,8 +306,8 @@ def from_toolbox(model: Any, *, end: str | None = None, as_written: bool = False
             joints.append(_toolbox_joint(item, f"joint{len(joints) + 1}", pose))
         else:
             pose = pose @ rigid(item.A(), place)
-    found = Robot(name, tuple(joints), pose, source=Source("toolbox", place))
-    return as_intended(found, Angles(as_written))
+    robot = Robot(name, tuple(joints), pose, source=Source("toolbox", place))
+    return as_intended(robot, Angles(as_written))
 
 
 def _toolbox_joint(item: Any, name: str, pose: Array) -> Joint:

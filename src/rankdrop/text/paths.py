@@ -76,14 +76,14 @@ def sentence(check: Any) -> str:
     """The verdict: what the path does, worst first."""
     if check.holds:
         if check.margin == "kept":
-            kept = f", and farther than {angle(check.options.min_distance)} from any"
+            margin_words = f", and farther than {angle(check.options.min_distance)} from any"
         else:
-            kept = ""
+            margin_words = ""
         if check.curve.times is not None:
             limits = "; joint limits and rates kept"
         else:
             limits = _near_without_times(check)
-        return f"Free: proven for every point of the path{kept}{limits}."
+        return f"Free: proven for every point of the path{margin_words}{limits}."
     parts = [*_reached_words(check), *(_violation(violation, check) for violation in check.violations), *_open(check)]
     if check.clear:
         parts.append("free of singularities (proven)")

@@ -261,12 +261,12 @@ class ProgramCheck(Result):
     @property
     def met(self) -> tuple[Met, ...]:
         """Singularities on the way, in the order of the program."""
-        found = []
+        reached = []
         for part in self.parts:
             for crossing in () if part.check is None else part.check.crossings:
                 move = part.moves[part.move_at(crossing.closest.place)]
-                found.append(Met(move.line, move.text, move.kind, crossing))
-        return tuple(found)
+                reached.append(Met(move.line, move.text, move.kind, crossing))
+        return tuple(reached)
 
     @cached_property
     def moves(self) -> tuple[MoveCheck, ...]:
@@ -369,8 +369,8 @@ def _check_part(
         if followed.untimed is None and len(q) > 1:
             times = np.concatenate([[0.0], np.cumsum(followed.lasts)])
             path = Curve(np.stack([q[:-1], q[1:]], axis=1), times, np.array(followed.speeds))
-        asked = asked_for(robot, question.task, question.analysis)
-        check = check_curve(robot, path, asked, question.options, question.analysis, progress=progress)
+        task = asked_for(robot, question.task, question.analysis)
+        check = check_curve(robot, path, task, question.options, question.analysis, progress=progress)
         check = replace(check, rows=len(q))
     return Part(
         tuple(followed.moves), check, np.array(followed.owner, dtype=np.int64), followed.begins, followed.ended,

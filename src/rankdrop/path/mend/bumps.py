@@ -189,10 +189,10 @@ class Bumper:
     @cached_property
     def sides(self) -> list[Signs]:
         """Signs of the determinant of a square arm; else of the conditions of families of one condition."""
-        found = signs(self.robot, self.check.task, self.families)
-        if "" in found:
-            return [found[""]]
-        return list(found.values())
+        sign_functions = signs(self.robot, self.check.task, self.families)
+        if "" in sign_functions:
+            return [sign_functions[""]]
+        return list(sign_functions.values())
 
     def configurations(self, place: Array) -> Array:
         """(N, n) configurations of the path."""
@@ -228,8 +228,8 @@ class Bumper:
         lifted += [(stretch, stretch) for stretch in self.check.stretches
                    if stretch.verdict == FREE and stretch.closest.distance < near
                    and stretch.closest.distance > 1e-6]  # fmt: skip
-        found = [self._core(first, second, clearance) for first, second in lifted]
-        return _merge_cores(found), [self._core(stretch, stretch, clearance) for stretch in single]
+        lifted_cores = [self._core(first, second, clearance) for first, second in lifted]
+        return _merge_cores(lifted_cores), [self._core(stretch, stretch, clearance) for stretch in single]
 
     def _pairs(self, crossings: list[Stretch]) -> tuple[list[tuple[Stretch, Stretch]], list[Stretch]]:
         pairs, single = [], []
@@ -265,11 +265,11 @@ class Bumper:
     def _outwards(self, place: float, clearance: float, sign: float) -> float:
         """The place before or after another from which on the room is above the clearance."""
         rows = np.arange(len(self.lengths))
-        here = float(np.interp(place, rows, self.lengths))
+        start = float(np.interp(place, rows, self.lengths))
         last, far = (0.0 if sign < 0.0 else float(self.lengths[-1])), 4.0 * clearance
         while True:
-            end = float(np.clip(here + sign * far, 0.0, self.lengths[-1]))
-            place_at = np.interp(np.linspace(here, end, _OUTWARDS), self.lengths, rows)
+            end = float(np.clip(start + sign * far, 0.0, self.lengths[-1]))
+            place_at = np.interp(np.linspace(start, end, _OUTWARDS), self.lengths, rows)
             clear = self.tool.room(self.configurations(place_at)) >= clearance
             if clear.any():
                 return float(place_at[clear.argmax()])
@@ -511,7 +511,7 @@ class Bumper:
     def changed_configurations(self, bumps: list[Bump], place: Array) -> Array:
         """(N, n) configurations of the changed path."""
         q = self.configurations(place)
-        kept, pull = q.copy(), np.zeros_like(q)
+        moved, pull = q.copy(), np.zeros_like(q)
         twist = np.zeros((len(place), self.check.task.m))
         time = self.time(place)
         for bump in bumps:
@@ -522,14 +522,14 @@ class Bumper:
             if bump.null or bump.twist is not None:
                 pull += lift
             else:
-                kept += lift
+                moved += lift
         led = twist.any(axis=1)
         held = pull.any(axis=1) & ~led
         if held.any():
-            kept[held] = self._move_joints(kept[held], pull[held], null=True)
+            moved[held] = self._move_joints(moved[held], pull[held], null=True)
         if led.any():
-            kept[led] = self._lead_tool(kept[led], pull[led], twist[led])
-        return kept
+            moved[led] = self._lead_tool(moved[led], pull[led], twist[led])
+        return moved
 
     def _shape(self, bump: Bump, time: Array) -> tuple[Array, Array, Array]:
         """(N,) each: B at times, and its first two derivatives."""

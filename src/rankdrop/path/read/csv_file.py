@@ -304,18 +304,18 @@ def find_columns(
     _refuse_long_names(head, where)
     named = [_named_column(word, known) for word in head]
     plain = {column.key for column in named if column is not None and not column.underscored}
-    found: dict[Hashable, tuple[int, float]] = {}
+    columns: dict[Hashable, tuple[int, float]] = {}
     others: list[int] = []
     for place, (word, column) in enumerate(zip(head, named, strict=True)):
         if column is None or (column.underscored and column.key in plain):
             others.append(place)
             continue
-        here = f"{where}, column {place + 1}"
-        if column.key in found:
-            raise TrajectoryError("the column is given twice", where=here, got=repr(word))
-        found[column.key] = place, _factor(word, column, here, deg=deg)
+        column_place = f"{where}, column {place + 1}"
+        if column.key in columns:
+            raise TrajectoryError("the column is given twice", where=column_place, got=repr(word))
+        columns[column.key] = place, _factor(word, column, column_place, deg=deg)
     time = _time_column(head, others)
-    return found, time, tuple(head[place] for place in others if place != time)
+    return columns, time, tuple(head[place] for place in others if place != time)
 
 
 def _refuse_long_names(head: list[str], where: str) -> None:

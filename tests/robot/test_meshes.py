@@ -130,7 +130,7 @@ def test_a_file_that_takes_too_long_is_named_and_the_rest_is_read(
             pass
         return real(file, *most)
 
-    monkeypatch.setattr(mesh_file, "_read", slow)
+    monkeypatch.setattr(mesh_file, "_read_parts", slow)
     monkeypatch.setattr(mesh_file, "_PATIENCE", 0.1)
     told = errors_of(tmp_path / "slow.obj", tmp_path / "a.obj")
     assert "needs more than 0 s of processor time" in told[0]["what"]

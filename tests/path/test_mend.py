@@ -314,3 +314,23 @@ def test_bounds_out_of_range_are_refused(said: str) -> None:
     with pytest.raises(OptionError) as error:
         mend_path(found, **BAD[said])
     assert said in str(error.value)
+
+
+def test_the_next_step_knows_which_remedies_were_found() -> None:
+    """A remedy that is known is the next step; only without one is a search, or wider bounds."""
+    arm = open_robot("planar3r")
+    crossing = rankdrop.check_path(arm, CORNER)
+    blend, none = mend_path(crossing, kinds=["blend"], blend=0.5), mend_path(crossing, kinds=["blend"])
+    assert (len(blend.remedies), len(none.remedies)) == (1, 0)
+
+    def step(mending: Mending | None, *, listed: bool = False, target: str | None = None) -> str:
+        first = crossing.sections(mending=mending, listed=listed, target=target)[0]
+        assert ("Remedy: " in " ".join(first.lines)) is (mending is blend and not listed)
+        return next(line for line in first.lines if line.startswith("Next: "))
+
+    assert step(blend, listed=True, target="out.csv") == "Next: run out.csv, the path mended by blend: free (proven)."
+    assert step(blend, listed=True).endswith(" writes the path mended by blend: free (proven).")
+    assert "for a tool move take the remedy below" in step(blend)
+    assert "no remedy was found" in step(none, listed=True, target="out.csv")
+    for mending in (none, None):
+        assert "mend_path computes changes for a tool move" in step(mending)

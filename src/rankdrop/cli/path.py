@@ -402,19 +402,16 @@ def _of_one(
     result: paths.PathCheck, remedies: paths.Mending | None, near: covers.ModelTolerance | None,
     families: results.Analysis | None, output: PathOutput, mend: Remedies, written: Written,
 ) -> Done:  # fmt: skip
-    local = None
-    if not mend.any_requested:
-        local, remedies = remedies, None
     proven = near is not None and result.complete and result.clear and paths.proven_for_near_arms(result, near)
-    complete = result.complete and (remedies is None or remedies.complete)
+    complete = result.complete and (not mend.any_requested or remedies is None or remedies.complete)
     holds = result.holds and (near is None or proven)
     certified = None
     if proven:
         certified = near
 
     def sections() -> list[Section]:
-        found = [*result.sections(full=output.full, mending=local)]
-        if remedies is not None:
+        found = [*result.sections(full=output.full, mending=remedies, listed=mend.any_requested, target=mend.fixed)]
+        if remedies is not None and mend.any_requested:
             found += remedies.sections()
         if near is not None:
             found.append(_near_section(near, proven=proven))
@@ -480,7 +477,7 @@ def _mended_path_bytes(mending: paths.Mending | None, mend: Remedies, written: W
     target = mend.fixed
     if mending is None or target is None:
         return None
-    remedy = mending.best or (mending.remedies[0] if mending.remedies else None)
+    remedy = mending.written
     if remedy is None:
         why = "the path needs none"
         if mending.needed:

@@ -159,14 +159,14 @@ def _open(check: Any) -> Iterator[str]:
         yield "interrupted"
 
 
-def summary(check: Any, mending: Any = None) -> tuple[str, ...]:
+def summary(check: Any, mending: Any = None, *, listed: bool = False, target: str | None = None) -> tuple[str, ...]:
     """Five lines: the verdict, the path, what to do, the nearest singularity, and how this is known."""
     lines = [sentence(check), _path_line(check), *_never_lines(check)]
     if check.tool is not None and len(check.tool.branches) > 1:
         lines.append(f"Branch: {branches_words(check)}.")
     if not check.holds:
-        lines.append(f"Next: {_advice(check)}.")
-        if mending is not None:
+        lines.append(f"Next: {_next_step(check, mending, listed=listed, target=target)}.")
+        if mending is not None and not listed:
             lines += local_lines(mending)
     near = min((stretch for stretch in check.stretches if isfinite(stretch.closest.distance)),
                key=lambda stretch: stretch.closest.distance, default=None)  # fmt: skip
@@ -215,6 +215,45 @@ def _never_lines(check: Any) -> Iterator[str]:
         yield f"{NEVER_TILTS}."
     elif pointing_task(check.robot, check.task) is not None:
         yield f"{NEVER_TURNS.format(check.robot.n)}. {advise('task', 'tool-axis-free')} checks position and tool axis."
+
+
+def _next_step(check: Any, mending: Any, *, listed: bool, target: str | None) -> str:
+    """What to do about a path that does not hold, once its remedies are known."""
+    if mending is None or not mending.needed:
+        return _advice(check)
+    remedy = mending.written
+    if remedy is None and listed:
+        return _after_no_remedy(check)
+    if remedy is None:
+        return _advice(check)
+    if target is not None:
+        return f"run {target}, the path mended by {remedy.kind}: {_state_of_remedy(remedy)}"
+    if listed:
+        file = advise("fixed", "FILE", python="mending.written.trajectory")
+        return f"{file} writes the path mended by {remedy.kind}: {_state_of_remedy(remedy)}"
+    if check.verdict == "crossing" and check.tool is None:
+        return f"{_joint_move(check)}; for a tool move take the remedy below, or let {_remedies()} compute others"
+    return f"take the remedy below, or let {_remedies()} compute others"
+
+
+def _state_of_remedy(remedy: Any) -> str:
+    """What the new check of a mended path proved."""
+    if remedy.check.clear:
+        return "free (proven)"
+    return "limits kept, and it still meets a singularity"
+
+
+def _after_no_remedy(check: Any) -> str:
+    """What to do where no kind of remedy was found: another question to the tool, or wider bounds."""
+    if check.tool is not None:
+        advice = _tool_advice(check)
+        if advice is not None:
+            return advice
+    bounds = f"{advise('tool-tilt', '…')}, {advise('base-shift', '…')} or larger {advise('bump', '…')} and "
+    wider = f"no remedy was found; {bounds}{advise('detour', '…')} allow more"
+    if check.verdict == "crossing" and check.tool is None:
+        return f"{_joint_move(check)}; for a tool move {wider}"
+    return wider
 
 
 def _advice(check: Any) -> str:
@@ -306,18 +345,21 @@ def _remark(kind: str, values: Any) -> str:
 
 
 def path_sections(
-    check: Any, *, deg: bool = True, full: bool = False, mending: Any = None
-) -> tuple[Section, ...]:
+    check: Any, *, deg: bool = True, full: bool = False, mending: Any = None, listed: bool = False,
+    target: str | None = None,
+) -> tuple[Section, ...]:  # fmt: skip
     """The summary, crossings, with `full` the free stretches, and notes.
 
     Args:
         check: the path.
         deg: joint angles in degrees.
         full: every crossing and every free stretch.
-        mending: local remedies that were looked for; None: none were.
+        mending: remedies that were looked for; None: none were.
+        listed: the remedies have sections of their own.
+        target: file that the best remedy is written to; None: none.
     """
     tone = {"free": "good", "undecided": "warning", "too near": "warning"}.get(check.verdict, "bad")
-    first, *others = summary(check, mending)
+    first, *others = summary(check, mending, listed=listed, target=target)
     sections = [Section(first, lines=tuple(others), tone=tone)]
     crossing_lines = _met_lines(check, deg=deg, full=full)
     if crossing_lines:

@@ -282,6 +282,17 @@ class PathCheck(Result):
             return ""
         return why_ended(self.tool, self.robot)
 
-    def sections(self, *, deg: bool = True, full: bool = False, mending: Any = None) -> tuple[Section, ...]:
-        """As sections of text; `full`: every crossing and every free stretch; `mending`: local remedies of it."""
-        return text.path_sections(self, deg=deg, full=full, mending=mending)
+    def sections(
+        self, *, deg: bool = True, full: bool = False, mending: Any = None, listed: bool = False,
+        target: str | None = None,
+    ) -> tuple[Section, ...]:  # fmt: skip
+        """As sections of text.
+
+        Args:
+            deg: joint angles in degrees.
+            full: every crossing and every free stretch.
+            mending: remedies of the path, which decide the next step; None: none were computed.
+            listed: the remedies are printed in sections of their own; else the best one in a line below the verdict.
+            target: file that the path of the best remedy is written to; None: none.
+        """
+        return text.path_sections(self, deg=deg, full=full, mending=mending, listed=listed, target=target)

@@ -185,6 +185,11 @@ class Mending(Result):
         """The first that is proven free; None where there is none."""
         return next((remedy for remedy in self.remedies if remedy.check.clear), None)
 
+    @property
+    def written(self) -> Remedy | None:
+        """The remedy whose path is written: the best, else the first that keeps the limits; None without remedies."""
+        return self.best or next(iter(self.remedies), None)
+
     def sections(self, *, deg: bool = True) -> tuple[Section, ...]:
         """As sections of text."""
         return text.remedy_sections(self, deg=deg)

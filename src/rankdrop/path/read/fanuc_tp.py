@@ -7,6 +7,7 @@ The world frame is at the height of axis 2, and J3 is counted from the horizonta
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import radians
 from typing import Literal
@@ -22,6 +23,7 @@ from rankdrop.path.read.program_record import (
     Speed,
     Target,
     angle_target,
+    check_length,
     in_base,
     joint_target,
     lines_of,
@@ -54,17 +56,35 @@ def read(text: str, name: str) -> Program:
     """
     lines = list(lines_of(text, name))
     positions, tools = _positions(lines, name)
-    listing, section = Listing(name), ""
+    listing = Listing(name)
+    for count, text in _instructions(lines, name):
+        if text and not text.startswith(_REMARKS):
+            _instruction(listing, positions, tools, count, text)
+    return Program(name, Language.TP, tuple(listing.items), raised=True, level=True)
+
+
+def _instructions(lines: list[tuple[int, str]], name: str) -> Iterator[tuple[int, str]]:
+    """Instructions without their numbers, with the line on which each begins; a line that goes on has no number."""
+    begun, size, section = 0, 0, ""
+    kept: list[str] = []
     for count, line in lines:
         if line.startswith("/"):
             section = line.split()[0].upper()
             continue
         own, colon, rest = line.partition(":")
+        if section != "/MN" or not colon or own.strip(" 0123456789"):
+            continue
         text = rest.strip().rstrip(";").rstrip()
-        begins = bool(own.strip()) and not own.strip(" 0123456789")  # a line that goes on has no number
-        if section == "/MN" and colon and begins and text and not text.startswith(_REMARKS):
-            _instruction(listing, positions, tools, count, text)
-    return Program(name, Language.TP, tuple(listing.items), raised=True, level=True)
+        if own.strip():
+            if kept:
+                yield begun, " ".join(kept)
+            begun, size, kept = count, len(text), [text]
+        elif kept:
+            size += len(text) + 1
+            kept.append(text)
+        check_length(size, f"{name}, line {begun}")
+    if kept:
+        yield begun, " ".join(kept)
 
 
 def _positions(lines: list[tuple[int, str]], name: str) -> tuple[dict[str, Target | Reason], set[str]]:

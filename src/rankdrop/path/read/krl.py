@@ -1,4 +1,4 @@
-"""KUKA KRL (.src, and declarations in the .dat file of the same name).
+"""KUKA KRL (.src, and declarations in the .dat file of the same name). A statement is one line.
 
 Lengths in mm, speeds of the tip in m/s, angles in degrees. A, B, C turn about Z, then the new Y, then the new X:
 R = Rz(A) Ry(B) Rx(C). The bits of T say which joints are negative; S is not evaluated, T and the arm's own solutions

@@ -23,7 +23,7 @@ from rankdrop.robot.model import Array
 from rankdrop.robot.transform import from_xyz_rpy
 
 LARGEST_PROGRAM, MOST_LINES, LONGEST_LINE, MOST_MOVES = 10 * 2**20, 200_000, 20_000, 20_000
-"""Bytes of a program, its lines, characters of a line (of RAPID: of a statement), and its moves."""
+"""Bytes of a program, its lines, characters of a line or of a statement over several lines, and its moves."""
 _DEEPEST = 8  # brackets inside brackets of a literal
 _SHOWN = 72  # characters of a line that are kept
 _DIGITS = 50  # characters of a number
@@ -275,6 +275,41 @@ def lines_of(text: str, where: str) -> Iterator[tuple[int, str]]:
             raise TrajectoryError("the line is too long", where=f"{where}, line {count}", got=f"{len(line)} characters",
                                   allowed=f"at most {LONGEST_LINE:,}")  # fmt: skip
         yield count, line
+
+
+def check_length(size: int, where: str) -> None:
+    """Refuse a statement over several lines that is longer than all readers accept.
+
+    Args:
+        size: its characters.
+        where: the file, and the line on which the statement begins.
+
+    Raises:
+        TrajectoryError: the statement is longer.
+    """
+    if size > LONGEST_LINE:
+        raise TrajectoryError("the statement is too long", where=where,
+                              allowed=f"at most {LONGEST_LINE:,} characters")  # fmt: skip
+
+
+def open_brackets(line: str, before: int = 0) -> int:
+    """How many brackets outside quotes are open at the end of a line, of which `before` at its beginning.
+
+    Example:
+        >>> open_brackets("movej([0, 1,"), open_brackets("2], a=1)", before=2), open_brackets("])")
+        (2, 0, 0)
+    """
+    depth, quoted = before, False
+    for letter in line:
+        if letter == '"':
+            quoted = not quoted
+        elif quoted:
+            continue
+        elif letter in _OPENS:
+            depth += 1
+        elif letter in _CLOSES:
+            depth = max(depth - 1, 0)
+    return depth
 
 
 def number(text: str) -> float | None:

@@ -15,7 +15,6 @@ import numpy as np
 
 from rankdrop.path.read.poses import turned_by
 from rankdrop.path.read.program_record import (
-    LONGEST_LINE,
     MILLIMETRE,
     Language,
     Listing,
@@ -25,6 +24,7 @@ from rankdrop.path.read.program_record import (
     Reason,
     Speed,
     Target,
+    check_length,
     flat,
     in_base,
     joint_target,
@@ -146,9 +146,7 @@ def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
         elif rest:
             begun, size = begun if kept else count, size + len(rest) + 1
             kept.append(rest)
-        if size > LONGEST_LINE:
-            raise TrajectoryError("the statement is too long", where=f"{name}, line {begun}",
-                                  allowed=f"at most {LONGEST_LINE:,} characters")  # fmt: skip
+        check_length(size, f"{name}, line {begun}")
     if kept:
         yield begun, " ".join(kept)
 

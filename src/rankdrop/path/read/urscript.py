@@ -1,11 +1,13 @@
 """URScript (.script): movej, movel and movep to joint lists [rad] or poses p[x, y, z, rx, ry, rz].
 
-Lengths in metres; rx, ry, rz is the rotation vector: its direction is the axis, its length the angle in radians.
+A statement goes on over the next lines while a bracket is open. Lengths in metres; rx, ry, rz is the rotation vector:
+its direction is the axis, its length the angle in radians.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
@@ -18,12 +20,14 @@ from rankdrop.path.read.program_record import (
     Reason,
     Speed,
     Target,
+    check_length,
     flat,
     in_range,
     joint_target,
     lines_of,
     number,
     numbers_of,
+    open_brackets,
     parts_of,
     positive,
     split_bracket,
@@ -39,6 +43,8 @@ _OTHER = ("servoj", "servoc", "speedj", "speedl", "force_mode", "freedrive_mode"
           "conveyor_pulse_decode", "optimovej", "optimovel")  # fmt: skip
 _FLOW = {**dict.fromkeys(("if", "elif", "else", "return"), Reason.BRANCH),
          **dict.fromkeys(("while", "for", "break", "continue"), Reason.LOOP)}  # fmt: skip
+_BEGINS = ("def", "sec", "thread", "end", "global", "local", *_MOVES, "movec", *_FLOW)
+"""Words that begin a statement and stand in no bracket."""
 _QUIET = ("end", "textmsg", "sleep", "sync", "stopj", "stopl")
 _SKIPPED = {"movec": Reason.CIRCLE, **dict.fromkeys(_OTHER, Reason.OTHER_MOVE), **_FLOW, "set_tcp": Reason.TOOL}
 _WORD = re.compile(r"\s*([A-Za-z_]\w*)")
@@ -52,7 +58,7 @@ def read(text: str, name: str) -> Program:
         TrajectoryError: too large, or a value out of range.
     """
     names, listing = Names(), Listing(name)
-    lines = [(count, without_comment(line, "#")) for count, line in lines_of(text, name)]
+    lines = list(_statements(text, name))
     for count, line in lines:
         _declare(names, line, f"{name}, line {count}")
     routines = 0
@@ -72,6 +78,33 @@ def read(text: str, name: str) -> Program:
             if reason is not None:
                 listing.skip(count, line, reason)
     return Program(name, Language.URSCRIPT, tuple(listing.items), degrees=False)
+
+
+def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
+    """Statements without comments, with the number of the line on which each begins.
+
+    A statement ends with its line, or, where a bracket is open there, with the line that closes it; a line that begins
+    with a word of `_BEGINS` is a statement of its own.
+    """
+    begun, depth, size = 0, 0, 0
+    kept: list[str] = []
+    for count, line in lines_of(text, name):
+        plain = without_comment(line, "#")
+        first = _WORD.match(plain)
+        if kept and first is not None and first[1] in _BEGINS:
+            yield begun, " ".join(kept)
+            kept, depth, size = [], 0, 0
+        if not kept:
+            begun = count
+        kept.append(plain)
+        size += len(plain) + 1
+        check_length(size - 1, f"{name}, line {begun}")
+        depth = open_brackets(plain, depth)
+        if depth == 0:
+            yield begun, " ".join(kept)
+            kept, size = [], 0
+    if kept:
+        yield begun, " ".join(kept)
 
 
 def _why_skipped(word: str, rest: str, names: Names) -> Reason | None:

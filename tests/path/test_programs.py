@@ -158,8 +158,8 @@ ONE_LINE = {
                 "  movel(p[-0.35, -0.25, 0.5, 0.3, 2.2, 0.3], a=1.2, v=0.2)\n  textmsg(\"a ( b\")\n"
                 "  movej([0.3, -1.2, 1.4, -1.0, 1.2, 0.6])\nend\n",
     "a.mod": "MODULE m\nCONST jointtarget j:=[[1,2,3,4,5,6],[9E9,9E9,9E9,9E9,9E9,9E9]];\nPROC main()\n"
-             "MoveAbsJ j, v100, fine, tool0;\nMoveL [[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v50, z10, "
-             "tool0;\nENDPROC\nENDMODULE\n",
+             "MoveAbsJ j, v100, fine, tool0;\nMoveL [[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v50, "
+             "z10, tool0;\nENDPROC\nENDMODULE\n",
     "a.ls": "/MN\n1:J P[1] 50% FINE ;\n2:L P[1] 250mm/sec CNT50 Offset,PR[1] ;\n3:L P[1] 250mm/sec CNT50 ;\n"
             "/POS\nP[1]{\nGP1:\nUF : 0, UT : 0,\nX = 420.0 mm, Y = 80.0 mm, Z = 180.0 mm,\n"
             "W = 178.0 deg, P = -10.0 deg, R = 5.0 deg\n};\n/END\n",

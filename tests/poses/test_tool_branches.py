@@ -7,6 +7,7 @@ import pytest
 
 from rankdrop.kinematics import pose
 from rankdrop.local.posture import fault, spine
+from rankdrop.path.check import check
 from rankdrop.path.check.check import check_poses, within_limits
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.poses.inverse import joint_difference
@@ -35,6 +36,31 @@ def test_the_table_has_every_branch_once(across) -> None:
     assert {one.complete for one in branches} == {True, False}  # or nothing is tested here
     text = "\n".join("\n".join(section.lines) for section in across.sections())
     assert "the verdict is about this one" in text
+
+
+@pytest.mark.spread(1)
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "q", "counts"), [
+    ("puma560", [0.2, -0.6, 0.3, 0.4, 0.0, 0.3], (2, 1)),
+    ("ur5e", [0.3, -1.2, 1.4, -1.0, 0.0, 0.4], (4, 2)),
+    ("puma560", [0.2, -0.6, 0.3, 0.4, 0.5, 0.3], (2, 0)),
+])  # fmt: skip
+def test_points_of_a_self_motion_are_not_counted_as_solutions(
+    monkeypatch: pytest.MonkeyPatch, name: str, q: list[float], counts: tuple[int, int]
+) -> None:
+    """Newton's method ends on more points of a self-motion from more starts; the counts stay what they are."""
+    arm = open_robot(name)
+    goal = pose(arm, np.array(q))
+    found = []
+    for starts in (256, 512):
+        monkeypatch.setattr(check, "STARTS", starts)
+        many = within_limits(arm, goal, resolve_task(None, arm))
+        found.append(len(many))
+        assert check._count_solutions(arm, goal, resolve_task(None, arm), many) == counts
+    assert (found[1] > found[0]) == (counts[1] > 0)
+    tool = check_poses(arm, goal[None]).tool
+    assert (tool.solutions, tool.self_motions) == counts
+    assert (f"of {counts[1]} self-motion" in tool.chosen) == (counts[1] > 0)
 
 
 @pytest.mark.spread(1)

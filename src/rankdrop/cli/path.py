@@ -502,7 +502,7 @@ def _mended_path_bytes(mending: paths.Mending | None, mend: Remedies, written: W
 
 def _given_start(check: paths.PathCheck) -> bool:
     """The branch of a tool path was chosen by --start."""
-    return check.tool is not None and check.tool.solutions == 0
+    return check.tool is not None and check.tool.given_start
 
 
 def _of_several(model: Any, checked: list[dict[str, Any]], files: int, out: str | None) -> Done:

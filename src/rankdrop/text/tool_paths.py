@@ -26,14 +26,16 @@ _REASONS = {
 
 def branch_chosen(tool: Any) -> str:
     """Which branch of the inverse kinematics a tool path takes."""
-    if not tool.solutions:
+    if tool.given_start:
         return "of the start that was given"
     if tool.more:
-        count = f"of {tool.solutions} found, and there are more"
-    else:
-        count = f"one of {tool.solutions} found"
-    if tool.more:
-        return f"nearest to q = 0 ({count})"
+        return f"nearest to q = 0 (of {tool.solutions} found, and there are more)"
+    count = f"one of {tool.solutions} found"
+    if tool.self_motions:
+        curves = f"{tool.self_motions} {plural('self-motion', tool.self_motions)}"
+        count = f"of {curves} found"
+        if tool.solutions:
+            count = f"of {curves} and {tool.solutions} isolated {plural('solution', tool.solutions)} found"
     return f"the posture that people use ({count})"
 
 

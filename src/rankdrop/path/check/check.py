@@ -75,6 +75,7 @@ _EDGE = 1e-9  # a joint this far beyond a limit stands at it [rad, m]
 _NEAR_START = 0.5  # a start so far from where Newton's method ends may belong to another branch [rad]
 STARTS = 512
 """Random configurations, and the one nearest to zero, that solutions at the first pose are searched from."""
+_REGULAR = 1e-5  # σ_r below which a configuration may be on a self-motion
 _SAME = 1e-4  # solutions nearer to each other are one [rad]
 
 
@@ -347,8 +348,11 @@ def check_poses(
     branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
     away, turned = tip_apart(Aim(robot, resolved), branch.q, poses_at(wanted, branch.place - 1.0))
     ahead = wanted[min(ceil(branch.place[-1] - 1.0 + 1e-9), len(wanted) - 1)]
+    isolated, self_motions = 0, 0
+    if start is None:
+        isolated, self_motions = _count_solutions(robot, wanted[0], resolved, solutions)
     tool = replace(
-        branch, poses=len(wanted), solutions=0 if start is not None else len(solutions),
+        branch, poses=len(wanted), solutions=isolated, self_motions=self_motions,
         more=robot.n > resolved.m, off=away, turned=turned,
         next_reachable=not branch.complete and len(within_limits(robot, ahead, resolved)) > 0,
         half_turns=half_turns(wanted) if any(row > 2 for row in resolved.rows) else (),
@@ -521,6 +525,35 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
     if not len(solutions):
         raise _out_of_reach(robot, goal, task)
     return solutions[0], solutions, 0.0
+
+
+def _count_solutions(robot: Robot, goal: Array, task: Task, found: Array) -> tuple[int, int]:
+    """How many isolated configurations and how many self-motions at a pose were found within the joint limits.
+
+    Newton's method ends on many points of a self-motion, which are no solutions of their own; `inverse` joins them.
+
+    Args:
+        robot, task: the arm.
+        goal: (4, 4) the pose.
+        found: (S, n) from `within_limits`.
+
+    Returns:
+        Of a redundant arm the number of points found, and 0.
+    """
+    if robot.n > task.m or not len(found):
+        return len(found), 0
+    arm, arm_task = in_metres(robot), task_in_metres(task, robot)
+    sigma = singular_values(arm, into_metres(robot, found), arm_task)[:, generic_rank(arm, arm_task) - 1]
+    singular = sigma < _REGULAR
+    regular = int((~singular).sum())
+    if singular.sum() < 2:
+        return len(found), 0
+    from rankdrop.poses.branches import inverse  # a path from a regular pose does without
+
+    every = inverse(robot, goal, task)
+    inside = [branch for branch in every.branches if not branch.beyond]
+    isolated = sum(branch.sigma < _REGULAR for branch in inside)
+    return regular + isolated, sum(not continuum.beyond for continuum in every.continua)
 
 
 def check_tilt(robot: Robot, followed: Task, goals: Array, where: str) -> None:

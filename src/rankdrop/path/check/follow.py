@@ -113,7 +113,10 @@ class Followed:
         joint: number of the joint at its limit, from 1; 0 for other reasons.
         sigma: σ_r where it ended [1].
         poses: how many were given.
-        solutions: how many configurations at the first pose were found to choose it from; 0: it was given.
+        solutions: how many isolated configurations at the first pose were found to choose it from; of a redundant arm
+            how many points of its self-motions. 0 with `self_motions` 0: it was given.
+        self_motions: how many self-motions at a singular first pose were found within the joint limits; 0 for a
+            redundant arm.
         more: the arm is redundant, so that there are more.
         next_reachable: a configuration within the joint limits was found for the pose after the end.
         off: the tip stays within this distance of its curve, proven [m].
@@ -139,6 +142,7 @@ class Followed:
     sigma: float = np.inf
     poses: int = 0
     solutions: int = 0
+    self_motions: int = 0
     more: bool = False
     next_reachable: bool = False
     off: float = 0.0
@@ -149,6 +153,11 @@ class Followed:
     half_turns: tuple[int, ...] = ()
     branches: tuple[ToolBranch, ...] = ()
     moved: float = 0.0
+
+    @property
+    def given_start(self) -> bool:
+        """The configuration at the first pose was chosen by a start, not among the solutions found."""
+        return self.solutions == 0 and self.self_motions == 0
 
     @property
     def start(self) -> list[float]:

@@ -7,18 +7,30 @@ import decimal
 import fractions
 import warnings
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 
 import rankdrop
+from rankdrop import path as paths
 from rankdrop.errors import ConfigurationError, TaskError
+from rankdrop.poses.branches import self_motion_curves
+from rankdrop.results.known import shipped
 from rankdrop.task import BODY, SPACE, WORLD_ALIGNED
 
 ARM = rankdrop.open_robot("planar3r")
 A = [0.1, 0.5, 0.3]
 MASKED = np.ma.masked_array(A, [False, True, False])
+
+
+@cache
+def monitor() -> rankdrop.Monitor:
+    """A monitor of the arm with its known families."""
+    return rankdrop.Monitor(ARM, families=shipped("planar3r").families)
+
+
 FUNCTIONS: dict[str, Callable[[Any], Any]] = {
     "pose": lambda q: rankdrop.pose(ARM, q), "jacobian": lambda q: rankdrop.jacobian(ARM, q),
     "jacobian_derivative": lambda q: rankdrop.jacobian_derivative(ARM, q),
@@ -29,6 +41,12 @@ FUNCTIONS: dict[str, Callable[[Any], Any]] = {
     "row of check_path": lambda q: rankdrop.check_path(ARM, [A, q]),
     "times of check_path": lambda t: rankdrop.check_path(ARM, [A, A, A], t),
     "inverse": lambda pose: rankdrop.inverse(ARM, pose),
+    "poses": lambda pose: paths.check_poses(ARM, [np.eye(4), pose]),
+    "start of poses": lambda q: paths.check_poses(ARM, rankdrop.pose(ARM, [A]), start=q),
+    "self-motions": lambda pose: self_motion_curves(ARM, pose),
+    "look of a monitor": lambda q: monitor().look([A, q]), "monitor": lambda q: monitor().look_one(q),
+    "step of a monitor": lambda q: monitor().step(q), "velocity of a monitor": lambda v: monitor().step(A, v),
+    "distances of a monitor": lambda q: monitor().distances([A, q]), "nearby": lambda q: monitor().nearby(q),
 }  # fmt: skip
 BAD: dict[str, Any] = {
     "masked": MASKED, "masked in a list": [np.ma.masked, 0.1, 0.2], "masked row": [MASKED, A],
@@ -40,6 +58,9 @@ BAD: dict[str, Any] = {
     "beyond the digits": [10**5000, 0, 0], "nothing in it": [None] * 3, "dict": {"a": 1}, "set": {1.0, 2.0, 3.0},
     "object": object(), "ragged": [[1, 2], [3]], "function": len, "nan": [np.nan] * 3, "inf": [np.inf, 0, 0],
     "record": np.zeros(3, dtype=[("a", "f8")]), "raw": np.zeros(3, dtype="V8"), "empty": [], "number": 1.0,
+    "booleans": [True] * 3, "array of booleans": np.array([True, False, True]), "mixed": [0.1, True, 0.3],
+    "objects and a boolean": [fractions.Fraction(1, 2), True, 0.1], "boolean of NumPy": (0.1, np.bool_(True), 0.3),
+    "array of a boolean": [np.array(True), 0.1, 0.3],
     "large decimal": [decimal.Decimal("1e999"), 0, 0], "range": range(1000),
 }  # fmt: skip
 

@@ -35,7 +35,7 @@ def as_numbers(values: Any, what: str, error: type[RankdropError] = RobotError) 
     """What a caller hands in as a fresh or shared array of doubles: the conversion of every public function.
 
     Numbers of Python and NumPy, fractions, decimals and whatever has a float are taken, in lists of equal lengths.
-    NumPy would also read texts, dates, the real part of complex numbers and what lies under a mask.
+    NumPy would also read booleans, texts, dates, the real part of complex numbers and what lies under a mask.
 
     Args:
         values: from the caller.
@@ -55,8 +55,10 @@ def as_numbers(values: Any, what: str, error: type[RankdropError] = RobotError) 
         raise error(f"{what} is no array of numbers", got=f"a {type(values).__name__}", allowed=_NUMBERS) from None
     if array.dtype.kind == "O":
         return _objects_as_numbers(array, what, error)
-    if array.dtype.kind not in "fiub":
+    if array.dtype.kind not in "fiu":
         raise error(f"{what} is no array of numbers", got=f"an array of {array.dtype}", allowed=_NUMBERS)
+    if _has_boolean(values):
+        raise error(f"{what} is no array of numbers", got="a bool", allowed=_NUMBERS)
     with np.errstate(over="ignore"):  # longer floats beyond the doubles become infinite
         return np.asarray(array, dtype=np.float64)
 
@@ -79,7 +81,18 @@ def _objects_as_numbers(array: NDArray[Any], what: str, error: type[RankdropErro
 
 
 def _is_real(value: object) -> bool:
+    if isinstance(value, bool):
+        return False
     return isinstance(value, Real) or (hasattr(value, "__float__") and not isinstance(value, np.generic | np.ndarray))
+
+
+def _has_boolean(values: Any) -> bool:
+    """Whether a boolean is among the numbers of lists, as deep as NumPy reads them: it would become 0 or 1."""
+    if isinstance(values, list | tuple):
+        return any(map(_has_boolean, values))
+    if isinstance(values, np.ndarray):
+        return values.dtype.kind == "b"
+    return isinstance(values, bool | np.bool_)
 
 
 def _has_mask(values: Any, deep: int = 0) -> bool:

@@ -187,7 +187,7 @@ class Mending(Result):
 
     @property
     def written(self) -> Remedy | None:
-        """The remedy that is written to a file: the best, else the first that keeps the limits; None without remedies."""
+        """The remedy that is written to a file: the best, else the first that keeps the limits; None where none is."""
         return self.best or next(iter(self.remedies), None)
 
     def sections(self, *, deg: bool = True) -> tuple[Section, ...]:

@@ -517,9 +517,13 @@ def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
 
 def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, Array, float]:
     """A configuration at the first pose, all that were found, and how far it is from the start that was given."""
+    if start is None:
+        given = None
+    else:
+        given = _validate_start(robot, start)
     solutions = within_limits(robot, goal, task)
-    if start is not None:
-        near = _nearest_to_start(robot, goal, task, solutions, start)
+    if given is not None:
+        near = _nearest_to_start(robot, goal, task, solutions, given)
         if near is not None:
             return near[0], solutions, near[1]
     if not len(solutions):
@@ -591,18 +595,27 @@ def _out_of_reach(robot: Robot, goal: Array, task: Task) -> ConfigurationError:
     )  # fmt: skip
 
 
-def _nearest_to_start(
-    robot: Robot, goal: Array, task: Task, solutions: Array, start: ArrayLike
-) -> tuple[Array, float] | None:
-    """The configuration at the first pose that is nearest to the start, and how far it is; None where none is known.
+def _validate_start(robot: Robot, start: ArrayLike) -> Array:
+    """(n,) the start that was given [rad, m].
 
     Raises:
-        ConfigurationError: the start is no configuration, or the pose is not reached from it.
+        ConfigurationError: it is no configuration.
     """
     given = as_numbers(start, "start", ConfigurationError)
     if given.shape != (robot.n,) or not np.isfinite(given).all():
         raise ConfigurationError("the start is one configuration", where="start", got=f"shape {given.shape}",
                                  allowed=f"{robot.n} finite numbers")  # fmt: skip
+    return given
+
+
+def _nearest_to_start(
+    robot: Robot, goal: Array, task: Task, solutions: Array, given: Array
+) -> tuple[Array, float] | None:
+    """The configuration at the first pose that is nearest to the start, and how far it is; None where none is known.
+
+    Raises:
+        ConfigurationError: the pose is not reached from the start.
+    """
     reached = follow(robot, goal[None], given, task)
     scale = joint_scale(robot, task)
     ends = solutions + whole_turns(robot, given - solutions)

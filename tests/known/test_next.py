@@ -11,6 +11,7 @@ from rankdrop.local.block import singular_values
 from rankdrop.local.nearest import nearest_singularity, other_sheets
 from rankdrop.results import explanation
 from rankdrop.robot.dh import from_dh
+from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.verbs.explain import explain
@@ -77,10 +78,43 @@ def test_what_was_not_searched_is_not_denied(monkeypatch) -> None:
     assert next_line(explain(arm, q, evaluations=0)) == "Next: none found by 40 searches."
 
 
-def test_where_no_families_are_known_the_way_to_know_them_is_named() -> None:
-    """At a wrist singularity all walks end on the wrist's own sheet; the exact families of a file name the next."""
+def own_arm() -> Robot:
+    """Shoulder with an offset, spherical wrist: elbow and shoulder have conditions on θ2 and θ3 alone."""
     half = np.pi / 2
-    arm = from_dh([(0.15, -half, 0.45, 0.0), (0.6, 0.0, 0.0, -half), (0.2, -half, 0.0, 0.0), (0.0, half, 0.64, 0.0),
-                   (0.0, -half, 0.0, 0.0), (0.0, 0.0, 0.1, 0.0)], convention="standard")  # fmt: skip
-    line = next_line(explain(arm, [1.3, 0.2, 0.5, 0.7, 0.0, 0.1], evaluations=0))
+    return from_dh([(0.15, -half, 0.45, 0.0), (0.6, 0.0, 0.0, -half), (0.2, -half, 0.0, 0.0), (0.0, half, 0.64, 0.0),
+                    (0.0, -half, 0.0, 0.0), (0.0, 0.0, 0.1, 0.0)], convention="standard")  # fmt: skip
+
+
+def test_where_no_families_are_known_the_way_to_know_them_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(explanation, "other_sheets", lambda *_args, **_named: (40, iter(())))
+    line = next_line(explain(own_arm(), [1.3, 0.2, 0.5, 0.7, 0.0, 0.1], evaluations=0))
     assert line == "Next: none found by 40 searches; analysis=… with a file of analyze finds more."
+
+
+@pytest.mark.parametrize("wrist", [
+    [0.7, 0.0, 0.1], *(pytest.param(slow, marks=pytest.mark.slow) for slow in ([-2.0, 0.0, 1.0], [0.7, np.pi, 0.1])),
+])  # fmt: skip
+def test_at_a_wrist_singularity_of_an_own_arm_the_next_one_is_found(wrist: list[float]) -> None:
+    """The nearest points of elbow and shoulder in (θ2, θ3), on a grid: the walks leave the sheet of the wrist."""
+    arm, q = own_arm(), np.array([1.3, 0.2, 0.5, *wrist])
+    found = explain(arm, q, evaluations=0)
+    turn = np.radians(np.arange(-180.0, 180.0, 0.5))
+    two, three = (part.ravel() for part in np.meshgrid(q[1] + turn, q[2] + turn, indexing="ij"))
+    up = two - np.pi / 2
+    radius = 0.15 + 0.6 * np.cos(up) + 0.2 * np.cos(up + three) - 0.64 * np.sin(up + three)
+    elbow = 0.2 * np.sin(three) + 0.64 * np.cos(three)
+    distance = np.hypot(two - q[1], three - q[2])
+    lengths = [distance[np.abs(value) < 0.004].min() for value in (radius, elbow)]
+    assert found.summary.next_distance == pytest.approx(min(lengths), abs=0.02)
+    assert next_line(found).startswith(f"Next: {('shoulder', 'elbow')[int(np.argmin(lengths))]}, ")
+
+
+@pytest.mark.slow
+def test_the_next_singularity_is_not_the_same_one_farther_off() -> None:
+    """The sheet of the wrist of a gen3 comes near at a second place, 3.4° away, with joint 6 near 0° again."""
+    arm, q = next(iter(singular_configurations("gen3", 1, seed=5)))
+    found = explain(arm, q, evaluations=0)
+    places = found.summary.place, found.summary.next_place
+    here, there = ({(special.part, special.joint) for special in place} for place in places)
+    assert found.summary.next_distance is not None
+    assert here != there

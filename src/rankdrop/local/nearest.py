@@ -229,6 +229,7 @@ _LOOKED_AT = 8  # of the nearest ends
 _AROUND = 6  # starts around an end: where most of them lead nearer, the end is no minimum
 _ASIDE = 0.01  # how far from it they are [rad]
 _GENERIC = 0.05  # a step off a singular q, whose feet often lie on two sheets at once [rad]
+_STEPS = 16  # such steps, of which the one that leads off its sheet is taken
 _BACK = (0.1, 0.0)  # shares of that step from which the foot is walked to again
 _THROUGH = 1.05  # a sheet through q is no farther than that step, to rounding and curvature
 
@@ -260,9 +261,7 @@ def other_sheets(
     robot, task = place.robot, replace(place.task, length_scale=place.task.scale(place.robot))
     problem = Problem(robot, task, 1, here.tolerances, limits)
     check_joints(problem)
-    moves = tuple((~problem.idle).tolist())
-    step = _draws(seed, (1, 1), moves)[1][0]
-    step = step * (_GENERIC / max(float(np.linalg.norm(step)), 1e-300)) * problem.scale
+    step = _step_off(problem, place.q, seed)
     centre = read_only(place.q + step * bool(here.measured.corank))
     walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if limits else None)
     given = np.array([into_metres(here.robot, np.array(one)) + step for one in seeds]).reshape(-1, robot.n)
@@ -274,14 +273,30 @@ def other_sheets(
     return len(starts), _sheets(walk, here, starts, known_here, seed)
 
 
+def _step_off(problem: Problem, q: Array, seed: int) -> Array:
+    """(n,) a small step off a singular q: of some at random the one that leads farthest off its sheet, by σ_r.
+
+    Along its own sheet a step is of no use: where another sheet crosses that of q, walks around their crossing end on
+    either, and a foot there does not pass for a minimum.
+    """
+    moves = tuple((~problem.idle).tolist())
+    steps = _draws(seed, (1, _STEPS), moves)[1]
+    size = np.maximum(np.linalg.norm(steps, axis=1, keepdims=True), 1e-300)
+    steps = steps * (_GENERIC / size) * problem.scale
+    least = [float(problem.sigma(q + step)[problem.rank]) for step in steps]
+    return np.asarray(steps[int(np.argmax(least))])
+
+
 def _sheets(walk: _Walk, here: Configuration, starts: Array, known: Array | None, seed: int) -> Iterator[Elsewhere]:
     """The sheets that starts (N, n) lead to, but for that of the known place and those through a singular q."""
     problem, told = walk.problem, np.array([] if known is None else [known]).reshape(-1, walk.problem.n)
     if here.measured.corank:
         least = _THROUGH * _GENERIC
+        found_ends = walk.run(starts)[0]  # Newton's steps from afar lead to the sheet of q, which is so near
     else:
         least = 0.0
-    ends = walk.distinct(walk.minima(starts))
+        found_ends = walk.minima(starts)
+    ends = walk.distinct(found_ends)
     far = problem.length(ends - walk.centre)
     for end in ends[far > least][:_LOOKED_AT]:
         if not walk.is_new(end, told) or not walk.is_minimum(end, seed):

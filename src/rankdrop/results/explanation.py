@@ -448,6 +448,7 @@ class Explanation(Result):
                 return Next(None, None, 0 if far.unasked else STARTS[0])
             return Next(far.nearest_family.family, far.nearest.distance, far.nearest.starts, np.array(far.nearest.q))
         others = [*self._other_families(), *self._other_values()]
+        same: list[tuple[Family, float, Array]] = []
         searches = 0
         if far.nearest is not None and not ideal_arm:
             known = far.nearest.q
@@ -460,14 +461,43 @@ class Explanation(Result):
             )  # fmt: skip
             least = min((distance for _, distance, _ in others), default=np.inf)
             for sheet in sheets:
-                if sheet.distance < least - _SHEETS and not self._is_slow_family(sheet.q, sheet.corank, sheet.distance):
-                    place = np.array(sheet.q)
-                    others.append((self.incidences_at(place, sheet.corank)[0].family, sheet.distance, place))
+                if sheet.distance >= least - _SHEETS:
                     break
+                if self._is_slow_family(sheet.q, sheet.corank, sheet.distance):
+                    continue
+                place = np.array(sheet.q)
+                found = self.incidences_at(place, sheet.corank)[0].family, sheet.distance, place
+                if self._is_same_again(found[0], place):
+                    same.append(found)
+                    continue
+                others.append(found)
+                break
+        others = others or same[:1]
         if not others:
             return Next(None, None, searches)
         family, distance, q = min(others, key=itemgetter(1))
         return Next(family, distance, searches, q)
+
+    def _is_same_again(self, family: Family, q: Array) -> bool:
+        """Whether a singular configuration is the family of the answer again, with the same parts at the same values.
+
+        The sheet of a family comes near to q at more than one place; that is no other singularity.
+        """
+        if self.met and self.slow_family is None:
+            about, place = self.met[0].family, self.focus
+        elif self.slow_family is not None and self.slow_family[0] is not None:
+            about, place = self.slow_family[0], self.slow_family[3]
+        else:
+            return False
+        if family.name != about.name:
+            return False
+        here, there = (self._parts_at(at, about.corank) for at in (place, q))
+        return bool(there) and here == there
+
+    def _parts_at(self, q: Array, corank: int) -> set[tuple[str, str, int, int]]:
+        """The parts special at a configuration: their condition, its joint, and which half turn of it [1]."""
+        specials = specials_at(self.here.robot, self.here.task, q, corank)
+        return {(one.part, one.shape, one.joint, round(abs(one.value) / np.pi)) for one in specials}
 
     def _other_families(self) -> Iterator[tuple[Family, float, Array]]:
         """Known families that do not hold here, but for what the answer is about."""

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from rankdrop.families.points import members
+from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.special import Part, Shape, specials_at
 from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array
+from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.text.verdict import summary_lines
 from rankdrop.verbs.explain import explain
@@ -106,3 +108,34 @@ def test_a_condition_that_is_nearly_satisfied_is_not_exact() -> None:
         (one,) = specials_at(found.robot, found.task, q, 1)
         assert not one.exact
         assert 0 < one.off < np.radians(45)
+
+
+@pytest.mark.parametrize(("name", "q", "corank", "parts"), [
+    ("five", [0.3, np.pi / 2, 0.0, 0.4, 0.2], 1, ["elbow"]),  # the wrist is above axis 1, which costs no rank
+    ("puma560", "shoulder and elbow", 2, ["shoulder", "elbow"]),
+    ("iiwa7", [0.3, 0.0, 0.4, 0.0, 0.6, 0.0, 0.2], 2, ["shoulder", "elbow", "wrist"]),
+    ("iiwa7", [0.3, 0.0, 0.4, 0.0, 0.6, 0.7, 0.2], 1, ["elbow"]),
+])  # fmt: skip
+def test_a_part_is_named_where_its_condition_costs_rank(
+    name: str, q: list[float] | str, corank: int, parts: list[str]
+) -> None:
+    """Law: at a configuration with one part named, the arm is regular once the joint of that part is moved."""
+    if name == "five":
+        half = np.pi / 2
+        arm = from_dh([(0, half, 0.3, 0), (0.4, 0, 0, 0), (0.35, 0, 0, 0), (0, half, 0, half), (0, 0, 0.1, 0)],
+                      convention="standard")  # fmt: skip
+    else:
+        arm = open_robot(name)
+    task = resolve_task(None, arm)
+    if isinstance(q, str):
+        families = [family for family in shipped(name).families if family.corank == corank]
+        q = next(list(family.witness) for family in families if family.called.short == q)
+    rank = generic_rank(arm, task)
+    sigma = singular_values(arm, np.array(q), task)
+    assert int((sigma[:rank] <= 1e-9).sum()) == corank
+    found = specials_at(arm, task, np.array(q), corank)
+    assert [one.part.value for one in found] == parts
+    if len(found) == 1:
+        moved = np.array(q)
+        moved[found[0].joint - 1] += 0.3
+        assert singular_values(arm, moved, task)[rank - 1] > 1e-3

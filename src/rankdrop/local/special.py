@@ -25,6 +25,7 @@ from math import atan2, pi, sqrt
 import numpy as np
 
 from rankdrop.local.axes import Scene
+from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.robot.model import Array, Robot, once
 from rankdrop.robot.numbers import wrap_angle
 from rankdrop.task import Task
@@ -76,13 +77,17 @@ EXACT = 1e-6
 ARM_AXES = 7
 """Axes of an arm with three in the shoulder, one in the elbow and three in the wrist; more are of a base."""
 _STRUCTURE = 3  # random configurations; what holds at all of them says nothing about one
+_COSTS = 1e-7  # σ_r above it: no rank is lost
+_SAMPLES, _HALVED = 25, 60  # values of a joint between which the wrist passes above axis 1, and halvings of an interval
 _FLAT = 1e-9  # shorter projections have no direction, as shares of the reach
 
 
 def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Special, ...]:
     """The parts of the arm that are special at a singular configuration.
 
-    They are all whose condition holds exactly; else those nearest to their conditions, as many as rank is lost.
+    They are all with an exact condition, else those nearest to their conditions, as many as rank is lost. Where more
+    conditions hold than rank is lost, those that cost this arm no rank are left out: with five joints a wrist above
+    axis 1 still has all its motions.
 
     Args:
         robot: the arm.
@@ -105,6 +110,11 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
     always = _always(robot, turns, moves)
     found = [one for one in _candidates(robot, q, turns, moves) if (one.part, one.joint) not in always]
     exact = [one for one in found if one.exact]
+    if len(exact) > max(corank, 1):
+        free = _without_cost(robot, task)
+        costly = [one for one in exact if (one.part, one.joint) not in free]
+        if len(costly) >= max(corank, 1):
+            exact = costly
     chosen = exact or sorted(found, key=lambda one: one.off)[: max(corank, 1)]
     order = [*Part]
     return tuple(sorted(chosen, key=lambda one: order.index(one.part)))
@@ -116,6 +126,52 @@ def _always(robot: Robot, turns: bool, moves: bool) -> frozenset[tuple[Part, int
     draws = np.random.default_rng(3).uniform(-pi, pi, (_STRUCTURE, robot.n))
     seen = [{(one.part, one.joint) for one in _candidates(robot, q, turns, moves) if one.exact} for q in draws]
     return frozenset(set.intersection(*seen))
+
+
+@once
+def _without_cost(robot: Robot, task: Task) -> frozenset[tuple[Part, int]]:
+    """Conditions that lose no rank where they hold alone, at a random configuration moved onto them."""
+    turns, moves = bool({3, 4, 5} & set(task.rows)), bool({0, 1, 2} & set(task.rows))
+    rank = generic_rank(robot, task)
+    found: set[tuple[Part, int]] = set()
+    for q in np.random.default_rng(4).uniform(-2.0, 2.0, (_STRUCTURE, robot.n)):
+        for one in _candidates(robot, q, turns, moves):
+            if one.shape is Shape.ABOVE_AXIS:
+                place = _moved_above_axis(robot, q, turns)
+            else:
+                place = q.copy()
+                place[one.joint - 1] = one.value
+            if place is not None and singular_values(robot, place, task)[rank - 1] > _COSTS:
+                found.add((one.part, one.joint))
+    return frozenset(found)
+
+
+def _moved_above_axis(robot: Robot, q: Array, turns: bool) -> Array | None:
+    """(n,) q with the joint of axis 2 or 3 moved so that the wrist is above axis 1; None where neither does it."""
+    for axis in (1, 2):
+        joint = Scene(robot, q[None]).axes[axis]
+
+        def gap(value: float, joint: int = joint) -> float:
+            place = q.copy()
+            place[joint] = value
+            scene = Scene(robot, place[None])
+            return _axes_of(scene, turns).from_shoulder_plane(_vector(scene.tip[0].tolist()))[0]
+
+        values = np.linspace(-pi, pi, _SAMPLES)
+        gaps = np.array([gap(value) for value in values])
+        changes = np.flatnonzero(gaps[:-1] * gaps[1:] < 0)
+        if len(changes):
+            low, high = values[changes[0]], values[changes[0] + 1]
+            for _ in range(_HALVED):
+                middle = (low + high) / 2
+                if gap(low) * gap(middle) <= 0:
+                    high = middle
+                else:
+                    low = middle
+            place = q.copy()
+            place[joint] = low
+            return place
+    return None
 
 
 def _triples(count: int, turns: bool, sliding: bool) -> list[tuple[Part, int]]:
@@ -137,11 +193,7 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
     axes = scene.axes
     if len(axes) < 2:
         return
-    arm = _Axes(
-        [_vector(row) for row in scene.z[list(axes), 0].tolist()],
-        [_vector(row) for row in scene.p[list(axes), 0].tolist()],
-        None if turns else _vector(scene.tip[0].tolist()), scene.length,
-    )  # fmt: skip
+    arm = _axes_of(scene, turns)
     joints, values = [i + 1 for i in axes], q[list(axes)].tolist()
     tip = _vector(scene.tip[0].tolist())
     sliding = turns and len(axes) < robot.n and arm.is_carried_wrist
@@ -155,6 +207,14 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
         yield _shoulder(arm, joints, tip)
 
 
+def _axes_of(scene: Scene, turns: bool) -> _Axes:
+    """The axes of the one configuration of a scene; `turns`: rotation matters."""
+    axes = list(scene.axes)
+    tip = None if turns else _vector(scene.tip[0].tolist())
+    points = [_vector(row) for row in scene.p[axes, 0].tolist()]
+    return _Axes([_vector(row) for row in scene.z[axes, 0].tolist()], points, tip, scene.length)
+
+
 def _elbow(arm: _Axes, joint: int, value: float, tip: Vector, turns: bool, moves: bool) -> Iterator[Special]:
     """The condition of the elbow, which this joint measures; none where an upper arm or forearm has no length."""
     if turns and arm.aligned(arm.elbow - 1, arm.elbow + 1):
@@ -166,7 +226,8 @@ def _elbow(arm: _Axes, joint: int, value: float, tip: Vector, turns: bool, moves
 
 def _shoulder(arm: _Axes, joints: list[int], tip: Vector) -> Special:
     """The condition of the shoulder: the wrist in the plane through axis 1 along axis 2, or on axis 2."""
-    gap, lever = arm.from_shoulder_plane(tip)
+    signed, lever = arm.from_shoulder_plane(tip)
+    gap = abs(signed)
     exact = gap <= EXACT * arm.reach
     if exact and lever <= EXACT * arm.reach:
         return Special(Part.SHOULDER, Shape.ON_AXIS, joints[1], 0.0, 0.0, exact)
@@ -246,14 +307,14 @@ class _Axes:
         return _angle(first, last, axis)
 
     def from_shoulder_plane(self, tip: Vector) -> tuple[float, float]:
-        """Distances of the wrist from the plane through axis 1 along axis 2, and from axis 2 [m]."""
+        """Distances of the wrist from the plane through axis 1 along axis 2, with a sign, and from axis 2 [m]."""
         bundle = len(self.z) == 6 and _parallel(self.z[self.elbow], self.z[self.elbow + 1])
         if bundle and self.tip is None:
             point = self.middle_between(4, 5)
         else:
             point = self.wrist_point(tip)
         normal = _cross(self.z[0], self.z[1])
-        gap = abs(_dot(_less(point, self.p[0]), normal)) / _length(normal)
+        gap = _dot(_less(point, self.p[0]), normal) / _length(normal)
         return gap, _length(_normal_part(_less(point, self.p[1]), self.z[1]))
 
     def wrist_point(self, tip: Vector) -> Vector:

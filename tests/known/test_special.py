@@ -16,6 +16,7 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.text.special import family_label, family_title, place_parts
 from rankdrop.text.verdict import summary_lines
 from rankdrop.verbs.explain import explain
 
@@ -139,3 +140,15 @@ def test_a_part_is_named_where_its_condition_costs_rank(
         moved = np.array(q)
         moved[found[0].joint - 1] += 0.3
         assert singular_values(arm, moved, task)[rank - 1] > 1e-3
+
+
+@pytest.mark.parametrize(("name", "id_", "words"), [
+    ("px150", "k2.f1", "shoulder and elbow"), ("panda", "k2.f1", "shoulder and elbow"), ("puma560", "k1.f1", ""),
+])  # fmt: skip
+def test_a_family_of_two_lost_freedoms_has_the_parts_that_its_members_have(name: str, id_: str, words: str) -> None:
+    """The label of the family and the headline at its witness name the same parts."""
+    found = shipped(name)
+    family = next(family for family in found.families if family.id == id_)
+    here = place_parts(found.robot, found.task, np.array(family.witness), family.corank)
+    assert here == family_label(found.robot, found.task, family)
+    assert family_title(found.robot, found.task, family).startswith(words or family.name)

@@ -46,8 +46,10 @@ class FamilyParts:
 def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
     """The parts of the arm that a family is about: those of its name, else those that are special at its members.
 
-    A part is special where its condition holds exactly at every member. Without one, and with one freedom lost, the
-    parts nearest to their conditions at a tenth of the members or more are listed, as alternatives.
+    Where several freedoms are lost, parts that are special at every member are listed in addition to those of the name:
+    a fact about the axes may tell of one part what two parts lose. A part is special where its condition holds exactly
+    at every member. Without one, and with one freedom lost, the parts nearest to their conditions at a tenth of the
+    members or more are listed, as alternatives.
 
     Args:
         robot, task: the arm.
@@ -61,14 +63,17 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
         (['shoulder', 'elbow', 'wrist'], True)
     """
     base = _binds_base(robot, family)
-    if family.called.parts or family.called.given or family.called.unnamed:
-        return FamilyParts(family.called.parts, base=base)
+    named = family.called.parts
+    if family.called.given or family.called.unnamed or (named and family.corank == 1):
+        return FamilyParts(named, base=base)
     here, rows = in_metres(robot), task_in_metres(task, robot)
     members = members_of(robot, task, family, _MEMBERS)
     seen = [specials_at(here, rows, q, family.corank) for q in members]
     if not seen:
-        return FamilyParts((), base=base)
+        return FamilyParts(named, base=base)
     exact = _special_everywhere(seen)
+    if named:
+        return FamilyParts(_in_order(part.value for part in (*named, *exact)), base=base)
     if exact or family.corank > 1:
         return FamilyParts(exact, base=base)
     nearest = _often_nearest(seen)

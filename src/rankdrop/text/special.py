@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import degrees, radians
 
 import numpy as np
@@ -13,6 +14,7 @@ from rankdrop.families.record import Family
 from rankdrop.local.special import Shape, Special, specials_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.text.names import name_words
 from rankdrop.text.words import joint_word, listing, short
 
 _NEAR = radians(20.0)
@@ -108,7 +110,12 @@ def label_words(parts: FamilyParts, name: FamilyName) -> str:
 
 def family_title(robot: Robot, task: Task, family: Family) -> str:
     """The name of a family with the parts of the arm in front: "elbow: axes 3 and 5 aligned"."""
-    parts = "" if family.called.parts else _words_of_parts(parts_of(robot, task, family))
+    found = parts_of(robot, task, family)
+    if family.called.parts == found.parts:
+        return family.name
+    if family.called.parts:
+        return name_words(replace(family.called, parts=found.parts))
+    parts = _words_of_parts(found)
     if not parts:
         return family.name
     return f"{parts}: {family.name}"

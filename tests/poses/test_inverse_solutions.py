@@ -12,6 +12,7 @@ from rankdrop.kinematics import pose
 from rankdrop.poses.branches import inverse, matrix_of
 from rankdrop.poses.inverse import Aim, joint_difference, rotation
 from rankdrop.poses.unreached import JOINTS, ORIENTATION, POSITION
+from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -281,3 +282,22 @@ def test_poses_are_written_in_four_ways() -> None:
     for wrong in ([1.0, 2.0], [0, 0, 0, 1, 1, 0, 0], [np.nan] * 6, np.zeros((4, 4))):
         with pytest.raises(ConfigurationError):
             matrix_of(wrong)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "elbow", "zero"), [("scara", 2, 0.0), ("planar3r", 2, 0.0), ("px150", 3, None)])
+def test_an_arm_with_too_few_joints_for_a_pose_has_a_posture(name: str, elbow: int, zero: float | None) -> None:
+    """Law: the sign of the elbow is that of the elbow joint from where the arm is stretched, in every solution."""
+    arm = open_robot(name)
+    q = np.random.default_rng(1).uniform(np.clip(arm.lower, -2, 2), np.clip(arm.upper, -2, 2))
+    found = inverse(arm, pose(arm, q), "pose", starts=200)
+    assert len(found.branches) >= 2
+    if zero is None:
+        elbows = [family for family in shipped(name).families if family.called.short == "elbow" and family.corank == 1]
+        zero = next(pin.values[0] for pin in elbows[0].pinned if pin.number == elbow)
+    signs = set()
+    for branch in found.branches:
+        bent = np.sign(np.sin(branch.q[elbow - 1] - zero))
+        signs.add(bent * (1 if "+" in branch.posture[0] else -1))
+    assert len(signs) == 1
+    assert {branch.posture for branch in found.branches} == {("elbow +",), ("elbow −",)}

@@ -365,6 +365,8 @@ class Flag:
             return f"{self.called.short} {mark}"
         if self.called is not None and len(self.factor) > _LONG:
             return f"{self.called} {mark}"
+        if " " in self.factor:
+            return f"({self.factor}) {mark}"
         return f"{self.factor} {mark}"
 
 

@@ -91,7 +91,7 @@ def _has_boolean(values: Any) -> bool:
     if isinstance(values, list | tuple):
         return any(map(_has_boolean, values))
     if isinstance(values, np.ndarray):
-        return values.dtype.kind == "b"
+        return bool(values.dtype.kind == "b")
     return isinstance(values, bool | np.bool_)
 
 

@@ -69,11 +69,7 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
     here, rows = in_metres(robot), task_in_metres(task, robot)
     members = members_of(robot, task, family, _MEMBERS)
     seen = [specials_at(here, rows, q, family.corank) for q in members]
-    if not seen:
-        return FamilyParts(named, base=base)
-    exact = _special_everywhere(seen)
-    if named:
-        return FamilyParts(_in_order(part.value for part in (*named, *exact)), base=base)
+    exact = _in_order(part.value for part in (*named, *_special_everywhere(seen)))
     if exact or family.corank > 1:
         return FamilyParts(exact, base=base)
     nearest = _often_nearest(seen)
@@ -82,6 +78,8 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
 
 def _special_everywhere(seen: Sequence[Sequence[Special]]) -> tuple[ArmPart, ...]:
     """The parts that are exactly special at every member, given the special places seen at each."""
+    if not seen:
+        return ()
     names = [{special.part.value for special in specials if special.exact} for specials in seen]
     return _in_order(set.intersection(*names))
 

@@ -135,14 +135,14 @@ def _without_cost(robot: Robot, task: Task) -> frozenset[tuple[Part, int]]:
     rank = generic_rank(robot, task)
     found: set[tuple[Part, int]] = set()
     for q in np.random.default_rng(4).uniform(-2.0, 2.0, (_STRUCTURE, robot.n)):
-        for one in _candidates(robot, q, turns, moves):
-            if one.shape is Shape.ABOVE_AXIS:
+        for special in _candidates(robot, q, turns, moves):
+            if special.shape is Shape.ABOVE_AXIS:
                 place = _moved_above_axis(robot, q, turns)
             else:
                 place = q.copy()
-                place[one.joint - 1] = one.value
+                place[special.joint - 1] = special.value
             if place is not None and singular_values(robot, place, task)[rank - 1] > _COSTS:
-                found.add((one.part, one.joint))
+                found.add((special.part, special.joint))
     return frozenset(found)
 
 

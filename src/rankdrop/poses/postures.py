@@ -33,6 +33,8 @@ def _task_of_all_joints(robot: Robot, task: Task) -> Task | None:
 
     That is the task the arm is made for, position and yaw of a SCARA, or position and tool axis of five joints.
     """
+    if robot.n >= task.m:
+        return None
     made_for = resolve_task(None, robot, frame=task.frame)
     for other in (made_for, fitting_task(robot, task)):
         if other is not None and other.m == robot.n == generic_rank(robot, other):
@@ -49,8 +51,18 @@ def _parts_alone(chain: Chain | None, q: Array) -> tuple[tuple[str, ...], ...]:
     except TaskError:
         return ((),) * len(q)
     named = [name is not None and bool(name.parts) for name in signs.names]
-    flags = (configuration_flags(chain, row, signs=signs).flags for row in q)
-    return tuple(tuple(flag.label for flag in compress(some, named)) for some in flags)
+    postures = []
+    for row in q:
+        flags = compress(configuration_flags(chain, row, signs=signs).flags, named)
+        postures.append(tuple(flag.label for flag in flags))
+    return tuple(postures)
+
+
+def _determinant_signs(robot: Robot, task: Task, q: Array) -> tuple[tuple[str, ...], ...]:
+    """The sign of det J at each configuration (N, n)."""
+    there = in_metres(robot), task_in_metres(task, robot)
+    values = determinants(*there, np.stack([into_metres(robot, row) for row in q]))
+    return tuple((f"det J {'+' if value > 0 else '−'}",) for value in values)
 
 
 def posture_names(robot: Robot, task: Task, q: Array) -> tuple[tuple[str, ...], ...]:
@@ -62,17 +74,13 @@ def posture_names(robot: Robot, task: Task, q: Array) -> tuple[tuple[str, ...], 
     Returns:
         For each row such as ("elbow +", "wrist −"); else the sign of det J; empty for arms that have no determinant.
     """
-    square = task
-    if robot.n < task.m:
-        square = _task_of_all_joints(robot, task) or task
+    square = _task_of_all_joints(robot, task) or task
     if not len(q) or robot.n != square.m:
         return ((),) * len(q)
     _, signs, chain = decide_exactly(robot, square)
     if signs is None and square is not task:
         return _parts_alone(chain, q)
     if signs is None:
-        arm_and_task = in_metres(robot), task_in_metres(task, robot)
-        values = determinants(*arm_and_task, np.stack([into_metres(robot, row) for row in q]))
-        return tuple((f"det J {'+' if value > 0 else '−'}",) for value in values)
+        return _determinant_signs(robot, task, q)
     flags = (configuration_flags(signs.chain, row, signs=signs).flags for row in q)
     return tuple(tuple(flag.label for flag in some) for some in flags)

@@ -497,7 +497,7 @@ class Explanation(Result):
     def _parts_at(self, q: Array, corank: int) -> set[tuple[str, str, int, int]]:
         """The parts special at a configuration: their condition, its joint, and which half turn of it [1]."""
         specials = specials_at(self.here.robot, self.here.task, q, corank)
-        return {(one.part, one.shape, one.joint, round(abs(one.value) / np.pi)) for one in specials}
+        return {(part.part, part.shape, part.joint, round(abs(part.value) / np.pi)) for part in specials}
 
     def _other_families(self) -> Iterator[tuple[Family, float, Array]]:
         """Known families that do not hold here, but for what the answer is about."""

@@ -167,35 +167,55 @@ class _Judge:
     tolerances: Tolerances
 
     def crossings(self) -> list[Stretch]:
+        finished = self.sliver[2]
+        places = self._places()
+        if not finished:
+            return self._crossings_seen(self._distinct(self._changes(places, places)), places)
+        # a place next to each end, in what is free: a zero at an end has no certain sign on both sides
+        width = places[-1] - places[0]
+        limit = self.sliver[1][0] - self.sliver[0][0] + 1.0
+        wide = np.unique(np.clip([places[0] - width, *places, places[-1] + width], 0.0, limit))
+        lying = self._lying(places)
+        changes = self._changes(places, wide)
+        for stretch in lying:
+            changes = [part for part in changes if not self._meet(part, stretch)]
+        parts = sorted([*self._distinct(changes), *lying], key=lambda part: part.closest.place)
+        if parts:
+            return self._spread(parts)
+        return [self._still(places)]
+
+    def _places(self) -> Array:
+        """(N,) where the path is evaluated, in ascending order."""
         (first, start), (last, end), finished = self.sliver
-        size, count = last - first, _LOOKS if finished else _DENSE
+        size = last - first
+        if finished:
+            count = _LOOKS
+        else:
+            count = _DENSE
         places = np.linspace(start, size + end, count)
         if size < count:  # the samples between too while there are few
             places = np.concatenate([places, np.arange(1, size + 1, dtype=np.float64)])
-        places = np.unique(np.clip(places, start, size + end))
-        wide = places
-        if finished:  # a place next to each end, in what is free: a zero at an end has no certain sign on both sides
-            width = places[-1] - places[0]
-            wide = np.unique(np.clip([places[0] - width, *places, places[-1] + width], 0.0, size + 1.0))
-        lying = self._lying(places) if finished else []
-        samples = self._configurations(wide)
-        brackets = []
-        for condition, function in self.functions.items():
-            for low, high in self._brackets(wide, function(samples), function):
-                outside = high < places[0] or places[-1] < low  # of another sliver
-                if not outside and not any(low <= end and start <= high for start, end, _ in lying):
-                    brackets.append(self._part(CROSSING, low, high, (low + high) / 2,
-                                               "condition" if condition else "determinant", condition))  # fmt: skip
-        parts = self._distinct(brackets)
-        if not finished:
-            return self._crossings_seen(parts, places)
-        parts += [self._part(TOUCHING, *stretch, "singular throughout") for stretch in lying]
-        if parts:
-            return self._spread(sorted(parts, key=lambda part: part.closest.place))
-        return [self._still(places)]
+        return np.unique(np.clip(places, start, size + end))
 
-    def _lying(self, places: Array) -> list[tuple[float, float, float]]:
-        """Where the path does not leave the singular set: first and last place, and one to tell it by.
+    def _changes(self, places: Array, wide: Array) -> list[Stretch]:
+        """Changes of sign of all functions between `wide` places, those of them that are in the sliver."""
+        samples = self._configurations(wide)
+        found = []
+        for condition, function in self.functions.items():
+            evidence: Evidence = "determinant"
+            if condition:
+                evidence = "condition"
+            for low, high in self._brackets(wide, function(samples), function):
+                if places[0] <= high and low <= places[-1]:
+                    found.append(self._part(CROSSING, low, high, (low + high) / 2, evidence, condition))
+        return found
+
+    @staticmethod
+    def _meet(part: Stretch, other: Stretch) -> bool:
+        return part.bracket[0] <= other.bracket[1] and other.bracket[0] <= part.bracket[1]
+
+    def _lying(self, places: Array) -> list[Stretch]:
+        """Where the path does not leave the singular set.
 
         Functions that are zero all the time change no sign there, and others, as that of the wrist on a path in the
         elbow, tell of a singularity in the singularity.
@@ -208,7 +228,8 @@ class _Judge:
         for first, last in ends.reshape(-1, 2):
             if lengths[first : last - 1].sum() > _LYING:
                 at = self._typical(places[first:last], q[first:last])
-                found.append((float(places[first]), float(places[last - 1]), at))
+                low, high = float(places[first]), float(places[last - 1])
+                found.append(self._part(TOUCHING, low, high, at, "singular throughout"))
         return found
 
     def _spread(self, parts: list[Stretch]) -> list[Stretch]:

@@ -34,14 +34,14 @@ class Ear:
         self.errors: list[BaseException] = []
         self.sources: list[object] = []
 
-    def shown(self, now: Now, source: object) -> None:
+    def on_look(self, now: Now, source: object) -> None:
         self.nows.append(now)
         self.sources.append(source)
 
-    def explained(self, found: Explanation) -> None:
+    def on_explanation(self, found: Explanation) -> None:
         self.found.append(found)
 
-    def failed(self, error: BaseException) -> None:
+    def on_failure(self, error: BaseException) -> None:
         self.errors.append(error)
 
 

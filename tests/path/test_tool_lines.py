@@ -197,3 +197,14 @@ def test_a_free_axis_of_the_tool_is_compared_by_its_direction(rng: np.random.Gen
     cosine = (now[:, :3, 2] * wanted[:, :3, 2]).sum(axis=1)
     assert np.arccos(np.clip(cosine, -1.0, 1.0)).max() <= turned[0] < 0.2
     assert np.linalg.norm(now[:, :3, 3] - wanted[:, :3, 3], axis=1).max() <= away[0] < 1e-3
+
+
+def test_a_line_that_five_joints_cannot_keep_to_is_told_by_their_number() -> None:
+    """Both ends are poses of the arm; straight between them its position and orientation are not."""
+    arm = open_robot("px150")
+    ends = pose(arm, np.array([[0.3, -0.2, 0.4, 0.5, 0.2], [0.5, 0.0, 0.3, 0.4, 0.6]]))
+    check = check_poses(arm, ends, task="pose", start=[0.3, -0.2, 0.4, 0.5, 0.2])
+    assert check.tool is not None
+    assert (check.tool.reason, check.verdict) == ("few joints", "cannot be followed")
+    assert "5 joints cannot take all poses between pose 1 and 2" in check.summary[0]
+    assert check_poses(arm, ends, task="tool-axis-free", start=[0.3, -0.2, 0.4, 0.5, 0.2]).verdict == "free"

@@ -88,13 +88,15 @@ def sentence(check: Any) -> str:
     if check.clear:
         parts.append("free of singularities (proven)")
     words = "; ".join(parts)
-    words = f"{words[0].upper()}{words[1:]}."
-    if check.tool is not None and not check.tool.complete:
-        beyond = f"Cannot be followed beyond pose {check.tool.reached:.5g} of {check.tool.poses}"
-        if check.tool.turn is not None:
-            beyond += " without an internal turn"
-        return f"{beyond}: {why_ended(check.tool, check.robot)}." + (f" Up to there: {words}" if parts[1:] else "")
-    return words
+    if check.tool is None or check.tool.complete:
+        return f"{words[:1].upper()}{words[1:]}."
+    beyond = f"Cannot be followed beyond pose {check.tool.reached:.5g} of {check.tool.poses}"
+    if check.tool.turn is not None:
+        beyond += " without an internal turn"
+    beyond = f"{beyond}: {why_ended(check.tool, check.robot)}."
+    if not parts:
+        return beyond
+    return f"{beyond} Up to there: {words}."
 
 
 def _near_without_times(check: Any) -> str:
@@ -106,9 +108,7 @@ def _near_without_times(check: Any) -> str:
 
 
 def _reached_words(check: Any) -> Iterator[str]:
-    """Singularities that the path reaches or comes near to; the end of a branch."""
-    if check.tool is not None and not check.tool.complete:
-        yield "the branch ends"
+    """Singularities that the path reaches or comes near to."""
     for how, words in REACHED.items():
         part = [crossing for crossing in check.crossings if how_reached(crossing) == how]
         if part:

@@ -45,6 +45,7 @@ _CAUSES = {
 }
 _ENDS = {
     "singular": "the branch ends at a singularity", "stuck": "the solver does not converge",
+    "few joints": "the arm has too few joints for the poses ahead",
     "budget": "the steps and rows that one tool path may have are used up", "start": "its beginning is not reached",
     "turn": "the arm needs an internal turn first, with the tool held still",
 }  # fmt: skip

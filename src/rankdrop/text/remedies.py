@@ -30,6 +30,7 @@ GAINS = {
 """What is compared before and after a remedy: its name and its unit."""
 _ENDED = {
     "singular": "end at a singularity", "limit": "end at a joint limit", "stuck": "cannot be followed",
+    "few joints": "need more joints",
     "budget": "need more rows than one path may have",
     "start": "do not reach the first pose", "turn": "need an internal turn",
     "plan": "found no way when planned over all self-motions",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees
+from math import degrees, floor
 from typing import Any
 
 import numpy as np
@@ -50,6 +50,9 @@ def why_ended(tool: Any, robot: Robot) -> str:
         place = f"{pose} (σ = {tool.sigma:.1e}), and no configuration near it leads on"
         reason = f"{_FOLDS}, {place}"
         return f"{reason}; {_pose_after_end_words(tool)}"
+    if tool.reason == "few joints":
+        between = f"pose {floor(tool.reached)} and {floor(tool.reached) + 1}"
+        return f"{robot.n} joints cannot take all poses between {between} in full"
     if tool.reason in _REASONS:
         reason = f"{_REASONS[tool.reason]}, {pose} (σ = {tool.sigma:.1e})"
     else:
@@ -160,8 +163,8 @@ def _branch_verdict(branch: Any, robot: Robot) -> str:
     return end
 
 
-_ENDS = {"singular": "singularity", "stuck": "the solver does not converge", "budget": "the budget is spent",
-         "start": "not reached"}  # fmt: skip
+_ENDS = {"singular": "singularity", "few joints": "too few joints for the poses ahead",
+         "stuck": "the solver does not converge", "budget": "the budget is spent", "start": "not reached"}  # fmt: skip
 
 
 def branches_section(check: Any, *, deg: bool) -> Section:

@@ -47,6 +47,7 @@ _SPARE = 1.1  # rows are put in for a bound so many times tighter
 _SMALL = 1e-2  # σ_r at the end of a branch above which no singularity is its reason
 _SINGULAR = 1e-6  # σ_r of a row below which the branch is at a singularity, and leaves it by its local geometry
 _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton leaves the lost joint motion alone [rad]
+_AT_END = 1e-5  # poses: a singularity so near to the end of the branch is the one at which it ends
 _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
 _STRAIGHT = 0.97  # cosine of the turn of the joint motion at a singularity below which it is a corner
 _STALLED, _STAYED = 75, 0.5  # so many tries within one move and so much joint motion: the branch may creep [rad]
@@ -108,8 +109,8 @@ class Followed:
         reached: number of the last pose reached, from 1, with the share of the way to the next.
         last: (n,) configuration there.
         reason: why it ended: "" where complete, else "start", "singular", "limit", "turn": the path goes on from here
-            only after an internal turn, "stuck", or "budget": the steps or the rows that one path may have were used
-            up.
+            only after an internal turn, "few joints": the poses ahead are not all among those that the arm's rank
+            allows, "stuck", or "budget": the steps or the rows that one path may have were used up.
         joint: number of the joint at its limit, from 1; 0 for other reasons.
         sigma: σ_r where it ended [1].
         poses: how many were given.
@@ -379,8 +380,11 @@ class _Walk:
         if progress.place < last:
             sigma = float(singular_values(self.aim.robot, progress.now, self.aim.task)[self.aim.rank - 1])
             reason = self._reason(progress, sigma)
+        passed = self.passed
+        if reason == "singular":  # nobody has gone on from the singularity at which it ends
+            passed = [point for point in passed if point.place < progress.place + 1.0 - _AT_END]
         return Followed(q, place, not reason, progress.place + 1.0, progress.now, reason, progress.joint + 1, sigma,
-                        passed=tuple(self.passed), folds=progress.folds, turn=progress.turn)  # fmt: skip
+                        passed=tuple(passed), folds=progress.folds, turn=progress.turn)  # fmt: skip
 
     def _reason(self, progress: _Progress, sigma: float) -> str:
         """Why a branch ended before the last pose."""
@@ -394,6 +398,8 @@ class _Walk:
             return "singular"
         if progress.spent:
             return "budget"
+        if self.aim.rank < self.aim.task.m:
+            return "few joints"
         return "stuck"
 
     @property

@@ -32,7 +32,7 @@ from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import Array, Robot
 
 _SPARE = 1.0 - 1e-3  # of the speed that keeps the limits
-_SINGULAR = ("singular", "stuck", "limit")
+_SINGULAR = ("singular", "few joints", "stuck", "limit")
 
 
 class Advice(StrEnum):

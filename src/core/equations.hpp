@@ -9,7 +9,8 @@ namespace rankdrop::RANKDROP_ISA {
 
 // Adds the second derivatives of sum_e weight_e f_e, over the first `count` equations, to the lower half of sum (n, n). A
 // term is a wave w times a monomial M of the slides:  d2(wM) = -w M m m^T + w' (m dM^T + dM m^T) + w d2M. Waves of one angle
-// are added up first: equations of a family are made of the same ones. `amplitude` has room for every angle.
+// are added up first, then those of angles that begin alike, product by product (`Families::node_before`): the sum of a
+// product gives the entries of its last joint with each joint before. `amplitude` has room for every product.
 inline void bend_at(const Families& table, int count, const Pack* q, const Waves<Pack>& waves, const Pack* weight,
                     Pack* amplitude, Pack* sum) {
     const int n = table.variables;
@@ -17,15 +18,16 @@ inline void bend_at(const Families& table, int count, const Pack* q, const Waves
         Pack& entry = sum[(a > b ? a : b) * n + (a > b ? b : a)];
         entry = entry + value;
     };
-    for (int k = 0; k < table.angles(); ++k) amplitude[k] = fill(0.0);
+    for (int v = 0; v < table.nodes(); ++v) amplitude[v] = fill(0.0);
     for (int e = 0; e < count; ++e)
         for (int t = table.terms[e]; t < table.terms[e + 1]; ++t) {
             const int k = table.angle[t], first = table.turns[k], last = table.turns[k + 1];
+            Pack& whole = amplitude[table.node[t]];
             const int* p = table.powers.data() + (std::size_t)t * n;
             const Pack sine = waves.sine[table.node[t]], cosine = waves.cosine[table.node[t]];
             const Pack wave = (cosine * table.a[t] + sine * table.b[t]) * weight[e];
             if (!table.powered[t]) {
-                amplitude[k] = amplitude[k] + wave;
+                whole = whole + wave;
                 continue;
             }
             const Pack slope = (cosine * table.b[t] - sine * table.a[t]) * weight[e];
@@ -47,13 +49,18 @@ inline void bend_at(const Families& table, int count, const Pack* q, const Waves
                 const Pack by = slope * monomial(a, -1);
                 for (int i = first; i < last; ++i) add(table.turning[i], a, by * table.m[i]);
             }
-            amplitude[k] = amplitude[k] + wave * monomial(-1, -1);
+            whole = whole + wave * monomial(-1, -1);
         }
-    for (int k = 0; k < table.angles(); ++k)
-        for (int i = table.turns[k]; i < table.turns[k + 1]; ++i) {
-            const Pack part = amplitude[k] * -table.m[i];
-            for (int j = table.turns[k]; j <= i; ++j) add(table.turning[i], table.turning[j], part * table.m[j]);
+    for (int v = table.nodes() - 1; v >= 0; --v) {
+        const int before = table.node_before[v], last = table.phase_joint[table.node_phase[v]];
+        if (before >= 0) amplitude[before] = amplitude[before] + amplitude[v];
+        if (last < 0) continue;
+        const Pack part = amplitude[v] * -table.phase_m[table.node_phase[v]];
+        for (int u = v; u >= 0; u = table.node_before[u]) {
+            const int phase = table.node_phase[u];
+            if (table.phase_joint[phase] >= 0) add(last, table.phase_joint[phase], part * table.phase_m[phase]);
         }
+    }
 }
 
 // f_e and their gradients at one pack of configurations.
@@ -63,7 +70,7 @@ class Equations {
         const auto take = [&](int count) { return arena.take<Pack>(static_cast<std::size_t>(count)); };
         f = take(count_), slopes = take(count_ * table.variables);
         sine_ = take(table.nodes()), cosine_ = take(table.nodes()), phase_ = take(2 * table.phases());
-        amplitude_ = take(table.angles());
+        amplitude_ = take(table.nodes());
     }
 
     void at(const Pack* q) { at(q, count_); }

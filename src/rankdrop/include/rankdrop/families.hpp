@@ -13,15 +13,17 @@ namespace rankdrop {
 
 inline constexpr int kMostOfGroup = 1024;  // points
 inline constexpr int kMostMoving = 16;     // joints that matter to them
+inline constexpr int kBlock = 32;          // of them that are compared at once
 
 // Points of the set where a family's rank drops, in groups that lie together: what walks begin at.
 struct SetPoints {
     std::vector<int> moving;           // joints that matter to them, all of them turn
     int width = 0;                     // of a point's record: q (n) [rad], the direction lost (m), the null space (n - rank, n)
     std::vector<float> records;
-    std::vector<float> place;          // group after group (moving, points of it) [turns]
-    std::vector<float> centre;         // (moving, groups) [turns]
+    std::vector<std::int16_t> place;   // group after group in blocks (moving, kBlock) [parts of a turn, 2^16 of them]
+    std::vector<std::int16_t> centre;  // of all groups, in blocks
     std::vector<int> first;            // first point of every group, and the end
+    std::vector<int> first_place;      // where the first block of every group begins in `place`
 
     const float* point(int number) const { return records.data() + static_cast<std::size_t>(number) * static_cast<std::size_t>(width); }
 };

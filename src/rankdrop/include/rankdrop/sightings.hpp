@@ -343,7 +343,7 @@ inline Apart<double> apart_by_set(const Chain& chain, const View& view, const Fa
     const bool all = !shared(table, set, family);
     const auto off = [&](const Pack* x) { return all ? fill(0.0) : beside(table, family, x, room); };
     const SetPoints* points = table.points ? table.points->data() + family : nullptr;
-    OntoSet found;
+    OntoSet found{};
     walk_onto_set(chain, view, table.scale.data(), set.generic - table.corank[family], q, start, lane, points, room.set, found,
                   off);
     const bool reached = std::isfinite(found.distance);

@@ -9,7 +9,7 @@
 namespace rankdrop::RANKDROP_ISA {
 
 inline constexpr int kSpread = 60000;     // starts: points lie about 0.2 rad apart where three joints are free
-inline constexpr int kGroups = 512;
+inline constexpr int kGroups = 512;       // whole blocks
 inline constexpr int kSettling = 24;      // steps of a start at most
 inline constexpr double kSettled = 1e-7;  // sigma at a point, whose joints are kept in single precision
 inline constexpr double kIdle = 1e-4;     // of the rows of D: joints that change nothing on the set
@@ -66,24 +66,33 @@ inline Settled settle(const Chain& chain, const View& view, const Families& tabl
     return out;
 }
 
+// Some of the places (points, joints), block after block (joints, kBlock); the last block is filled up with zeros.
+inline void append_blocks(const std::vector<std::int16_t>& place, const std::vector<int>& some, int joints,
+                          std::vector<std::int16_t>& out) {
+    for (std::size_t first = 0; first < some.size(); first += kBlock)
+        for (int j = 0; j < joints; ++j)
+            for (std::size_t i = first; i < first + kBlock; ++i)
+                out.push_back(i < some.size() ? place[(std::size_t)(some[i] * joints + j)] : std::int16_t{0});
+}
+
 // Groups of points by the nearest of their centres, the first of the points themselves.
 inline SetPoints grouped(const Settled& from, int n, int m, int free) {
     SetPoints out;
     for (int j = 0; j < n; ++j)
         if (from.most[(std::size_t)j] > kIdle) out.moving.push_back(j);
     const int joints = (int)out.moving.size(), count = (int)from.q.size() / n;
-    std::vector<float> place((std::size_t)(count * joints));
-    out.centre.resize((std::size_t)(kGroups * joints));
+    std::vector<std::int16_t> place((std::size_t)(count * joints));
     for (int i = 0; i < count; ++i)
-        for (int j = 0; j < joints; ++j) {
-            const float part = (float)(from.q[(std::size_t)(i * n + out.moving[(std::size_t)j])] / kTurn);
-            place[(std::size_t)(i * joints + j)] = part;
-            if (i < kGroups) out.centre[(std::size_t)(j * kGroups + i)] = part;
-        }
-    std::vector<float> squares(kGroups);
+        for (int j = 0; j < joints; ++j)
+            place[(std::size_t)(i * joints + j)] = parts_of_turn(from.q[(std::size_t)(i * n + out.moving[(std::size_t)j])]);
+    std::vector<int> some(kGroups);
+    for (int i = 0; i < kGroups; ++i) some[(std::size_t)i] = i;
+    append_blocks(place, some, joints, out.centre);
+    std::vector<std::int32_t> squares(kGroups);
     std::vector<std::vector<int>> members(kGroups);
     for (int i = 0; i < count; ++i) {
-        squares_to(out.centre.data(), kGroups, place.data() + (std::ptrdiff_t)i * joints, joints, squares.data());
+        for (int block = 0; block < kGroups; block += kBlock)
+            squares_to(out.centre.data() + block * joints, place.data() + (std::ptrdiff_t)i * joints, joints, squares.data() + block);
         auto& group = members[(std::size_t)(std::min_element(squares.begin(), squares.end()) - squares.begin())];
         if ((int)group.size() < kMostOfGroup) group.push_back(i);
     }
@@ -93,8 +102,8 @@ inline SetPoints grouped(const Settled& from, int n, int m, int free) {
         for (int k = 0; k < width; ++k) out.records.push_back((float)all[(std::size_t)(i * width + k)]);
     };
     for (const std::vector<int>& group : members) {
-        for (int j = 0; j < joints; ++j)
-            for (const int i : group) out.place.push_back(place[(std::size_t)(i * joints + j)]);
+        out.first_place.push_back((int)out.place.size());
+        append_blocks(place, group, joints, out.place);
         for (const int i : group) append(from.q, i, n), append(from.u, i, m), append(from.v, i, free * n);
         out.first.push_back(out.first.back() + (int)group.size());
     }

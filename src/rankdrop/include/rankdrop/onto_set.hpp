@@ -13,7 +13,7 @@ inline constexpr double kStride = 0.7;   // of a step at most [rad]
 inline constexpr double kQuicken = 0.3;  // steps shorter than this are drawn from two tangent planes [rad]
 inline constexpr double kBack = 0.4;     // of a step that led away, what is tried instead
 inline constexpr double kHopeless = 1.05; // times the nearest value so far: a tangent plane that is farther is not gone to
-inline constexpr double kHopelessFirst = 1.4;  // the same after the first look
+inline constexpr double kHopelessFirst = 2.0;  // the same after the first look
 inline constexpr double kBeside = 1e-2;  // of a family's conditions, where a walk of it ends [rad]
 inline constexpr double kOffOwn = 0.04, kOffPoint = 0.12;  // as far off the set as this, of the distance, it is believed
 inline constexpr int kHere = 2;              // walks of one configuration that begin at it where points are known

@@ -46,13 +46,9 @@ Known = Callable[[str], tuple[Hashable, str] | None]
 def csv_text(names: Sequence[str], q: Array, times: Array | None = None) -> str:
     """Rows of joint values as CSV, to the last bit, with a column of times in front where there are any."""
     if times is None:
-        rows = q
+        head, rows = tuple(names), q
     else:
-        rows = np.column_stack([times, q])
-    if times is None:
-        head = names
-    else:
-        head = ("time", *names)
+        head, rows = ("time", *names), np.column_stack([times, q])
     return "\n".join([",".join(head), *(",".join(map(repr, row)) for row in rows.tolist())]) + "\n"
 
 

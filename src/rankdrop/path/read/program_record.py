@@ -28,7 +28,7 @@ _DEEPEST = 8  # brackets inside brackets of a literal
 _SHOWN = 72  # characters of a line that are kept
 _DIGITS = 50  # characters of a number
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-_OPENS, _CLOSES = "([{", ")]}"
+_DEEPER = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}  # brackets: by how much
 MILLIMETRE = 1e-3
 PROGRAMS = (".src", ".mod", ".prg", ".script", ".ls", ".jbi")
 """Endings of robot programs."""
@@ -299,17 +299,20 @@ def open_brackets(line: str, before: int = 0) -> int:
         >>> open_brackets("movej([0, 1,"), open_brackets("2], a=1)", before=2), open_brackets("])")
         (2, 0, 0)
     """
-    depth, quoted = before, False
-    for letter in line:
+    depth = before
+    for _, letter in _outside_quotes(line):
+        depth = max(depth + _DEEPER.get(letter, 0), 0)
+    return depth
+
+
+def _outside_quotes(text: str) -> Iterator[tuple[int, str]]:
+    """Places and letters of a text that are in no quotes."""
+    quoted = False
+    for place, letter in enumerate(text):
         if letter == '"':
             quoted = not quoted
-        elif quoted:
-            continue
-        elif letter in _OPENS:
-            depth += 1
-        elif letter in _CLOSES:
-            depth = max(depth - 1, 0)
-    return depth
+        elif not quoted:
+            yield place, letter
 
 
 def number(text: str) -> float | None:
@@ -329,11 +332,8 @@ def number(text: str) -> float | None:
 
 def without_comment(line: str, mark: str) -> str:
     """A line up to a mark outside quotes."""
-    quoted = False
-    for place, letter in enumerate(line):
-        if letter == '"':
-            quoted = not quoted
-        elif letter == mark and not quoted:
+    for place, letter in _outside_quotes(line):
+        if letter == mark:
             return line[:place]
     return line
 
@@ -345,17 +345,11 @@ def parts_of(text: str, mark: str = ",", *, brackets: bool = True) -> list[str]:
         >>> parts_of("[1, 2], v100, Offs(p, 0, 0, 1)")
         ['[1, 2]', 'v100', 'Offs(p, 0, 0, 1)']
     """
-    parts, depth, quoted, begin = [], 0, False, 0
-    for place, letter in enumerate(text):
-        if letter == '"':
-            quoted = not quoted
-        elif quoted:
-            continue
-        elif brackets and letter in _OPENS:
-            depth += 1
-        elif brackets and letter in _CLOSES:
-            depth -= 1
-        elif letter == mark and depth == 0:
+    parts, depth, begin = [], 0, 0
+    for place, letter in _outside_quotes(text):
+        if brackets:
+            depth += _DEEPER.get(letter, 0)
+        if letter == mark and depth == 0:
             parts.append(text[begin:place].strip())
             begin = place + 1
     return [*parts, text[begin:].strip()]
@@ -366,18 +360,11 @@ def split_bracket(text: str, opens: str = "(") -> tuple[str, str] | None:
     plain = text.lstrip()
     if not plain.startswith(opens):
         return None
-    depth, quoted = 0, False
-    for place, letter in enumerate(plain):
-        if letter == '"':
-            quoted = not quoted
-        elif quoted:
-            continue
-        elif letter in _OPENS:
-            depth += 1
-        elif letter in _CLOSES:
-            depth -= 1
-            if depth == 0:
-                return plain[1:place], plain[place + 1 :]
+    depth = 0
+    for place, letter in _outside_quotes(plain):
+        depth += _DEEPER.get(letter, 0)
+        if depth == 0:
+            return plain[1:place], plain[place + 1 :]
     return None
 
 

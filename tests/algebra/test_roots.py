@@ -265,7 +265,9 @@ def test_values_before_and_after_an_image_is_made_are_the_same() -> None:
         point = Point({name: 5 + place for place, name in enumerate(RING.names)}, prime)
         point.update(roots_at(RING, prime))
         values = {value_at(RING, f, point) for _ in range(field._SEEN)}
-        assert isinstance(RING.images[id(f), prime], field.Uses)
+        uses = RING.images[id(f), prime]
+        assert isinstance(uses, field.Uses)
+        assert uses.f is f  # an id is that of a polynomial that is kept
         image = image_modulo(f, point, prime)
         assert {*values, value_at(RING, f, point)} == {int(image(*[0] * len(RING.names)))}
         assert not isinstance(RING.images[id(f), prime], field.Uses)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from dataclasses import replace
 from fractions import Fraction
+from math import inf
 
 import numpy as np
 import pytest
@@ -281,3 +282,15 @@ def test_a_resultant_is_zero_where_two_polynomials_share_a_factor_with_the_varia
         if g.degrees()[place]:
             zero = f.resultant(g, ("t1", "t2")[place]) == 0
             assert known._resultant_vanishes(f, g, place) == zero
+
+
+def test_pairs_that_were_tried_are_of_polynomials_that_live() -> None:
+    """The address of one that is gone may be that of the next, whose pairs would count as tried."""
+    module = flint()
+    t, u = module.nmod_mpoly_ctx.get(["t1", "t2"], P, module.Ordering.lex).gens()
+    known = _Known(Ring([1, 2]))
+    for f in (t * u - 2, t + 2 * u + 3, (t - 3) * (t - 5)):
+        known.add(f)
+    assert list(known.eliminate_pairs(Work(), inf))
+    assert known._tried
+    assert all(key[:2] == (id(f), id(g)) for key, (f, g) in known._tried.items())

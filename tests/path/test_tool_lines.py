@@ -208,3 +208,17 @@ def test_a_line_that_five_joints_cannot_keep_to_is_told_by_their_number() -> Non
     assert (check.tool.reason, check.verdict) == ("few joints", "cannot be followed")
     assert "5 joints cannot take all poses between pose 1 and 2" in check.summary[0]
     assert check_poses(arm, ends, task="tool-axis-free", start=[0.3, -0.2, 0.4, 0.5, 0.2]).verdict == "free"
+
+
+@pytest.mark.slow
+def test_a_branch_does_not_pass_the_singularity_at_which_it_ends() -> None:
+    """A line of a Gen3 that folds back beside its stretched elbow, after looking for a way on there."""
+    arm = open_robot("gen3")
+    middle = pose(arm, [0.229314, 0.765568, 0.133878, -0.001396, 0.568332, 0.630965, -0.069957])
+    ends = np.stack([middle, middle])
+    ends[:, :3, 3] += np.outer([-0.1, 0.1], [-0.204708, -0.616265, 0.760468])
+    start = [0.160997, 1.155873, 0.141679, -0.728974, 0.535117, 0.975682, 0.075454]
+    check = check_poses(arm, ends, start=start, branches=False)
+    assert check.tool is not None
+    assert (check.tool.reason, check.tool.passed, check.verdict) == ("singular", (), "cannot be followed")
+    assert "goes on" not in check.summary[0]

@@ -86,7 +86,7 @@ struct Kept {
 };
 
 std::unordered_map<std::uintptr_t, Kept>& kept() {
-    static auto* robots = new std::unordered_map<std::uintptr_t, Kept>;  // for good: Python has ended when statics go
+    static auto* robots = new std::unordered_map<std::uintptr_t, Kept>;  // for good: Python has ended when static objects end
     return *robots;
 }
 

@@ -128,3 +128,14 @@ def test_every_package_of_the_plain_install_has_its_licence_in_the_docs() -> Non
     installed = re.findall(r"^([\w.-]+)==", read(ROOT / ".ci" / "constraints.txt"), re.MULTILINE)
     assert set(listed) <= {name.lower().replace("_", "-") for name in installed}
     assert f"brings {len(listed)} packages" in page
+
+
+UNNAMED = 153
+"""Modules whose name no file of tests begins with: words and tables are tested through the commands that print them."""
+
+
+def test_tests_of_a_module_are_found_by_its_name() -> None:
+    tested = {file.stem.removeprefix("test_") + "_" for file in HERE.rglob("test_*.py")}
+    modules = [file.relative_to(ROOT) for file in FILES if not file.stem.startswith("__")]
+    unnamed = [str(module) for module in modules if not any(name.startswith(module.stem + "_") for name in tested)]
+    assert len(unnamed) <= UNNAMED, "\n".join(unnamed)

@@ -1,7 +1,7 @@
 """Every arm of the catalogue, analysed with few starts: its families are those shipped, and the exact ones agree.
 
 All of them: `pytest -m slow tests/known/test_every_arm.py` (two minutes of one processor); three by default. With as
-many starts as what is shipped, and derived anew: one of each structure (`test_atlases.py`,
+many starts as what is shipped, and derived anew: one of each structure (`test_known.py`,
 `test_shipped_conditions.py`).
 """
 

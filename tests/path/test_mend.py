@@ -24,7 +24,7 @@ WRIST = np.linspace([0.0, 0.7, -0.2, 0.3, 0.4, 0.1], [0.2, 0.8, -0.1, 0.2, -0.4,
 CORNER = np.array([[0.3, 0.4, 0.1], [0.5, -0.2, 0.3], [0.9, 0.5, 0.3]])  # planar3r, through θ2 = 0 and back
 INNER = np.linspace([0.3, 0.4, np.pi - 0.5], [0.6, -0.4, np.pi + 0.5], 41)  # planar3r in position: θ2 = 0, θ3 = π
 TILT, SHIFT = np.radians(10), 0.05
-WHOLE = tuple(kind for kind in KINDS if kind not in LOCAL)  # local ones have their tests in `test_local_remedies`
+WHOLE = tuple(kind for kind in KINDS if kind not in LOCAL)  # local ones have their tests in `test_remedies`
 
 
 @cache

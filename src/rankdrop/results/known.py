@@ -238,7 +238,7 @@ def shipped(name: str) -> Analysis:
     if name not in known_names():
         allowed = ", ".join(known_names())
         raise ResultFileError("there is no shipped analysis of this arm", got=repr(name), allowed=allowed)
-    found = Analysis.from_dict(shipped_record(name), believe=True)  # tests/known/test_atlases.py does not
+    found = Analysis.from_dict(shipped_record(name), believe=True)  # tests/results/test_known.py does not
     return replace(found, settings=replace(found.settings, version=VERSION))  # which ships it, and answers the same
 
 

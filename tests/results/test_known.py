@@ -1,6 +1,6 @@
 """The atlases that come with the package are those of the catalogue's arms, true, complete, and found by geometry.
 
-One of each structure made anew and compared: `pytest -m slow tests/known/test_atlases.py`; two by default. The whole
+One of each structure made anew and compared: `pytest -m slow tests/results/test_known.py`; two by default. The whole
 catalogue, with fewer starts: `test_every_arm.py`.
 """
 
@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from known.arms import KINDS, STRUCTURES, structures
 from scripts import tool
 
-from known.arms import KINDS, STRUCTURES, structures
 from rankdrop.distance.monitor import Monitor
 from rankdrop.errors import ResultFileError
 from rankdrop.families.row import soundness

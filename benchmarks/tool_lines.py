@@ -42,11 +42,11 @@ def line(rng: np.random.Generator, name: str) -> tuple[Robot, Array, Array, floa
     return arm, np.radians(q), way / np.linalg.norm(way), near, float(10 ** rng.uniform(-2.0, 0.0))
 
 
-def shares() -> Array:
-    """Shares −1 … 1 of the half lines at which the controller solves, finely in the middle."""
+def shares(finely: float = _MIDDLE) -> Array:
+    """Shares −1 … 1 of the half lines at which the controller solves, in finer steps from −`finely` to `finely`."""
     coarse = np.linspace(-1.0, 1.0, _STEPS + 1)
-    fine = np.linspace(-_MIDDLE, _MIDDLE, int(_STEPS * _FINE * _MIDDLE) + 1)
-    return np.unique(np.concatenate([coarse, fine]))
+    fine = np.linspace(-finely, finely, int(_STEPS * _FINE * finely) + 1)
+    return np.unique(np.round(np.concatenate([coarse, fine]), 12))
 
 
 def driven(arm: Robot, q: Array, way: Array, places: Array) -> Array:
@@ -98,6 +98,9 @@ def one(number: int, seed: int) -> measure.Row | None:
     arm, q, way, near, speed = line(rng, name)
     places = shares()
     rows = driven(arm, q, way, places)
+    if np.isnan(rows).any():  # the joints turn far behind the middle too
+        places = shares(finely=1.0)
+        rows = driven(arm, q, way, places)
     if np.isnan(rows[0]).any() or (rows[0] < arm.lower).any() or (rows[0] > arm.upper).any():
         return None
     middle = oracle.pose(arm, q)

@@ -64,6 +64,13 @@ def test_every_command_that_a_page_names_is_there(page: Path) -> None:
     assert told - {*COMMANDS, *ALIASES, "completion"} == set()
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_import_that_a_page_shows_works(page: Path) -> None:
+    shown = re.findall(r"(?m)^(?:>>> )?(from rankdrop[\w.]* import \w+(?:, \w+)*)", read(page))
+    for line in shown:
+        exec(line, {})
+
+
 def test_no_file_has_marks_of_a_conflict() -> None:
     mark = re.compile(rb"^(<{7}|>{7}|\|{7})( |$)|^={7}$", re.M)
     assert [path for path in KEPT if mark.search(path.read_bytes())] == []

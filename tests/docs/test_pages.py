@@ -63,7 +63,7 @@ def test_commands_print_what_is_shown(
         printed = printed.partition(wanted)[2]
 
 
-@pytest.mark.by_hand_at("comparing-designs", "inside-limits", "nearly-ideal", "postures", "tool-offset")
+@pytest.mark.by_hand_at("comparing-designs", "inside-limits", "nearly-ideal", "tool-offset")
 @pytest.mark.slow_at("from-a-pose")
 @pytest.mark.slow_at("nearly-ideal", "comparing-designs", "paths", "postures", "tool-offset", "inside-limits")
 @pytest.mark.parametrize("page", PAGES, ids=[page.stem for page in PAGES])

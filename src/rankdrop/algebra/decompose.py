@@ -96,16 +96,16 @@ def decompose(
     choices = [atoms(form, work) for form in conditions if form.f != 0]
     if not all(choices):
         return []
-    found: list[ZeroSet] = []
+    pieces: list[ZeroSet] = []
     for system in _distinct(choices):
         angles = {atom.joint: atom.value for atom in system if atom.is_pin}
         polynomials = [atom.f for atom in system if not atom.is_pin]
         if angles:
             there = [ring.form(f).at(angles) for f in polynomials]
-            found += decompose(ring, {**pins, **angles}, there, most - len(angles), work, done)
+            pieces += decompose(ring, {**pins, **angles}, there, most - len(angles), work, done)
         else:
-            found += _irreducible(ring, dict(pins), polynomials, most, work, done)
-    return independent(found)
+            pieces += _irreducible(ring, dict(pins), polynomials, most, work, done)
+    return independent(pieces)
 
 
 def _irreducible(
@@ -127,9 +127,9 @@ def _irreducible(
             others = [ring.form(h) for h in system if h is not g]
             return decompose(ring, pins, [*others, remainder(ring, g, f, k, work)], most, work, done)
     work.special = work.special or any(_always(ring, f, work) for f in system)
-    found = list(_at_infinity(ring, pins, system, most, work, done))
+    pieces = list(_at_infinity(ring, pins, system, most, work, done))
     inside = _eliminate_linear(ring, pins, system, most, work, done)
-    return found + (_lower_by_pairs(ring, pins, system, most, work, done) if inside is None else inside)
+    return pieces + (_lower_by_pairs(ring, pins, system, most, work, done) if inside is None else inside)
 
 
 def _bound(ring: Ring, system: list[Polynomial], most: int, work: Work) -> bool:
@@ -175,16 +175,16 @@ def _eliminate_linear(
         return None
     solved, f = min(solvable, key=lambda pair: (not unit(ring, pair[0].denominator), len(pair[1])))
     others = [g for g in system if g != f]
-    found: list[ZeroSet] = []
+    pieces: list[ZeroSet] = []
     factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
     if not unit(ring, solved.denominator):
         both = (*others, solved.numerator, solved.denominator)
-        found += decompose(ring, pins, [ring.form(g) for g in both], most, work, done)
+        pieces += decompose(ring, pins, [ring.form(g) for g in both], most, work, done)
     values = [substitute_into_form(ring.form(g), solved) for g in others]
     for piece in decompose(ring, pins, values, most - 1, work, done):
         if not piece.half_vanishes(solved.denominator):
-            found += _solved_on(piece, f, solved.place, [g for g in others if solved.place in variables_in(g)])
-    return found
+            pieces += _solved_on(piece, f, solved.place, [g for g in others if solved.place in variables_in(g)])
+    return pieces
 
 
 def _solved_on(piece: ZeroSet, f: Polynomial, place: int, others: list[Polynomial]) -> list[ZeroSet]:
@@ -215,11 +215,11 @@ def _lower_by_pairs(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> list[ZeroSet]:
     """No condition is linear: combine two of them into one that is, or into one with a variable less."""
-    found = _divide_conditions(ring, pins, system, most, work, done)
-    if found is None:
-        found = _combine_conditions(ring, pins, system, most, work, done)
-    if found is not None:
-        return found
+    pieces = _divide_conditions(ring, pins, system, most, work, done)
+    if pieces is None:
+        pieces = _combine_conditions(ring, pins, system, most, work, done)
+    if pieces is not None:
+        return pieces
     if len(system) <= 2:
         return [ZeroSet(ring, pins, rest=tuple(system), equations=tuple(system))]
     return _several(ring, pins, system, most, work)
@@ -262,10 +262,10 @@ def _combine_conditions(
         if any(str(h) in known for h in parts):
             continue
         if len(parts) > 1 or linear(ring, parts[0]) is not None:
-            found: list[ZeroSet] = []
+            pieces: list[ZeroSet] = []
             for h in parts:
-                found += decompose(ring, pins, [ring.form(g) for g in (*system, h)], most, work, done)
-            return found
+                pieces += decompose(ring, pins, [ring.form(g) for g in (*system, h)], most, work, done)
+            return pieces
     return None
 
 
@@ -282,18 +282,18 @@ def _several(
     size = min(most, len(_variables(ring, system)))
     if without_real_zero(ring, system):
         return []
-    found = _from_two(ring, pins, system, most, size, work)
-    if found is not None:
-        return found
+    pieces = _from_two(ring, pins, system, most, size, work)
+    if pieces is not None:
+        return pieces
     if size == 3:
         if nowhere(system, ring.moving, work.lengths):
             return []
-        found = _from_three(ring, pins, system, work)
-        if found is not None:
-            return found
-        found = _curves_alone(ring, pins, system, work)
-        if found is not None:
-            return found
+        pieces = _from_three(ring, pins, system, work)
+        if pieces is not None:
+            return pieces
+        pieces = _curves_alone(ring, pins, system, work)
+        if pieces is not None:
+            return pieces
     base, tops = _tower(ring, system)
     if tops and len(base) == 2 and len(system) <= most:
         whole = ZeroSet(ring, pins, rest=(*base, *tops), equations=tuple(system))
@@ -332,10 +332,10 @@ def _from_two(
         held = [f, g, *tops]
         if len(held) != max(size, 2) or not _variables(ring, held) >= places:
             continue
-        found = _zeros_where(ring, pins, system, held)
-        if found.samples:
+        pieces = _zeros_where(ring, pins, system, held)
+        if pieces.samples:
             others = leave_out(system, held)
-            return [*_free_on_top(ring, pins, [f, g], tops, others, most, work), found]
+            return [*_free_on_top(ring, pins, [f, g], tops, others, most, work), pieces]
         if size == 2:
             break  # every zero of all is one of these two: those of another two need not be looked for
     return None
@@ -347,9 +347,9 @@ def _from_three(ring: Ring, pins: dict[int, str], system: list[Polynomial], work
     for three in islice(combinations(sorted(system, key=len), 3), _TRIPLES):
         if _variables(ring, three) >= places and solvable_in_space(three, ring.moving):
             work.check()
-            found = _zeros_where(ring, pins, system, list(three))
-            if found.samples:
-                return [found]
+            pieces = _zeros_where(ring, pins, system, list(three))
+            if pieces.samples:
+                return [pieces]
     return None
 
 
@@ -365,9 +365,9 @@ def _curves_alone(ring: Ring, pins: dict[int, str], system: list[Polynomial], wo
     for f, g in combinations(sorted(system, key=len), 2):
         if _variables(ring, [f, g]) >= places:
             work.check()
-            found = _zeros_where(ring, pins, system, [f, g])
-            if found.samples and only_curves(system, ring.moving, work.lengths):
-                return [found]
+            pieces = _zeros_where(ring, pins, system, [f, g])
+            if pieces.samples and only_curves(system, ring.moving, work.lengths):
+                return [pieces]
             break
     return None
 
@@ -416,14 +416,14 @@ def _free_on_top(
     work: Work,
 ) -> list[ZeroSet]:
     """Sets on which a condition holds whatever its own variable is: all its coefficients vanish, and so do others."""
-    found: list[ZeroSet] = []
+    pieces: list[ZeroSet] = []
     for number, top in enumerate(tops):
         before = [*base, *tops[:number]]
         known = used_by(before)
         own = next(place for place in variables_in(top) if place < ring.moving and place not in known)
         others = [ring.form(f) for f in (*before, *tops[number + 1 :], *besides)]
-        found += decompose(ring, pins, [*others, *ring.form(top).coefficients(own)], most, work)
-    return found
+        pieces += decompose(ring, pins, [*others, *ring.form(top).coefficients(own)], most, work)
+    return pieces
 
 
 def _always(ring: Ring, f: Polynomial, work: Work) -> bool:
@@ -475,11 +475,11 @@ def cut(zero_set: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
     p = ring.at(p, zero_set.pins)
     if p == 0:
         return [zero_set]
-    found = ring.factor(p)
-    for letters, _ in found.letters:
+    factors = ring.factor(p)
+    for letters, _ in factors.letters:
         work.assume(letters)
     pieces: list[ZeroSet] = []
-    for atom, _ in found.atoms:
+    for atom, _ in factors.atoms:
         if zero_set.several:
             inside, outside = zero_set.split_by_zero(zero_where(ring, atom), atom.f)
         else:
@@ -515,8 +515,8 @@ def meet(zero_set: ZeroSet, polynomials: Sequence[Polynomial], work: Work) -> li
     ring = zero_set.ring
     conditions = [ring.form(f) for f in (*zero_set.equations, *zero_set.known)]
     conditions += [ring.to_half(ring.at(p, zero_set.pins)) for p in polynomials]
-    found = decompose(ring, zero_set.pins, conditions, zero_set.codimension + 1 - len(zero_set.pins), work)
-    return [piece for piece in found if piece.codimension == zero_set.codimension + 1]
+    pieces = decompose(ring, zero_set.pins, conditions, zero_set.codimension + 1 - len(zero_set.pins), work)
+    return [piece for piece in pieces if piece.codimension == zero_set.codimension + 1]
 
 
 def zero_where(ring: Ring, atom: Atom) -> Polynomial:
@@ -546,8 +546,8 @@ def components_with_pin(zero_set: ZeroSet, joint: int, value: str, work: Work, c
     conditions = [ring.form(f).at({joint: value}) for f in (*zero_set.equations, *zero_set.known)]
     codimension = codimension or zero_set.codimension + 1
     most = codimension - len(zero_set.pins) - 1
-    found = decompose(ring, {**zero_set.pins, joint: value}, conditions, most, work)
-    return [piece for piece in found if piece.codimension == codimension]
+    pieces = decompose(ring, {**zero_set.pins, joint: value}, conditions, most, work)
+    return [piece for piece in pieces if piece.codimension == codimension]
 
 
 def cut_half(zero_set: ZeroSet, f: Polynomial, work: Work) -> list[ZeroSet]:
@@ -607,9 +607,9 @@ def _cut_irreducible(zero_set: ZeroSet, h: Polynomial, work: Work) -> list[ZeroS
             return [replace(zero_set, solved=(*zero_set.solved, solved), equations=(*zero_set.equations, h))]
         return [replace(zero_set, rest=(h,), equations=(*zero_set.equations, h))]
     if len(zero_set.rest) > 1:
-        found = _on_top(zero_set, h, work)
-        if found is not None:
-            return found
+        pieces = _on_top(zero_set, h, work)
+        if pieces is not None:
+            return pieces
     system = [ring.form(f) for f in (*zero_set.equations, *zero_set.known, h)]
     return decompose(ring, zero_set.pins, system, zero_set.codimension + 1 - len(zero_set.pins), work)
 
@@ -654,7 +654,7 @@ def _edges(zero_set: ZeroSet, work: Work) -> list[ZeroSet]:
     kept = zero_set.__dict__.get("edges")
     if kept is not None:
         return list(kept)
-    ring, found = zero_set.ring, list[ZeroSet]()
+    ring, pieces = zero_set.ring, list[ZeroSet]()
     most = zero_set.codimension + 1 - len(zero_set.pins)
     for place, solved in enumerate(zero_set.solved):
         later = replace(zero_set, solved=zero_set.solved[place + 1 :])
@@ -664,11 +664,11 @@ def _edges(zero_set: ZeroSet, work: Work) -> list[ZeroSet]:
             if solved.place < ring.angles:
                 joint = ring.revolute[solved.place]
                 there = [ring.form(f).at({joint: "pi"}) for f in (*zero_set.equations, *zero_set.known, part)]
-                found += decompose(ring, {**zero_set.pins, joint: "pi"}, there, most - 1, work)
+                pieces += decompose(ring, {**zero_set.pins, joint: "pi"}, there, most - 1, work)
             if top == 0:
                 continue
             system = (*zero_set.equations, *zero_set.known, part, solved.numerator, solved.denominator)
-            found += decompose(ring, zero_set.pins, [ring.form(f) for f in system], most, work)
-    edges = [piece for piece in independent(found) if piece.codimension == zero_set.codimension + 1]
+            pieces += decompose(ring, zero_set.pins, [ring.form(f) for f in system], most, work)
+    edges = [piece for piece in independent(pieces) if piece.codimension == zero_set.codimension + 1]
     zero_set.__dict__["edges"] = edges  # remembered: a set is cut many times
     return edges

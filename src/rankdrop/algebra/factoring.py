@@ -52,11 +52,11 @@ def _without_variables(f: Polynomial) -> tuple[list[tuple[Polynomial, int]], Pol
     lowest = [min(powers) for powers in zip(*f.monoms(), strict=True)]
     roots = {place for place, _ in root_relations(f.context())}
     gens = f.context().gens()
-    found = [(gens[place], int(power)) for place, power in enumerate(lowest) if power and place not in roots]
-    if not found:
+    monomials = [(gens[place], int(power)) for place, power in enumerate(lowest) if power and place not in roots]
+    if not monomials:
         return [], f
-    shared = prod((x**power for x, power in found), start=f.context().constant(1))
-    return found, divmod(f, shared)[0]
+    shared = prod((x**power for x, power in monomials), start=f.context().constant(1))
+    return monomials, divmod(f, shared)[0]
 
 
 def _factors_over_roots(f: Polynomial) -> list[tuple[Polynomial, int]]:
@@ -125,11 +125,11 @@ def _split(f: Polynomial) -> list[Polynomial]:
     for shift in range(_SHIFTS):
         look()
         turned = _shift_by_roots(f, shift)
-        found = norm(turned)[0].factor()[1]
-        parts = [_shift_by_roots(gcd(turned, piece), -shift) for piece, _ in found]
-        if len(found) > 1:
+        factors = norm(turned)[0].factor()[1]
+        parts = [_shift_by_roots(gcd(turned, piece), -shift) for piece, _ in factors]
+        if len(factors) > 1:
             return flat_map(_split, (part for part in parts if not is_number(part)))
-        if found[0][1] == 1 and all(turned.degrees()[place] for place, _ in root_relations(f.context())):
+        if factors[0][1] == 1 and all(turned.degrees()[place] for place, _ in root_relations(f.context())):
             return [f]
         if (root := _squarefree(f)) is not None:
             return _split(root)

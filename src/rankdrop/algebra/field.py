@@ -64,10 +64,10 @@ def residue(value: Number, prime: int = P) -> int:
 
 def roots_at(ring: Ring, prime: int) -> dict[str, int]:
     """Values of the roots of a ring modulo one of its primes."""
-    found = residues_of_roots(tuple(name for name in ring.letters if name in ROOTS), prime)
-    if found is None:
+    residues = residues_of_roots(tuple(name for name in ring.letters if name in ROOTS), prime)
+    if residues is None:
         raise AssertionError("a ring takes its points modulo primes with its roots")
-    return found
+    return residues
 
 
 def modulo_prime(f: Polynomial, prime: int = P) -> Polynomial:
@@ -167,10 +167,10 @@ def _integer_terms(f: Polynomial) -> tuple[int, list[tuple[int, list[tuple[int, 
 
 def _powers(x: int, degree: int, prime: int) -> list[int]:
     """1, x, x², … modulo a prime."""
-    found = [1]
+    powers = [1]
     for _ in range(degree):
-        found.append(found[-1] * x % prime)
-    return found
+        powers.append(powers[-1] * x % prime)
+    return powers
 
 
 def residues(
@@ -331,11 +331,11 @@ def zeros_in_space(conditions: Sequence[Polynomial]) -> list[tuple[int, ...]] | 
         outside += [inside[0].resultant(f, name) for f in inside[1:]]
         zeros = _zeros_in_plane(outside, place)
         if zeros is None:
-            found = None
+            lines = None
         else:
-            found = _lines_through(conditions, inside, zeros, place)
-        if found is not None:
-            return found
+            lines = _lines_through(conditions, inside, zeros, place)
+        if lines is not None:
+            return lines
     return None
 
 
@@ -360,7 +360,7 @@ def _lines_through(
     conditions: Sequence[Polynomial], inside: Sequence[Polynomial], zeros: Sequence[tuple[int, int]], place: int
 ) -> list[tuple[int, ...]] | None:
     """Zeros in space above zeros in the plane; None where a whole line is one."""
-    module, found = flint(), list[tuple[int, ...]]()
+    module, solutions = flint(), list[tuple[int, ...]]()
     for a, b in zeros:
         values = iter((a, b))
         there = {"xyz"[k]: next(values) for k in range(3) if k != place}
@@ -375,8 +375,8 @@ def _lines_through(
         for x in roots([int(value) for value in common.coeffs()], prime):
             point = {**there, "xyz"[place]: x}
             if all(int(f(*(point[name] for name in "xyz"))) == 0 for f in conditions):
-                found.append((point["x"], point["y"], point["z"]))
-    return found
+                solutions.append((point["x"], point["y"], point["z"]))
+    return solutions
 
 
 def dense(f: Polynomial, place: int) -> list[int]:

@@ -48,10 +48,10 @@ def gcd(f: Polynomial, g: Polynomial) -> Polynomial:
     look()
     if not (roots_in(f) and f != 0 and g != 0):
         return f.gcd(g)
-    found = _from_images(f, g, _common, lambda h, f, g: divmod(f, h)[1] == 0 and divmod(g, h)[1] == 0)
-    if found is None:
+    divisor = _from_images(f, g, _common, lambda h, f, g: divmod(f, h)[1] == 0 and divmod(g, h)[1] == 0)
+    if divisor is None:
         return f.context().constant(1)
-    return primitive(found)
+    return primitive(divisor)
 
 
 def _common(f: Polynomial, g: Polynomial) -> Polynomial | None:
@@ -102,11 +102,11 @@ def _from_images(
                  for e in {*known, *image}}  # fmt: skip
         modulus *= prime
         if number < 8 or number % 8 == 0:
-            found = _rational(known, modulus, f.context())
+            candidate = _rational(known, modulus, f.context())
         else:
-            found = None
-        if found is not None and holds(modulo_prime(found, last)[0], *there):
-            return found
+            candidate = None
+        if candidate is not None and holds(modulo_prime(candidate, last)[0], *there):
+            return candidate
     raise TooLong(Halt(HaltKind.COEFFICIENTS))
 
 
@@ -217,15 +217,15 @@ class _Images:
 
 def _rational(terms: Mapping[tuple[int, ...], int], modulus: int, context: Any) -> Polynomial | None:
     """The polynomial with small rational coefficients that are these modulo a number; None where one is not small."""
-    bound, found = isqrt(modulus // 2), {}
+    bound, coefficients = isqrt(modulus // 2), {}
     for e, value in terms.items():
         (a, b), (s, t) = (modulus, value % modulus), (0, 1)
         while b > bound:
             a, b, s, t = b, a % b, t, s - a // b * t
         if abs(t) > bound or t == 0:
             return None
-        found[e] = flint().fmpq(b if t > 0 else -b, abs(t))
-    return context.from_dict(found)
+        coefficients[e] = flint().fmpq(b if t > 0 else -b, abs(t))
+    return context.from_dict(coefficients)
 
 
 def modulo_prime(f: Polynomial, prime: int = 0) -> tuple[Polynomial, int]:

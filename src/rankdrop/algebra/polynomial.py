@@ -81,8 +81,8 @@ def coefficients(f: Polynomial, place: int) -> list[Polynomial]:
 
 def coefficient(f: Polynomial, place: int, power: int) -> Polynomial:
     """The one of `coefficients` at one power."""
-    found = {(*e[:place], 0, *e[place + 1 :]): value for e, value in f.terms() if e[place] == power}
-    return f.context().from_dict(found)
+    terms = {(*e[:place], 0, *e[place + 1 :]): value for e, value in f.terms() if e[place] == power}
+    return f.context().from_dict(terms)
 
 
 SIMPLE = ("0", "pi", "pi/2", "-pi/2")

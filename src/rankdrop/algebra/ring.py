@@ -316,21 +316,21 @@ class Ring:
         @cache
         def value(k: int, e: int) -> Polynomial:
             s, c, odd = self.s[self.revolute[k]], self.c[self.revolute[k]], e % 2
-            found = (1 + c) ** ((degrees[k] - e - odd) // 2) * (1 - c) ** ((e - odd) // 2)
-            return self.reduce(found * s if odd else found)
+            expanded = (1 + c) ** ((degrees[k] - e - odd) // 2) * (1 - c) ** ((e - odd) // 2)
+            return self.reduce(expanded * s if odd else expanded)
 
         def rest(items: Terms) -> Polynomial:
             return self.trig.from_dict({(0,) * (2 * n) + tuple(e[n:]): number for e, number in items})
 
-        found = self.reduce(replace_angles(list(f.terms()), n, lambda e, k: e[k], value, rest))
-        tick(4 * len(found))
-        return primitive(found)
+        reduced = self.reduce(replace_angles(list(f.terms()), n, lambda e, k: e[k], value, rest))
+        tick(4 * len(reduced))
+        return primitive(reduced)
 
     def trig_zero_set(self, f: Polynomial) -> Polynomial:
         """A trigonometric polynomial with the zeros of f: `to_trig`, of f² where f itself has half angles."""
-        found = self.to_trig(f)
-        if found is not None:
-            return found
+        trig_form = self.to_trig(f)
+        if trig_form is not None:
+            return trig_form
         return self.to_trig(self.product(f, f))
 
     def powers_at(self, f: Polynomial, theta: Array, degrees: Sequence[int] = ()) -> list[list[Array]]:
@@ -383,8 +383,8 @@ class Ring:
                 minors[columns] = self.reduce(total)
             return minors[columns]
 
-        found = minor(tuple(range(n)))
-        return -found if swaps % 2 else found
+        value = minor(tuple(range(n)))
+        return -value if swaps % 2 else value
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -464,10 +464,10 @@ class Form:
     def _factors_found(self) -> Factors:
         ring, f = self.ring, self.f
         tick(self.cost)
-        found = factor(f)
+        factors = factor(f)
         letters = list[tuple[Polynomial, int]]()
         atoms = [(ring.pin(joint, "pi"), multiplicity) for joint, multiplicity in self.at_pi]
-        for one, multiplicity in found:
+        for one, multiplicity in factors:
             if all(place >= ring.moving for place in variables_in(one)):
                 letters.append((primitive(one), multiplicity))
             elif not ring.is_unit(one):
@@ -525,11 +525,11 @@ def _with_numbers_for_roots(f: Polynomial) -> list[tuple[tuple[int, ...], Any]]:
     terms = []
     for powers, value in whole:
         rest = list(powers)
-        found: list[tuple[str, int]] = []
+        root_powers: list[tuple[str, int]] = []
         for place in places:
             rest[place] = 0
-            found.append((names[place], powers[place]))
-        terms.append((tuple(rest), Fraction(int(value.p), int(value.q)), found))
+            root_powers.append((names[place], powers[place]))
+        terms.append((tuple(rest), Fraction(int(value.p), int(value.q)), root_powers))
     sums = sums_over_roots(terms)
     return [(powers, flint().fmpq(x.numerator, x.denominator)) for powers, x in sums.items() if x]
 

@@ -162,10 +162,10 @@ def _cosine(angle: int) -> Number:
         36: (((), quarter), (("sqrt5",), quarter)), 72: (((), -quarter), (("sqrt5",), quarter)),
         18: ((("cos18",), Fraction(1)),), 54: ((("cos18",), -half), (("cos18", "sqrt5"), half)),
     }  # fmt: skip
-    found = terms[angle]
-    if any(names for names, _ in found):
-        return Surd(found)
-    return sum((value for _, value in found), Fraction(0))
+    cosine = terms[angle]
+    if any(names for names, _ in cosine):
+        return Surd(cosine)
+    return sum((value for _, value in cosine), Fraction(0))
 
 
 @lru_cache

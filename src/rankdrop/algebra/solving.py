@@ -244,13 +244,13 @@ def eliminable(f: Polynomial, g: Polynomial, k: int) -> bool:
 
 def pairs(ring: Ring, system: list[Polynomial]) -> list[tuple[Polynomial, Polynomial, int]]:
     """Two conditions and a variable that both contain, low degrees first."""
-    found = [
+    solvable = [
         (f, g, k)
         for f, g in combinations(system, 2)
         for k in range(ring.moving)
         if f.degrees()[k] and g.degrees()[k]
     ]
-    return sorted(found, key=lambda one: _cost(*one))
+    return sorted(solvable, key=lambda one: _cost(*one))
 
 
 def _cost(f: Polynomial, g: Polynomial, k: int) -> tuple[int, int, int]:
@@ -262,9 +262,9 @@ def combine_to_linear(ring: Ring, f: Polynomial, g: Polynomial, k: int) -> Polyn
     """Two conditions of degree 2 in a variable combined into one of degree 1; others into one without the variable."""
     if f.degrees()[k] == g.degrees()[k] == 2:
         return reduced_roots(f * coefficients(g, k)[2] - g * coefficients(f, k)[2])
-    found = f.resultant(g, ring.names[k])
-    tick(100 + 5 * len(f) * len(g) + 50 * len(found))
-    return reduced_roots(found)
+    resultant = f.resultant(g, ring.names[k])
+    tick(100 + 5 * len(f) * len(g) + 50 * len(resultant))
+    return reduced_roots(resultant)
 
 
 _SEED = 20
@@ -295,9 +295,9 @@ def binds_more(
         return False
     rng = random.Random(_SEED)
     for prime in primes_with(roots_in(system[0]))[:_SLICES]:
-        found = _zeros(system, dimension, moving, rng, prime, lengths)
-        if found is not None:
-            return not found
+        zeros = _zeros(system, dimension, moving, rng, prime, lengths)
+        if zeros is not None:
+            return not zeros
     return False  # there are zeros, in extensions alone: real ones, for all that is known
 
 

@@ -229,8 +229,8 @@ class ZeroSet:
 
     def points(self, rng: random.Random, count: int = _POINTS) -> list[Point]:
         """Random points modulo primes, fewer than `count` where they are not met."""
-        found = (self.point(rng) for _ in range(count))
-        return [point for point in found if point is not None]
+        drawn = (self.point(rng) for _ in range(count))
+        return [point for point in drawn if point is not None]
 
     @property
     def several(self) -> bool:
@@ -248,11 +248,11 @@ class ZeroSet:
         if not self.several:
             return self.points(rng, _POINTS)
         for primes in self._prime_rounds():
-            found = self._spread(rng, primes)
-            if found is None:
+            drawn = self._spread(rng, primes)
+            if drawn is None:
                 return []
-            if found:
-                return found
+            if drawn:
+                return drawn
         return []
 
     def _prime_rounds(self) -> Iterator[Sequence[int]]:
@@ -342,10 +342,10 @@ class ZeroSet:
             f: for the equations.
             p: trigonometric polynomial with the same zeros.
         """
-        found = replace(self, equations=(*self.equations, f), zero=(*self.zero, p))
+        extended = replace(self, equations=(*self.equations, f), zero=(*self.zero, p))
         if self._base > 2:  # what takes seconds to find is not looked for again
-            found.__dict__["samples"] = self.samples
-        return found
+            extended.__dict__["samples"] = self.samples
+        return extended
 
     def vanishes(self, p: Polynomial) -> bool:
         """Whether a trigonometric polynomial is zero on the whole set."""

@@ -107,15 +107,15 @@ class Shadow:
         slopes = [wave.slopes_over(middles, radius) for wave in (self.a, self.b, self.c)]
         count = len(least)
         zero = Interval(np.zeros(count), np.zeros(count))
-        found = {}
+        bounds = {}
         for joint in self.joints:
             a_j, b_j, c_j = (some.get(joint, zero) for some in slopes)
             with np.errstate(invalid="ignore"):
                 root = (b * b_j + c * c_j) * inverse
             unknown = ~np.isfinite(root.low) | ~np.isfinite(root.high)
             root = Interval(np.where(unknown, -np.inf, root.low), np.where(unknown, np.inf, root.high))
-            found[joint] = a_j.times(self.sign) + root
-        return found
+            bounds[joint] = a_j.times(self.sign) + root
+        return bounds
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,13 +141,13 @@ class Either:
         slopes = [some.slopes_over(middles, radius) for some in (self.one, self.other)]
         zero = Interval(np.zeros(len(one.low)), np.zeros(len(one.low)))
         first, second = one.low > other.high, other.low > one.high
-        found = {}
+        bounds = {}
         for joint in self.joints:
             a, b = (some.get(joint, zero) for some in slopes)
             low = np.where(first, a.low, np.where(second, b.low, np.minimum(a.low, b.low)))
             high = np.where(first, a.high, np.where(second, b.high, np.maximum(a.high, b.high)))
-            found[joint] = Interval(low, high)
-        return found
+            bounds[joint] = Interval(low, high)
+        return bounds
 
 
 @dataclass(frozen=True)
@@ -263,11 +263,11 @@ def count_parts(conditions: Sequence[Condition], work: Work | None = None, box: 
     for grid in _grids(conditions, box or {}):
         if work is not None:
             work.check()
-        found = _classify_cells(conditions, grid)
+        classified = _classify_cells(conditions, grid)
         if best is None:
-            best = found
+            best = classified
         else:
-            best = _better(best, found)
+            best = _better(best, classified)
         if best.exact:
             break
     assert best is not None

@@ -23,7 +23,7 @@ _NEAR = 1e-9  # how far from the last row a solution is claimed at least [rad, m
 _FARTHER = 4.0  # … and so many times what is measured
 
 
-def posture_certificate(found: Postures) -> Record:
+def posture_certificate(postures: Postures) -> Record:
     """What shows that an arm is cuspidal, or that it is not: a path, or signs of its own for each solution of a pose.
 
     Args:
@@ -33,11 +33,11 @@ def posture_certificate(found: Postures) -> Record:
         OptionError: nothing is proven, the proof is none that the checker knows, the numbers of the arm have the
             structure to rounding only, or the task cannot be certified.
     """
-    robot, task, decision = found.robot, found.task, found.decision
-    if found.change is not None:
-        return change_certificate(found)
+    robot, task, decision = postures.robot, postures.task, postures.decision
+    if postures.change is not None:
+        return change_certificate(postures)
     if decision.kind != DECIDED_BY_SIGNS or decision.why not in STRUCTURES:
-        raise OptionError(no_certificate(found), where="certificate", got=found.verdict)
+        raise OptionError(no_certificate(postures), where="certificate", got=postures.verdict)
     record = record_of(robot, task, SIGNS, best_setting(robot, task), {"structure": decision.why}, {})
     try:
         verify_signs(claim_of(record, Path()))
@@ -47,7 +47,7 @@ def posture_certificate(found: Postures) -> Record:
     return record
 
 
-def change_certificate(found: Postures) -> Record:
+def change_certificate(postures: Postures) -> Record:
     """What shows that an arm is cuspidal: a path without singularity between two solutions of one pose.
 
     The first row is one solution exactly, next to the last one lies another: the checker proves that it exists.
@@ -58,13 +58,13 @@ def change_certificate(found: Postures) -> Record:
     Raises:
         OptionError: there is no path, or the task cannot be certified.
     """
-    if found.change is None:
-        raise OptionError("there is no path to certify", where="certificate", got=found.verdict,
+    if postures.change is None:
+        raise OptionError("there is no path to certify", where="certificate", got=postures.verdict,
                           allowed="the result for a cuspidal arm with a path")  # fmt: skip
-    robot, task, q = found.robot, found.task, found.change.q
+    robot, task, q = postures.robot, postures.task, postures.change.q
     setting = chosen(robot, settings_for(robot, task), curve(q, None))
     error = Aim(robot, task).error(pose(robot, q[0]), q[-1:])[0]
     step = np.linalg.solve(task_jacobian(robot, q[-1:], task)[0], error)
     radius = max(_NEAR, _FARTHER * float(np.abs(step).max()))
-    claim = {"degree": 1, "points": q.tolist(), "radius": radius, "limits": found.options.limits}
+    claim = {"degree": 1, "points": q.tolist(), "radius": radius, "limits": postures.options.limits}
     return record_of(robot, task, CHANGE, setting, claim, {})

@@ -250,9 +250,9 @@ def polynomial_of(factor: SignedFactor) -> Polynomial:
             own = atom.f.degrees()
             degrees = [degree + int(own[k]) for k, degree in enumerate(degrees)]
             f = ring.product(f, atom.f)
-    found = ring.to_trig(f, degrees)
-    assert found is not None  # all degrees are even
-    return found
+    polynomial = ring.to_trig(f, degrees)
+    assert polynomial is not None  # all degrees are even
+    return polynomial
 
 
 @dataclass(frozen=True, eq=False)

@@ -137,9 +137,9 @@ def _clusters(here: NDArray[np.bool_], parts: int) -> list[NDArray[np.bool_]]:
     if parts < 2:
         return []
     labels = clusters(here, [True] * here.ndim)
-    found = [labels == label for label in np.unique(labels[here])]
-    if len(found) == parts:
-        return found
+    regions = [labels == label for label in np.unique(labels[here])]
+    if len(regions) == parts:
+        return regions
     return []
 
 

@@ -481,14 +481,14 @@ class Roadmap:
             new += [(i, j) for j in range(i) if signs[i] == signs[j]]
         edges, weights = self._edges_of_sign(nodes, np.array(new, dtype=np.int64).reshape(-1, 2), usual)
         edges, weights = np.concatenate([edges, old_edges + k]), np.concatenate([weights, old_weights])
-        found: dict[tuple[int, int], Change] = {}
+        changes: dict[tuple[int, int], Change] = {}
         for i, j in combinations(range(k), 2):
-            groups = _connected_numbers(k, found)
+            groups = _connected_numbers(k, changes)
             if groups[i] != groups[j] and signs[i] == signs[j]:
                 way = self._way(nodes, edges, weights, (i, j), q)
                 if way is not None:
-                    found[i, j] = way
-        return found
+                    changes[i, j] = way
+        return changes
 
     def _way(self, nodes: Array, edges: Index, weights: Array, ends: tuple[int, int], q: Array) -> Change | None:
         usable = np.ones(len(edges), dtype=np.bool_)
@@ -516,12 +516,12 @@ class Roadmap:
             share = np.linspace(0.0, 1.0, len(corners))
         free = start + share[:, None] * self._difference(start, end)
         q = np.where(self.matters, corners, free) * self.scale
-        found = prove(self.robot, settings_for(self.robot, self.task), curve(q, None), singular=DEFAULT.singular,
+        proof = prove(self.robot, settings_for(self.robot, self.task), curve(q, None), singular=DEFAULT.singular,
                       evaluations=EVALUATIONS)  # fmt: skip
-        if found.slivers or not found.complete:
+        if proof.slivers or not proof.complete:
             return None
         clearance = self._least(q[:-1] / self.scale, q[1:] / self.scale, self.graph[1]).min()
-        return Change(q, float(clearance), found.evaluations)
+        return Change(q, float(clearance), proof.evaluations)
 
     def _shorten(self, corners: Array) -> Array:
         """Fewer corners, where the smallest |det J| is not halved."""

@@ -136,12 +136,12 @@ def monitor(
     check_target(header, "--header")
     model, task = open_arm(robot, arm)
     if options.analysis is None:
-        found = results.known_analysis(model, task)
+        analysis = results.known_analysis(model, task)
     else:
-        found = results.Analysis.load(options.analysis)
-    if found is None:
-        found = analyze(model, task, starts=options.starts, progress=report)
-    watched = Monitor(model, task, found.families, start=options.start, stop=options.stop)
+        analysis = results.Analysis.load(options.analysis)
+    if analysis is None:
+        analysis = analyze(model, task, starts=options.starts, progress=report)
+    watched = Monitor(model, task, analysis.families, start=options.start, stop=options.stop)
     write_text(watched.header(options.mark), header)
     return exits.FINE
 
@@ -195,21 +195,21 @@ def jacobian(
         raise OptionError("numbers are not written as LaTeX", where="--latex", mend="give --symbolic as well")
     at = _reference_point(options.at.strip())
     model, task = open_arm(robot, arm)
-    found = verbs.link_jacobian(
+    result = verbs.link_jacobian(
         model, options.frame, task, at=at,
         q=None if options.q is None else parse_configuration(options.q, model, deg=options.deg),
         symbolic=options.symbolic or options.q is None, inverse=options.inverse,
         lengths=catalogue.read_lengths(options.lengths), seconds=options.time_limit / 3.0,
     )  # fmt: skip
-    missing = options.inverse and found.numbers is not None and found.numbers.inverse is None
+    missing = options.inverse and result.numbers is not None and result.numbers.inverse is None
 
     def blocks() -> Sequence[Block]:
-        sections = found.sections()
+        sections = result.sections()
         if options.full:
             return sections
         return fit_to_console(sections, cut=[section for section in sections if len(section.lines) > _FEW])
 
-    return Done(blocks, {"latex": found.latex, "json": found.to_dict}, holds=found.holds and not missing)
+    return Done(blocks, {"latex": result.latex, "json": result.to_dict}, holds=result.holds and not missing)
 
 
 def _reference_point(text: str) -> int | None:

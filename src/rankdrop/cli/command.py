@@ -410,11 +410,11 @@ class ArmOptions(Options):
         Raises:
             OptionError: a package is not NAME=PATH, or there is no such folder.
         """
-        found = _pairs(self.package, "=", "--package", "NAME=PATH")
-        for name, path in found.items():
+        packages = _pairs(self.package, "=", "--package", "NAME=PATH")
+        for name, path in packages.items():
             if not Path(path).is_dir():
                 raise OptionError("there is no such folder", where=f"--package {name}", got=path)
-        return {name: Path(path) for name, path in found.items()}
+        return {name: Path(path) for name, path in packages.items()}
 
     @property
     def arguments(self) -> dict[str, str]:
@@ -427,15 +427,15 @@ class ArmOptions(Options):
 
 
 def _pairs(words: tuple[str, ...], sign: str, option: str, form: str) -> dict[str, str]:
-    found: dict[str, str] = {}
+    pairs: dict[str, str] = {}
     for word in words:
         name, given, value = word.partition(sign)
         if not (name and given and (value or sign == ":=")):
             raise OptionError("this is not of the form", where=option, got=repr(word), allowed=form)
-        if name in found:
+        if name in pairs:
             raise OptionError("the name is given twice", where=option, got=name, mend="give it once")
-        found[name] = value
-    return found
+        pairs[name] = value
+    return pairs
 
 
 @dataclass(frozen=True)

@@ -154,16 +154,16 @@ def conditions(
     if output:
         output.check(model, exact.exact_chain(model, task, lengths=arms.read_lengths(options.lengths), parts=True))
     steps, coranks = options.steps or output.steps_out is not None, options.coranks or (1 if output else None)
-    found = run(model, task, replace(options, steps=steps, coranks=coranks), progress=report)
-    answers, answered, verdict = output.answer(found)
+    result = run(model, task, replace(options, steps=steps, coranks=coranks), progress=report)
+    answers, answered, verdict = output.answer(result)
     verdict = of_ideal(verdict, made)
-    there, moved, after = ideal_sections(made, task, found.families, options.seed)
+    there, moved, after = ideal_sections(made, task, result.families, options.seed)
 
     def record() -> results.Record:
         nearby = {} if made is None else {
-            "sentence": of_ideal(found.verdict, made).sentence, "ideal": made.to_dict(task, there),
+            "sentence": of_ideal(result.verdict, made).sentence, "ideal": made.to_dict(task, there),
         }  # fmt: skip
-        return {**found.to_dict(), **answered, **nearby}
+        return {**result.to_dict(), **answered, **nearby}
 
     def blocks() -> Iterable[Block]:
         if output.full or steps:
@@ -171,48 +171,48 @@ def conditions(
         return brief()
 
     def brief() -> list[Block]:
-        return _brief(found, task, made, verdict, answers)
+        return _brief(result, task, made, verdict, answers)
 
     def whole() -> Iterator[Block]:
-        answer = answer_lines(found.answer, verdict, subject(model, made))
+        answer = answer_lines(result.answer, verdict, subject(model, made))
         yield answer
-        yield arm_section(model, task, found.generic_rank, text.arm_lines(found) | near_line(model, made))
-        yield from (*moved, *found.sections()[1:], *after, *answers)
+        yield arm_section(model, task, result.generic_rank, text.arm_lines(result) | near_line(model, made))
+        yield from (*moved, *result.sections()[1:], *after, *answers)
         yield answer
 
     return Done(
         blocks,
-        {"steps_out": lambda: text.steps_text(found), "latex": found.latex, "python": lambda: found.code("python"),
-         "c": lambda: found.code("c"), "json": record},
-        holds=verdict.holds, complete=not found.interrupted,
+        {"steps_out": lambda: text.steps_text(result), "latex": result.latex, "python": lambda: result.code("python"),
+         "c": lambda: result.code("c"), "json": record},
+        holds=verdict.holds, complete=not result.interrupted,
     )  # fmt: skip
 
 
 def _brief(
-    found: results.Conditions, task: Task, made: results.Idealised | None, verdict: Verdict,
+    result: results.Conditions, task: Task, made: results.Idealised | None, verdict: Verdict,
     answers: Sequence[Section],
 ) -> list[Block]:  # fmt: skip
     """The answer, one row per family, and what the largest families lose, in at most 40 lines."""
-    model = found.robot
-    about = [text.arm_line(model, task, found.generic_rank)]
+    model = result.robot
+    about = [text.arm_line(model, task, result.generic_rank)]
     near = near_line(model, made).get("near", "")
     if near:
         about.append(f"Near: {near}")
     if made is not None and not made.changes:
         about.append(f"{made.moved}.")
-    blocks: list[Block] = [answer_lines(found.answer, verdict, subject(model, made)), *answers, about]
-    table = text.conditions_table(found)
+    blocks: list[Block] = [answer_lines(result.answer, verdict, subject(model, made)), *answers, about]
+    table = text.conditions_table(result)
     cut = [*answers[::-1], table]
     if table.rows:
         blocks.append(table)
-    lost = text.lost_section(model, found.task, found.generic_rank, found.families)
+    lost = text.lost_section(model, result.task, result.generic_rank, result.families)
     if lost is not None:
         blocks.append(lost)
-    if found.left:
-        left = Section("Not finished", lines=tuple(map(str, found.left)))
+    if result.left:
+        left = Section("Not finished", lines=tuple(map(str, result.left)))
         blocks.append(left)
         cut = [left, *cut]
-    notes = [text.assumed_line(found), text.more_line(None if found.anew else found.seconds)]
+    notes = [text.assumed_line(result), text.more_line(None if result.anew else result.seconds)]
     blocks.append([note for note in notes if note])
     long = [section for section in cut if section.rows or section.lines]
     return fit_to_console(blocks, optional=[] if lost is None else [lost], cut=long)

@@ -92,7 +92,7 @@ def sweep(
         return _example(spec, options.example, quiet=output.quiet)
     name = _check_options(spec, options)
     try:
-        found = run(name, out=options.out, workers=options.workers, scheduler=options.scheduler,
+        result = run(name, out=options.out, workers=options.workers, scheduler=options.scheduler,
                     precision=options.precision, report=report)  # fmt: skip
     except KeyboardInterrupt:
         say(f"interrupted: {kept_work(options.out)}")
@@ -103,19 +103,19 @@ def sweep(
         from rankdrop.report.figures import render
 
         assert options.figure is not None
-        return render(design_figure(found, options.axes), options.figure.rpartition(".")[2].lower())
+        return render(design_figure(result, options.axes), options.figure.rpartition(".")[2].lower())
 
     def page() -> str:
         from rankdrop.report.design_page import design_page
 
-        return design_page(found, options.axes)
+        return design_page(result, options.axes)
 
     def tables() -> None:
         if options.parquet:
-            say("Parquet: {}, {}".format(*designs.write_tables(found, str(options.out))))
+            say("Parquet: {}, {}".format(*designs.write_tables(result, str(options.out))))
 
-    files = {"json": found.to_dict, "figure": figure, "html": page}
-    return Done(lambda: found.sections(every=options.every), files, holds=found.holds, last=tables)
+    files = {"json": result.to_dict, "figure": figure, "html": page}
+    return Done(lambda: result.sections(every=options.every), files, holds=result.holds, last=tables)
 
 
 def _example(spec: str | None, target: str, *, quiet: bool) -> int:
@@ -238,15 +238,15 @@ def compare(
 
     Exit code 0: every arm was measured, its families verified; 3: some were not; 2: bad input.
     """
-    found = designs.compare(arms, options.document(), workers=options.workers, scheduler=options.scheduler,
+    result = designs.compare(arms, options.document(), workers=options.workers, scheduler=options.scheduler,
                                  report=report)  # fmt: skip
     def blocks() -> Iterable[Block]:
-        sections = list(found.sections(full=options.full))
+        sections = list(result.sections(full=options.full))
         if options.full:
             return sections
         return fit_to_console(sections, cut=[sections[-1]])
 
-    return Done(blocks, {"json": found.to_dict}, holds=found.holds)
+    return Done(blocks, {"json": result.to_dict}, holds=result.holds)
 
 
 def _three(text: str | None, option: str) -> list[float | str]:

@@ -120,8 +120,8 @@ def explain(
     if output.tolerance is not None:
         tolerances = replace(DEFAULT, singular=output.tolerance)
     options = _for_parts(options, output.only)
-    found = run(model, place, task, options, analysis=analysis, tolerances=tolerances)
-    return _of_configuration(found, made, near, options, output)
+    explanation = run(model, place, task, options, analysis=analysis, tolerances=tolerances)
+    return _of_configuration(explanation, made, near, options, output)
 
 
 def _place(q: str | None, model: arms.Robot, tool: ToolOptions) -> list[float]:
@@ -139,30 +139,30 @@ def _place(q: str | None, model: arms.Robot, tool: ToolOptions) -> list[float]:
 
 
 def _of_configuration(
-    found: results.Explanation, made: results.Idealised | None, near: covers.ModelTolerance | None,
+    explanation: results.Explanation, made: results.Idealised | None, near: covers.ModelTolerance | None,
     options: ExplainOptions, output: Parts,
 ) -> Done:  # fmt: skip
     """The explanation; with options also the ideal arm here, the certificate and the Lie procedure."""
     here = proven = procedure = None
     if made is not None:
-        here = verbs.here(made, found)
+        here = verbs.here(made, explanation)
     if output.certificate is not None or near is not None:
-        proven = of_place(found, near, options.evaluations)
+        proven = of_place(explanation, near, options.evaluations)
     if output.lie:
-        procedure = local.report(local.OrderedScrewSet.of(found.robot, found.q), options.seed)
+        procedure = local.report(local.OrderedScrewSet.of(explanation.robot, explanation.q), options.seed)
 
     def blocks() -> list[Block]:
-        shown: list[Block] = [*_sections(found, made, here, output)]
+        shown: list[Block] = [*_sections(explanation, made, here, output)]
         if proven is not None and output.only == "nearest":
             shown.append(Section("certificate", in_words(proven)))
         if procedure is not None:
             shown.append([text.procedure_text(procedure)])
         return shown
 
-    files = {"json": lambda: _record(found, made, here, procedure, output.only), "certificate": lambda: proven}
-    if stopped_early(found):
+    files = {"json": lambda: _record(explanation, made, here, procedure, output.only), "certificate": lambda: proven}
+    if stopped_early(explanation):
         return Done(blocks, files, last=partial(say, STOPPED), code=exits.INTERRUPTED)
-    return Done(blocks, files, code=_code(found, output.only))
+    return Done(blocks, files, code=_code(explanation, output.only))
 
 
 def _for_parts(options: ExplainOptions, only: str | None) -> ExplainOptions:
@@ -185,55 +185,58 @@ def _of_pose(
     for name in [name for name, value in given.items() if value is not None][:1]:
         raise OptionError("this option is for one configuration", where=name, allowed="--q")
     model, task, _ = open_ideal(robot, arm, tool)
-    found = inverse(model, parse_pose(words, deg=tool.deg), task, seed=options.seed)
+    solutions = inverse(model, parse_pose(words, deg=tool.deg), task, seed=options.seed)
     return Done(
-        lambda: found.sections(deg=tool.deg), {"json": found.to_dict},
-        code=exits.FINE if found.inside else exits.UNEXPLAINED,
+        lambda: solutions.sections(deg=tool.deg), {"json": solutions.to_dict},
+        code=exits.FINE if solutions.inside else exits.UNEXPLAINED,
     )  # fmt: skip
 
 
-def stopped_early(found: results.Explanation) -> bool:
+def stopped_early(explanation: results.Explanation) -> bool:
     """Whether Ctrl-C ended the proof early; what was proven holds."""
-    return found.far.certificate is not None and not found.far.certificate.complete
+    return explanation.far.certificate is not None and not explanation.far.certificate.complete
 
 
 def _sections(
-    found: results.Explanation, made: results.Idealised | None, here: results.Here | None, output: Parts
+    explanation: results.Explanation, made: results.Idealised | None, here: results.Here | None, output: Parts
 ) -> Iterable[Block]:
     if output.only == "nearest":
         if output.full:
-            return found.sections(parts=("summary", "nearest", "numbers"), full=True)
-        short = found.sections(parts=("summary", "nearest"))
+            return explanation.sections(parts=("summary", "nearest", "numbers"), full=True)
+        short = explanation.sections(parts=("summary", "nearest"))
         return fit_to_console(short, cut=[section for section in short if section.rows])
     if output.only == "escape":
         rest = ("lost", "blame", "numbers") if output.full else ("lost", "more")
-        return found.sections(parts=("summary", "escape", *rest), full=output.full)
-    more = found.sections(parts=("more",), full=output.full)
-    first, *sections = (*found.sections(full=output.full), *more)
+        return explanation.sections(parts=("summary", "escape", *rest), full=output.full)
+    more = explanation.sections(parts=("more",), full=output.full)
+    first, *sections = (*explanation.sections(full=output.full), *more)
     if made is not None and here is not None:
         sections[:0] = [text.here_section(made, here), *([text.moved_section(made)] if output.full else [])]
-    sections += [Section("", "", (line,)) for line in near_line(found.robot, made).values()]
+    sections += [Section("", "", (line,)) for line in near_line(explanation.robot, made).values()]
     return [first, *sections]
 
 
 def _record(
-    found: results.Explanation, made: results.Idealised | None, here: results.Here | None, procedure: Any,
+    explanation: results.Explanation, made: results.Idealised | None, here: results.Here | None, procedure: Any,
     only: str | None,
 ) -> dict[str, Any]:
     from rankdrop.codec import plain, record_of
 
     if only is not None:
-        return record_of(only, found) | ({"lie": plain(procedure)} if only == "escape" else {})
+        return record_of(only, explanation) | ({"lie": plain(procedure)} if only == "escape" else {})
     if made is None or here is None:
         nearby = {}
     else:
-        nearby = {"ideal": {**made.to_dict(found.task), "here": plain(here)}}
-    return found.to_dict() | nearby
+        nearby = {"ideal": {**made.to_dict(explanation.task), "here": plain(here)}}
+    return explanation.to_dict() | nearby
 
 
-def _code(found: results.Explanation, only: str | None) -> int:
+def _code(explanation: results.Explanation, only: str | None) -> int:
     if only is None:
-        return EXIT[found.verdict]
-    out = any(way.order is not None for way in found.escape.single) or found.escape.best_direction.restores
-    fine = not found.rank.corank or out if only == "escape" else found.far.nearest is not None or found.rank.corank
+        return EXIT[explanation.verdict]
+    out = any(way.order is not None for way in explanation.escape.single) or explanation.escape.best_direction.restores
+    if only == "escape":
+        fine = not explanation.rank.corank or out
+    else:
+        fine = explanation.far.nearest is not None or explanation.rank.corank > 0
     return exits.FINE if fine else exits.UNEXPLAINED

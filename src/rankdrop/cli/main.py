@@ -207,8 +207,8 @@ def run(argv: Sequence[str]) -> int:
 def whole_help(command: str) -> None:
     """Let the help of a command be that of its file, not only its line in the list."""
     if command in COMMANDS:
-        found = app[command]
-        found.help = prose(getattr(found.default_command, "__doc__", None) or "")
+        command_app = app[command]
+        command_app.help = prose(getattr(command_app.default_command, "__doc__", None) or "")
 
 
 def _expand(argv: Sequence[str]) -> list[str]:

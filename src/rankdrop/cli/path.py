@@ -291,12 +291,12 @@ def _find_remedies(
     """Remedies of the kinds asked for, one group after the other until one has a remedy."""
     remedies = None
     for kinds in mend.kinds:
-        found = paths.mend_path(
+        mending = paths.mend_path(
             check, analysis=families, acceleration=mend.acceleration, kinds=kinds,
             options=RemedyOptions(mend.tool_tilt, mend.base_shift, mend.blend, mend.bump, mend.detour),
             progress=lambda kind, done, total: report(f"remedies: {kind}", done, total),
         )  # fmt: skip
-        remedies = found if remedies is None else replace(found, failures=remedies.failures + found.failures)
+        remedies = mending if remedies is None else replace(mending, failures=remedies.failures + mending.failures)
         if remedies.best is not None or not remedies.complete:
             break
     return remedies
@@ -340,7 +340,7 @@ def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
     if robot is None or not names:
         raise OptionError("no file is named", where="FILE", mend="rankdrop path ROBOT FILE",
                           allowed="trajectory files, or folders of them; or --status FOLDER")  # fmt: skip
-    found: list[Path] = []
+    files: list[Path] = []
     if Path(robot).suffix.lower() in paths.ENDINGS and not Path(names[0]).exists():
         raise OptionError("the arm is named first, then its files", where="ROBOT", got=robot,
                           mend=f"rankdrop path {names[0]} {robot}")  # fmt: skip
@@ -352,8 +352,8 @@ def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
         if not inside:
             raise OptionError("there is no trajectory in the folder", where=str(path),
                               allowed=", ".join(paths.ENDINGS))  # fmt: skip
-        found += inside
-    return robot, found
+        files += inside
+    return robot, files
 
 
 def _check_several(output: PathOutput, mend: Remedies) -> None:
@@ -410,12 +410,12 @@ def _of_one(
         certified = near
 
     def sections() -> list[Section]:
-        found = [*result.sections(full=output.full, mending=remedies, listed=mend.any_requested, target=mend.fixed)]
+        sections = [*result.sections(full=output.full, mending=remedies, listed=mend.any_requested, target=mend.fixed)]
         if remedies is not None and mend.any_requested:
-            found += remedies.sections()
+            sections += remedies.sections()
         if near is not None:
-            found.append(_near_section(near, proven=proven))
-        return found
+            sections.append(_near_section(near, proven=proven))
+        return sections
 
     files: dict[str, Callable[[], Any]] = {
         "certificate": partial(_certificate, result, certified, written.source),

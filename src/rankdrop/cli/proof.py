@@ -93,17 +93,17 @@ def cover(
         families = None
     else:
         families = results.Analysis.load(output.analysis)
-    found = verbs.cover(model, task, options, analysis=families, out=out, scheduler=output.scheduler, report=report)
-    stopped = found.covering.interrupted
+    result = verbs.cover(model, task, options, analysis=families, out=out, scheduler=output.scheduler, report=report)
+    stopped = result.covering.interrupted
 
     def proven() -> results.Record | None:
-        if out is None or not found.complete:
+        if out is None or not result.complete:
             return None
-        return covers.covering_certificate(model, found.covering.plan, found.sha256, Path(out).name, task)
+        return covers.covering_certificate(model, result.covering.plan, result.sha256, Path(out).name, task)
 
     return Done(
-        found.sections, {"json": found.to_dict, "certificate": proven},
-        holds=found.complete and found.holds, complete=not stopped,
+        result.sections, {"json": result.to_dict, "certificate": proven},
+        holds=result.complete and result.holds, complete=not stopped,
         last=partial(say, f"interrupted: {kept_work(f'{out}.parts' if out else None)}") if stopped else None,
     )  # fmt: skip
 
@@ -198,11 +198,11 @@ def verify(
     Exit code 0: the claim holds; 3: it does not, could not be confirmed, or is
     another claim, with the reason; 2: no certificate, or a malformed one.
     """
-    found = covers.verify(
+    verified = covers.verify(
         file, _claim(output, arm), enclosures=output.enclosures, sample=output.sample, every=output.everything,
         journal=output.journal, progress=partial(report, "checked"),
     )  # fmt: skip
-    return Done(found.sections, {"json": found.to_dict}, holds=found.holds, complete=found.complete)
+    return Done(verified.sections, {"json": verified.to_dict}, holds=verified.holds, complete=verified.complete)
 
 
 def _claim(about: VerifyOptions, arm: ArmOptions) -> Any:

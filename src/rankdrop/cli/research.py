@@ -103,19 +103,19 @@ def find(
     model, task = open_arm(robot, arm)
     if where.store is not None:
         return _store_rows(model, task, where.store, options, where, output, report)
-    found = _search(model, task, options, where, report)
+    result = _search(model, task, options, where, report)
     seconds = monotonic() - begun
 
     def blocks() -> Iterator[Block]:
-        yield [_answer(found)]
-        yield arm_section(model, task, found.rank + found.corank, _starts(found, where.start) | _method(found))
-        yield _outcome(found, seconds) if found.stratum is None else _draws_section(found, seconds)
+        yield [_answer(result)]
+        yield arm_section(model, task, result.rank + result.corank, _starts(result, where.start) | _method(result))
+        yield _outcome(result, seconds) if result.stratum is None else _draws_section(result, seconds)
 
     return Done(
         blocks,
-        {"json": lambda: record_of("find", found), "out": lambda: _outcomes(found, str(where.out)),
-         "history": lambda: _history(found, str(where.history))},
-        complete=found.complete,
+        {"json": lambda: record_of("find", result), "out": lambda: _outcomes(result, str(where.out)),
+         "history": lambda: _history(result, str(where.history))},
+        complete=result.complete,
     )  # fmt: skip
 
 
@@ -300,12 +300,12 @@ class AspectsOutput(MotionOutput):
 
 
 def _with_path(
-    found: postures.Postures | paths.Through, output: MotionOutput, none: str, *, deg: bool, **ending: bool
+    result: postures.Postures | paths.Through, output: MotionOutput, none: str, *, deg: bool, **ending: bool
 ) -> Done:
     """A motion with its path as a table, or why there is none."""
-    csv = found.path_csv()
+    csv = result.path_csv()
     return Done(
-        lambda: found.sections(deg=deg), ({"path": lambda: csv} if csv else {}) | {"json": found.to_dict},
+        lambda: result.sections(deg=deg), ({"path": lambda: csv} if csv else {}) | {"json": result.to_dict},
         last=None if csv or output.path is None else partial(say, f"{output.path} is not written: {none}"), **ending,
     )  # fmt: skip
 
@@ -355,31 +355,31 @@ def aspects(
         start = None
     else:
         start = parse_configuration(q, model, deg=deg)
-    found = postures.aspects_of(model, task, q=start, options=search, progress=partial(report, "poses solved"))
-    if found.verdict == postures.NOT_ASKED:
-        decided = found.count.exact
+    result = postures.aspects_of(model, task, q=start, options=search, progress=partial(report, "poses solved"))
+    if result.verdict == postures.NOT_ASKED:
+        decided = result.count.exact
     else:
-        decided = found.verdict != postures.NOT_FOUND
-    done = _with_path(found, output, "there is no path", deg=deg, complete=found.complete, holds=decided)
+        decided = result.verdict != postures.NOT_FOUND
+    done = _with_path(result, output, "there is no path", deg=deg, complete=result.complete, holds=decided)
     if output.figure is not None:
-        done = _with_figure(found, done, output.figure)
+        done = _with_figure(result, done, output.figure)
     if output.certificate is None:
         return done
     try:
-        record = postures.posture_certificate(found)
+        record = postures.posture_certificate(result)
     except OptionError as error:
         refused = partial(say, f"{output.certificate} is not written: {error.what}")
         return replace(done, holds=False, last=partial(_run_both, done.last, refused))
     return replace(done, files={**done.files, "certificate": lambda: record})
 
 
-def _with_figure(found: postures.Postures, done: Done, path: str) -> Done:
+def _with_figure(result: postures.Postures, done: Done, path: str) -> Done:
     """Finished work with a picture of the aspects, or why there is none."""
     from rankdrop.report.aspects_figure import aspects_figure
     from rankdrop.report.figures import render
 
     try:
-        drawn = aspects_figure(found)
+        drawn = aspects_figure(result)
     except OptionError as error:
         refused = partial(say, f"{path} is not written: {error.what}")
         return replace(done, holds=False, last=partial(_run_both, done.last, refused))
@@ -426,8 +426,8 @@ def through(
     """
     model, task = open_arm(robot, arm)
     at, direction = parse_configuration(q, model, deg=deg), numbers_of(along, "--along")
-    found = paths.through(model, at, direction, task, bend=None if bend is None else numbers_of(bend, "--bend"))
-    return _with_path(found, output, "there is no motion", deg=deg, holds=found.trackable)
+    result = paths.through(model, at, direction, task, bend=None if bend is None else numbers_of(bend, "--bend"))
+    return _with_path(result, output, "there is no motion", deg=deg, holds=result.trackable)
 
 
 @command
@@ -459,10 +459,10 @@ def tolerant(
     model, task = open_arm(robot, arm)
     if isinstance(options.q, str):
         options = replace(options, q=tuple(parse_configuration(options.q, model, deg=deg)))
-    found = verbs.most_tolerant(model, task, options, progress=partial(report, "climb"))
+    result = verbs.most_tolerant(model, task, options, progress=partial(report, "climb"))
     lines = starts_line(f"{options.starts:,}", options.seed, limits=options.limits)
     return Done(
-        lambda: [text.tolerant_lines(found), arm_section(model, task, found.generic_rank, lines),
-                 *text.tolerant_sections(found)],
-        {"json": lambda: record_of("tolerant", found)}, holds=bool(found.places), complete=found.complete,
+        lambda: [text.tolerant_lines(result), arm_section(model, task, result.generic_rank, lines),
+                 *text.tolerant_sections(result)],
+        {"json": lambda: record_of("tolerant", result)}, holds=bool(result.places), complete=result.complete,
     )  # fmt: skip

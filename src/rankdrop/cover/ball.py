@@ -191,9 +191,9 @@ def points_of(robot: Robot) -> Array:
 
 def coupling_of(robot: Robot) -> Array:
     """(N, n) sizes of the multipliers with which joints follow the variables."""
-    found = np.zeros((len(robot.joints), robot.n))
-    found[np.arange(len(robot.joints)), robot.drivers] = [abs(joint.multiplier) for joint in robot.joints]
-    return found
+    coupling = np.zeros((len(robot.joints), robot.n))
+    coupling[np.arange(len(robot.joints)), robot.drivers] = [abs(joint.multiplier) for joint in robot.joints]
+    return coupling
 
 
 def displaced_jacobian(
@@ -236,7 +236,7 @@ def displaced_columns(
     offset = np.array([abs(joint.offset) for joint in robot.joints])
     out = (np.zeros(robot.n) if far is None else np.abs(far)) @ coupling_of(robot).T + offset
     travel = np.where(slides, out, pitch * out)
-    found = np.zeros(travel.shape)
+    columns = np.zeros(travel.shape)
     linear, angular = 0 in setting.rows, 3 in setting.rows
     tool = int(not angular)  # a point that is moved with the others
     for side, own in ((range(setting.link, count), 1), (range(setting.link - 1, -1, -1), 0)):
@@ -245,10 +245,10 @@ def displaced_columns(
             reach = reach + float(np.linalg.norm(points[i] - at)) + (0.0 if own else travel[..., i])
             at, times = points[i], place + own
             if slides[i]:
-                found[..., i] = times * tolerance.angle * linear / setting.length
+                columns[..., i] = times * tolerance.angle * linear / setting.length
             else:
                 moment = tolerance.angle * (reach + pitch[i] + (times + tool) * tolerance.length) + tolerance.length
                 part = (times * moment + tool * tolerance.length) * linear / setting.length
-                found[..., i] = np.hypot(times * tolerance.angle * angular, part)
+                columns[..., i] = np.hypot(times * tolerance.angle * angular, part)
             reach = reach + (travel[..., i] if own else 0.0)
-    return found * (1 + 1e-12)
+    return columns * (1 + 1e-12)

@@ -209,13 +209,13 @@ class FamilyBoxes:
 
     def families_of(self, cells: Cells) -> NDArray[np.int64]:
         """(M,) index of the family that explains each leaf (M, d), the first that does; −1 where none does."""
-        found = np.full(len(cells), -1)
+        numbers = np.full(len(cells), -1)
         for i in self._order:
-            left = np.flatnonzero(found < 0)
+            left = np.flatnonzero(numbers < 0)
             if not len(left):
                 break
-            found[left[self._is_near(self.families[i], cells[left])]] = i
-        return found
+            numbers[left[self._is_near(self.families[i], cells[left])]] = i
+        return numbers
 
     def _is_near(self, family: Family, cells: Cells) -> Flags:
         """(M,) whether a point of a family was found near enough to the centre of each leaf, or part."""

@@ -255,8 +255,8 @@ def verify(
     else:
         asked = about
     with refused_as_result():
-        found = check_certificate(Path(file), asked, work)
-    return Verified(**vars(found))
+        checked = check_certificate(Path(file), asked, work)
+    return Verified(**vars(checked))
 
 
 def ball_certificate(
@@ -285,10 +285,10 @@ def ball_certificate(
     centre, resolved = one_configuration(robot, q), resolve_task(task, robot)
     if radius is not None and not 0.0 < radius <= LARGEST:
         raise OptionError("no such radius", where="radius", got=radius, allowed="in (0, π]")
-    found = certified_radius(
+    ball = certified_radius(
         robot, centre, resolved, evaluations=evaluations, at_most=LARGEST if radius is None else radius
     )
-    setting, most = found.setting, found.radius
+    setting, most = ball.setting, ball.radius
     if tolerance is not None:
         most = max(most, 1e-12)
         spend = evaluations if radius is None else evaluations // 4  # where a radius is given the setting counts alone
@@ -343,13 +343,13 @@ class _Test:
         q, wide = np.tile(self.q, (len(centre), 1)), np.zeros((len(centre), n))
         q[:, places] += centre * scale[places]
         wide[:, places] = half * (1 + 1e-12) + _SEAM * (1.0 + np.abs(q[:, places]) / scale[places])
-        found = enclose(self.robot, self.setting, q, wide)
+        enclosed = enclose(self.robot, self.setting, q, wide)
         if self.tolerance is None:
-            return np.asarray(found[0] != 0)
+            return np.asarray(enclosed[0] != 0)
         far = np.abs(q) + wide * scale
         drift = displaced_jacobian(self.robot, self.setting, self.tolerance, self.rows, far)
-        extra = np.einsum("bi,bij->bj", drift, np.abs(found[5]))
-        return regular(found[3], found[2] + extra[:, None, :])
+        extra = np.einsum("bi,bij->bj", drift, np.abs(enclosed[5]))
+        return regular(enclosed[3], enclosed[2] + extra[:, None, :])
 
 
 def free_radius(test: _Test, at_most: float, evaluations: int) -> float:

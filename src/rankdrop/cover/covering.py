@@ -299,14 +299,14 @@ def batch_from_bytes(content: bytes, shape: Shape) -> Batch:
     return np.frombuffer(content[begin:], shape.kind), sizes, tested, freed
 
 
-def write_covering(path: Path, found: Covering) -> None:
+def write_covering(path: Path, covering: Covering) -> None:
     """Write a finished covering, all or nothing.
 
     Raises:
         ResultFileError: it cannot be written.
     """
     try:
-        replace_file(path, covering_bytes(found.plan, found.tree, found.tested, found.freed))
+        replace_file(path, covering_bytes(covering.plan, covering.tree, covering.tested, covering.freed))
     except OSError as error:
         raise ResultFileError(f"cannot write: {error.strerror}", where=str(path)) from error
 
@@ -441,7 +441,8 @@ def tables_of(robot: Robot, plan: Plan) -> _core.Split:
 
 
 def classify_boxes(
-    robot: Robot, task: Task, found: Covering, cells: NDArray[np.int32], *, near: Near | None = None, threads: int = 0
+    robot: Robot, task: Task, covering: Covering, cells: NDArray[np.int32], *,
+    near: Near | None = None, threads: int = 0,
 ) -> Looked:
     """Leaves (M, d) looked at more closely: free after all (0), proven to hold a singularity (1), or neither (2).
 
@@ -457,12 +458,12 @@ def classify_boxes(
     nothing = np.full(len(cells), -1, dtype=np.int64)
     if not len(cells):
         return np.zeros(0, dtype=np.int8), nothing
-    if found.plan.method == SPLIT:
+    if covering.plan.method == SPLIT:
         leaves, parts = np.ascontiguousarray(cells), int(np.clip(_PARTS // len(cells), 64, 4096))
         return _core.judge_leaves(
-            tables_of(robot, found.plan), leaves, _CLOSER, parts=parts, threads=threads
+            tables_of(robot, covering.plan), leaves, _CLOSER, parts=parts, threads=threads
         ), nothing  # fmt: skip
-    return closer(robot, task, best_setting(robot, task, found.plan.corank), found.plan, cells, threads, near)
+    return closer(robot, task, best_setting(robot, task, covering.plan.corank), covering.plan, cells, threads, near)
 
 
 @lru_cache(1)
@@ -586,10 +587,10 @@ def closer(
             there = np.flatnonzero(told >= 0)[::-1]  # of several the first is the last to be written
             by[owner[there]] = told[there]
             parts, owner = parts[told < 0], owner[told < 0]
-    found = np.where(by >= 0, 3, 0).astype(np.int8)
+    verdicts = np.where(by >= 0, 3, 0).astype(np.int8)
     left = np.unique(owner)
-    found[left] = np.where(proven[left], 1, 2)
-    return found, by
+    verdicts[left] = np.where(proven[left], 1, 2)
+    return verdicts, by
 
 
 class _Boxes:
@@ -613,21 +614,21 @@ class _Boxes:
 
     def free(self, cells: Cells, level: int) -> Flags:
         """(M,) whether the rank is proven to hold in all of each box."""
-        found = np.zeros(len(cells), dtype=np.bool_)
+        flags = np.zeros(len(cells), dtype=np.bool_)
         for begin in range(0, len(cells), _PART):
             part = slice(begin, begin + _PART)
             q, half = self._centres_and_halves(cells[part], level)
-            found[part] = enclose(self.robot, self.setting, q, half, threads=self.threads)[0] != 0
-        return found
+            flags[part] = enclose(self.robot, self.setting, q, half, threads=self.threads)[0] != 0
+        return flags
 
     def proven(self, cells: Cells) -> Flags:
         """(M,) whether a determinant has two signs among centre and corners.
 
         False where the Jacobian is not square, and for coranks above 1, which no sign tells.
         """
-        found = np.zeros(len(cells), dtype=np.bool_)
+        flags = np.zeros(len(cells), dtype=np.bool_)
         if not self.task.m == self.robot.n == self.plan.kept_rank:
-            return found
+            return flags
         for begin in range(0, len(cells), _PART):
             part = slice(begin, begin + _PART)
             q, half = self._centres_and_halves(cells[part], self.plan.shape.levels)
@@ -641,5 +642,5 @@ class _Boxes:
                 least = _ROUNDING * np.prod(np.linalg.norm(jacobian, axis=1), axis=1)
                 plus |= value > least
                 minus |= value < -least
-            found[part] = plus & minus
-        return found
+            flags[part] = plus & minus
+        return flags

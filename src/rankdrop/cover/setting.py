@@ -125,7 +125,7 @@ def _settings(robot: Robot, task: Task, *, near: bool) -> tuple[Setting, ...]:
     _check(robot, task, rank)
     if rows is None:
         return _of_tool_rows(robot, task, rank)
-    found = []
+    settings = []
     size = _size(robot)
     for link, home in _viewpoints(robot, task, rows, near=near):
         frame = frames_of(robot)[link]
@@ -136,13 +136,13 @@ def _settings(robot: Robot, task: Task, *, near: bool) -> tuple[Setting, ...]:
         else:
             moved, repeats = _moving_variables(robot, link, len(robot.joints))
         for share in _LENGTHS if len(rows) == 6 else (1.0,):
-            found.append(
+            settings.append(
                 Setting(
                     link, (float(point[0]), float(point[1]), float(point[2])), share * size, rows, rank, arm,
                     joint_scale(robot, task), moved, repeats,
                 )
             )  # fmt: skip
-    return tuple(found)
+    return tuple(settings)
 
 
 def setting_at_tip(robot: Robot, task: Task) -> Setting:

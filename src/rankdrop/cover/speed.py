@@ -170,12 +170,12 @@ class SpeedRegion:
         low, high = self._bounds()
         for j, value in zip(measure.joints, measure.values, strict=True):
             low[j], high[j] = min(low[j], value), max(high[j], value)
-        found = _MeasureSearch(self, measure, low, high)
-        found.run()
+        search = _MeasureSearch(self, measure, low, high)
+        search.run()
         first = measure.joints[0]
         return SpeedDistance(
-            family, first + 1, self.robot.variables[first].name, measure.values[0], found.end, found.distance,
-            found.slower, found.speed, found.boxes, found.spent, "joints", measure.unit,
+            family, first + 1, self.robot.variables[first].name, measure.values[0], search.end, search.distance,
+            search.slower, search.speed, search.boxes, search.spent, "joints", measure.unit,
             tuple(j + 1 for j in measure.joints), measure.values,
         )  # fmt: skip
 
@@ -189,20 +189,20 @@ class SpeedRegion:
         else:
             j, value = root
             low[j], high[j] = min(low[j], value), max(high[j], value)
-        found = _MeasureSearch(self, measure, low, high)
-        found.run()
+        search = _MeasureSearch(self, measure, low, high)
+        search.run()
         return SpeedDistance(
-            family.id, j + 1, self.robot.variables[j].name, value, found.end, found.distance, found.slower,
-            found.speed, found.boxes, found.spent, "residual", measure.unit, tuple(family.coupled), (),
+            family.id, j + 1, self.robot.variables[j].name, value, search.end, search.distance, search.slower,
+            search.speed, search.boxes, search.spent, "residual", measure.unit, tuple(family.coupled), (),
         )  # fmt: skip
 
     def _search(self, j: int, gap: float, side: float, end: float) -> _Search:
         """The search on one side of the value of joint j, which is `gap` before the middle of the region."""
         low, high = self._bounds()
         low[j], high[j] = 0.0, end
-        found = _Search(self, j, float(self.around[j]) - gap, side, low, high)
-        found.run()
-        return found
+        search = _Search(self, j, float(self.around[j]) - gap, side, low, high)
+        search.run()
+        return search
 
     def least(self, centre: Array, half: Array) -> Array:
         """(M,) proven lower bounds of the slowest speed [m/s] in boxes (M, n) [rad, m]; 0 where there is none."""

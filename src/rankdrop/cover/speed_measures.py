@@ -189,7 +189,7 @@ def nearest_root(
     condition: Equation, around: Array, joints: Sequence[int], low: Array, high: Array
 ) -> tuple[int, float] | None:
     """The joint, from 0, and its value at which a residual vanishes with the other joints as they are: the nearest."""
-    found: list[tuple[float, int, float]] = []
+    roots: list[tuple[float, int, float]] = []
     for j in joints:
         values = np.linspace(max(low[j], around[j] - np.pi), min(high[j], around[j] + np.pi), _LOOKS)
         rows = np.tile(around, (_LOOKS, 1))
@@ -197,10 +197,10 @@ def nearest_root(
         signs = np.sign(condition(rows))
         for k in np.flatnonzero(signs[1:] != signs[:-1]).tolist():
             root = _bisect_zero(condition, rows[k], rows[k + 1], signs[k])[j]
-            found.append((abs(float(root) - float(around[j])), j, float(root)))
-    if not found:
+            roots.append((abs(float(root) - float(around[j])), j, float(root)))
+    if not roots:
         return None
-    _, joint, value = min(found)
+    _, joint, value = min(roots)
     return joint, value
 
 

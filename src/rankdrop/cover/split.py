@@ -109,29 +109,29 @@ def _quotient(x: _Exact, y: _Exact) -> _Exact:
 
     p, q = max(combinations(range(6), 2), key=lambda pair: (abs(minor(*pair)), -pair[0], -pair[1]))
     rest = [row for row in range(6) if row not in (p, q)]
-    found = np.array([[Fraction(int(row == column)) for column in range(6)] for row in rest])
-    found[:, p] = [-minor(row, q) / minor(p, q) for row in rest]
-    found[:, q] = [-minor(p, row) / minor(p, q) for row in rest]
-    return found
+    quotient = np.array([[Fraction(int(row == column)) for column in range(6)] for row in rest])
+    quotient[:, p] = [-minor(row, q) / minor(p, q) for row in rest]
+    quotient[:, q] = [-minor(p, row) / minor(p, q) for row in rest]
+    return quotient
 
 
 def _products() -> _Exact:
     """(3, 3, 5) products of two of 1, cos, sin as sums of 1, cos, sin, cos 2, sin 2."""
-    found, half = np.full((3, 3, 5), Fraction(0)), Fraction(1, 2)
+    products, half = np.full((3, 3, 5), Fraction(0)), Fraction(1, 2)
     for wave in range(3):
-        found[0, wave, wave] = found[wave, 0, wave] = Fraction(1)
-    found[1, 1, [0, 3]] = half
-    found[2, 2, [0, 3]] = half, -half
-    found[1, 2, 4] = found[2, 1, 4] = half
-    return found
+        products[0, wave, wave] = products[wave, 0, wave] = Fraction(1)
+    products[1, 1, [0, 3]] = half
+    products[2, 2, [0, 3]] = half, -half
+    products[1, 2, 4] = products[2, 1, 4] = half
+    return products
 
 
 def _minors(x: _Exact, y: _Exact, pairs: _Exact) -> _Exact:
     """(6, 15) minors x_i y_j − x_j y_i of x (3, 3, 4), by outer and inner wave, and y (3, 4), by inner wave."""
     both = np.tensordot(np.tensordot(x, _products(), (1, 0)), y, (2, 0))  # (outer, i, wave, j)
     i, j = pairs.T
-    found = both[:, i, :, j] - both[:, j, :, i]  # (pair, outer, wave)
-    return np.asarray(found.reshape(len(pairs), 15))
+    minors = both[:, i, :, j] - both[:, j, :, i]  # (pair, outer, wave)
+    return np.asarray(minors.reshape(len(pairs), 15))
 
 
 def _to_doubles(values: _Exact) -> Array:
@@ -159,14 +159,14 @@ def _curvature(a: Array, b: Array) -> Array:
     step = np.arange(GRID) * (2 * pi / GRID)
     outer, inner = (x.reshape(-1) for x in np.meshgrid(step, step, indexing="ij"))
     short = (cos(_DEGREES[0] * pi / GRID) * cos(_DEGREES[1] * pi / GRID)) ** 2
-    found = np.zeros((VARIABLES, VARIABLES))
+    curvature = np.zeros((VARIABLES, VARIABLES))
     for j in range(VARIABLES):
         for k in range(j, VARIABLES):
             order = np.bincount([j, k], minlength=VARIABLES)
             left = _sums(a, outer, inner, int(order[0]), int(order[1]))
             right = _sums(b, outer, inner, int(order[3]), int(order[2]))
-            found[j, k] = found[k, j] = _upwards(float(np.abs(left @ right.T).max()) / short)
-    return found
+            curvature[j, k] = curvature[k, j] = _upwards(float(np.abs(left @ right.T).max()) / short)
+    return curvature
 
 
 def _upwards(value: float) -> float:

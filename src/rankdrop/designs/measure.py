@@ -150,10 +150,10 @@ def _settle_families(sampling: _Sampling, corank: int, known: Sequence[Family] |
         here = [family for family in known if family.corank == corank]
         tries = [(1, here), (MORE[0], here)]
     for times, given in [*tries, *((times, None) for times in MORE)]:
-        found = _sample_families(sampling, corank, times, given)
-        if holds(found.summary, found.families):
+        families_of_corank = _sample_families(sampling, corank, times, given)
+        if holds(families_of_corank.summary, families_of_corank.families):
             break
-    return found
+    return families_of_corank
 
 
 def _sample_families(sampling: _Sampling, corank: int, times: int, given: Sequence[Family] | None) -> CorankFamilies:
@@ -165,9 +165,9 @@ def _sample_families(sampling: _Sampling, corank: int, times: int, given: Sequen
     )  # fmt: skip
     if not cloud.complete:
         raise KeyboardInterrupt  # the core received Ctrl-C
-    found = families(cloud, known=given, seed=seed, threads=1, fresh=sampling.fresh, near_misses=False)
-    unreal = {family.id for family, _ in found.contradictions}
-    return replace(found, families=tuple(family for family in found.families if family.id not in unreal))
+    sampled = families(cloud, known=given, seed=seed, threads=1, fresh=sampling.fresh, near_misses=False)
+    unreal = {family.id for family, _ in sampled.contradictions}
+    return replace(sampled, families=tuple(family for family in sampled.families if family.id not in unreal))
 
 
 def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:
@@ -295,8 +295,8 @@ def _region(problem: Problem, _: Any, asked: Mapping[str, Any], seed: int) -> Me
         "covered": None, "narrow": None, "tested": None,
     }  # fmt: skip
     if there.any():
-        found = sigma[there], targets[there, :3, 3], q[there]
-        bounds = region_bounds(problem, np.array(asked["lower"]), np.array(asked["upper"]), rpy, found,
+        region = sigma[there], targets[there, :3, 3], q[there]
+        bounds = region_bounds(problem, np.array(asked["lower"]), np.array(asked["upper"]), rpy, region,
                                starts=asked["starts"], seed=seed, budget=asked["budget"])  # fmt: skip
         entry |= {
             "sigma": bounds.sigma, "at": bounds.at.tolist(), "q": bounds.q.tolist(), "sigma_lower": bounds.lower,
@@ -317,10 +317,10 @@ def _slow_poses(
     problem: Problem, targets: Array, asked: Mapping[str, Any], seed: int, *, oriented: bool
 ) -> Record | None:  # fmt: skip
     """Share of the poses reached at which the tool is slow, with its interval; None where there is none."""
-    found = slow_poses(problem, targets, oriented=oriented, speed=asked["speed"], starts=asked["starts"], seed=seed)
-    if found is None or not found[0].any():
+    outcome = slow_poses(problem, targets, oriented=oriented, speed=asked["speed"], starts=asked["starts"], seed=seed)
+    if outcome is None or not outcome[0].any():
         return None
-    there, slow, bound = found
+    there, slow, bound = outcome
     share = NearShare("", int(slow.sum()), int(there.sum()), bound)
     return {"slower_than": asked["speed"], "share": share.share, "interval": list(share.interval), "bound": bound,
             "reached": share.samples, "seed": seed, "poses": len(targets), "hits": bits_to_text(slow)}  # fmt: skip

@@ -34,9 +34,9 @@ def targets_of(lower: Array, upper: Array, rpy: Array | None, count: int, seed: 
 def poses_at(places: Array, rpy: Array | None) -> Array:
     """(P, 4, 4) poses at places (P, 3) [m], all with one orientation."""
     turned = from_xyz_rpy([0.0, 0.0, 0.0], [0.0, 0.0, 0.0] if rpy is None else rpy.tolist())
-    found = np.repeat(turned[None], len(places), axis=0)
-    found[:, :3, 3] = places
-    return found
+    poses = np.repeat(turned[None], len(places), axis=0)
+    poses[:, :3, 3] = places
+    return poses
 
 
 class Postures:
@@ -137,5 +137,5 @@ def slow_poses(
         return None
     there = np.isfinite(sigma)
     fastest = np.where(there, kinds[0].speed.reshape(there.shape), -np.inf).max(axis=1)
-    found = np.asarray(there.any(axis=1))
-    return found, np.asarray(found & (fastest < speed)), not kinds[0].exact
+    reached = np.asarray(there.any(axis=1))
+    return reached, np.asarray(reached & (fastest < speed)), not kinds[0].exact

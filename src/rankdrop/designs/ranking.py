@@ -86,12 +86,12 @@ def structures(records: Sequence[Mapping[str, Any]]) -> list[Structure]:
     for record in records:
         if (keys := keys_of(record)) is not None:
             groups.setdefault(keys, []).append(int(record["number"]))
-    found = []
+    structures_of = []
     for keys, members in sorted(groups.items(), key=lambda item: (-len(item[1]), item[0])):
         values = np.array([records[i]["values"] for i in members]).reshape(len(members), -1)
         ranges = tuple((float(low), float(high)) for low, high in zip(values.min(0), values.max(0), strict=True))
-        found.append(Structure(keys, tuple(members), ranges))
-    return found
+        structures_of.append(Structure(keys, tuple(members), ranges))
+    return structures_of
 
 
 def form_of(family: Family, robot: Robot) -> Form:
@@ -177,7 +177,7 @@ def changes(
         names: of the parameters.
         pairs: of neighbours, numbers from 0.
     """
-    found: list[Change] = []
+    differences: list[Change] = []
     for first, second in pairs:
         before, after = forms_of(records[first]), forms_of(records[second])
         if before is None or after is None or before == after:
@@ -188,8 +188,8 @@ def changes(
         where = ("", float("nan"), float("nan")) if single is None else (
             names[single], float(records[first]["values"][single]), float(records[second]["values"][single])
         )  # fmt: skip
-        found += [Change(*what, first, second, *where) for what in _differences(before, after)]
-    return found
+        differences += [Change(*what, first, second, *where) for what in _differences(before, after)]
+    return differences
 
 
 def _differences(
@@ -197,17 +197,17 @@ def _differences(
 ) -> list[tuple[str, tuple[str, ...], tuple[str, ...]]]:
     forms = {**one, **other}
     gone, new = sorted(one.keys() - other.keys()), sorted(other.keys() - one.keys())
-    found: list[tuple[str, tuple[str, ...], tuple[str, ...]]] = []
+    differences: list[tuple[str, tuple[str, ...], tuple[str, ...]]] = []
     for kind, whole, parts in ((SPLITS, gone, new), (JOIN, new, gone)):
         for key in list(whole):
             pieces = [part for part in parts if _part(forms[part], forms[key])]
             if len(pieces) > 1:
-                found.append((kind, (key,), tuple(pieces)) if kind == SPLITS else (kind, tuple(pieces), (key,)))
+                differences.append((kind, (key,), tuple(pieces)) if kind == SPLITS else (kind, tuple(pieces), (key,)))
                 whole.remove(key)
                 for piece in pieces:
                     parts.remove(piece)
-    found += [(VANISHES, (key,), ()) for key in gone]
-    return found + [(APPEARS, (), (key,)) for key in new]
+    differences += [(VANISHES, (key,), ()) for key in gone]
+    return differences + [(APPEARS, (), (key,)) for key in new]
 
 
 def _part(part: Form, whole: Form) -> bool:
@@ -223,12 +223,12 @@ def neighbours(spec: Spec, records: Sequence[Mapping[str, Any]]) -> list[tuple[i
     if spec.kind == "grid":
         grid = [len(parameter.values) for parameter in spec.parameters]
         index = np.arange(count).reshape(grid)
-        found = []
+        edges = []
         for axis in range(len(grid)):
             before = np.take(index, range(grid[axis] - 1), axis).reshape(-1)
             after = np.take(index, range(1, grid[axis]), axis).reshape(-1)
-            found += [(int(a), int(b)) for a, b in zip(before, after, strict=True)]
-        return sorted(found)
+            edges += [(int(a), int(b)) for a, b in zip(before, after, strict=True)]
+        return sorted(edges)
     unit = spec.in_unit_box(np.array([record["values"] for record in records]))
     pairs = set()
     for i in range(count):
@@ -384,7 +384,7 @@ def _smaller(
 def _stack_rows(rows: Sequence[Array]) -> Array:
     """(V, K) rows of one length, those without samples zero."""
     most = max((len(row) for row in rows), default=0)
-    found = np.zeros((len(rows), most), dtype=np.float32 if most > 10_000 else np.float64)
-    for row, values in zip(found, rows, strict=True):
+    stacked = np.zeros((len(rows), most), dtype=np.float32 if most > 10_000 else np.float64)
+    for row, values in zip(stacked, rows, strict=True):
         row[: len(values)] = values
-    return found
+    return stacked

@@ -88,7 +88,7 @@ class _Worst(NamedTuple):
 
 
 def region_bounds(
-    problem: Problem, lower: Array, upper: Array, rpy: Array | None, found: tuple[Array, Array, Array], *,
+    problem: Problem, lower: Array, upper: Array, rpy: Array | None, bounds: tuple[Array, Array, Array], *,
     starts: int, seed: int, budget: int = BUDGET,
 ) -> RegionBounds:  # fmt: skip
     """Proven bounds of W over a box of the workspace.
@@ -103,8 +103,8 @@ def region_bounds(
         seed: of them; the bounds hold for any.
         budget: boxes tested for each bound, at most; 0: none, and nothing is proven.
     """
-    first = int(found[0].argmin())
-    worst = _Worst(float(found[0][first]), found[1][first], found[2][first])
+    first = int(bounds[0].argmin())
+    worst = _Worst(float(bounds[0][first]), bounds[1][first], bounds[2][first])
     open_ = RegionBounds(0.0, np.inf, *worst, covered=False, spent=True, tested=0)
     if budget == 0:
         return open_
@@ -112,7 +112,7 @@ def region_bounds(
         proof = _Proof(problem, rpy, starts, seed)
     except OptionError:  # no enclosure for this task
         return open_
-    low, worst, cells, covered = proof.lower(lower, upper, proof.worst_of(*found, np.inf) or worst, budget)
+    low, worst, cells, covered = proof.lower(lower, upper, proof.worst_of(*bounds, np.inf) or worst, budget)
     high, worst, boxes = proof.posture_bound(worst, budget)
     narrow = covered and low >= (1.0 - 2.5 * NARROW) * high
     return RegionBounds(low, high, float(np.clip(worst.sigma, low, high)), worst.at, worst.q, covered, not narrow,
@@ -276,10 +276,10 @@ class _Proof:
         if self.problem.limits:
             inside = (q - box >= robot.lower - EDGE) & (q + box <= robot.upper + EDGE)
             done = np.asarray(done & inside.all(axis=1))
-        found, rows = np.zeros(count), np.flatnonzero(done)
+        proven, rows = np.zeros(count), np.flatnonzero(done)
         if len(rows):
-            found[rows] = self._least(q[rows], box[rows])
-        return found
+            proven[rows] = self._least(q[rows], box[rows])
+        return proven
 
     def _least(self, q: Array, box: Array) -> Array:
         """(P,) σ_r is at least this in boxes q ± box (P, n); 0 where the rank may fall."""

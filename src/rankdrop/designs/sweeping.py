@@ -156,7 +156,7 @@ def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tu
 
     The letters stand for the lengths of other variants too: where a family is real is told for all of them.
     """
-    found: list[Mapping[str, Any]] = []
+    rows: list[Mapping[str, Any]] = []
     sets = structures(records)[:DERIVED]
     for done, structure in enumerate(sets):
         tell("exact conditions", done, len(sets))
@@ -171,14 +171,14 @@ def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tu
         except RankdropError:  # an arm that cannot be derived exactly has no such entry
             continue
         if derived.in_families:
-            found.append({
+            rows.append({
                 "variant": number + 1,
                 "letters": {name: float(value) for name, value in derived.letters.items()},
                 "families": [_exact_family(family) for family in derived.families],
                 "not_real": list(map(str, derived.not_real)),
             })  # fmt: skip
     tell("exact conditions", len(sets), len(sets))
-    return tuple(found)
+    return tuple(rows)
 
 
 def _exact_family(family: Family) -> Record:

@@ -69,7 +69,7 @@ class Distances:
             return self._known[key]
         chain, theta = self._chain, self._theta
         if isinstance(f, Atom) and f.f is None:
-            found = 2 * np.abs(np.sin((theta[:, f.joint - 1] - RADIANS[f.value]) / 2))
+            distances = 2 * np.abs(np.sin((theta[:, f.joint - 1] - RADIANS[f.value]) / 2))
         else:
             steps = STEP * np.eye(chain.n)[:, None]
             values, scales = values_of(chain, f, np.concatenate([theta[None], theta + steps, theta - steps]))
@@ -77,8 +77,8 @@ class Distances:
             slope = (values[1 : chain.n + 1] - values[chain.n + 1 :]).T / (2 * STEP)
             size, steep = np.abs(value) / scale, np.linalg.norm(slope, axis=1) / scale
             ratio = size / np.maximum(steep, 1e-300)
-            found = np.where(steep > NOISE, ratio, np.minimum(ratio, np.sqrt(size)))
-        return self._known.setdefault(key, np.asarray(found))
+            distances = np.where(steep > NOISE, ratio, np.minimum(ratio, np.sqrt(size)))
+        return self._known.setdefault(key, np.asarray(distances))
 
 
 def values_of(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, Array]:
@@ -323,12 +323,12 @@ class Derivation:
         key = str(p)
         if key not in self._atoms:
             self.check(Halt(HaltKind.FACTORS, terms=len(p)))
-            found = self.ring.factors_within(p, self.remaining)
-            if found is None:
+            factors = self.ring.factors_within(p, self.remaining)
+            if factors is None:
                 return None
-            for factor, _ in found.letters:
+            for factor, _ in factors.letters:
                 self._work.assume(factor)
-            self._atoms[key] = tuple(atom for atom, _ in found.atoms)
+            self._atoms[key] = tuple(atom for atom, _ in factors.atoms)
         return self._atoms[key]
 
     def factors(self, piece: ZeroSet, p: Polynomial) -> Atoms | None:
@@ -343,20 +343,20 @@ class Derivation:
         if atoms is None:
             raise OutOfTime(Halt(HaltKind.FACTORS, terms=len(p)))
         if atoms:
-            found = atoms_on(piece, Equality(atoms), self._work.assumed)
+            atoms_here = atoms_on(piece, Equality(atoms), self._work.assumed)
         else:
-            found = ()
-        if found is None:
+            atoms_here = ()
+        if atoms_here is None:
             return None
-        return frozenset(found)
+        return frozenset(atoms_here)
 
     def branches(self, piece: ZeroSet, atoms: Atoms) -> list[ZeroSet]:
         """The disjoint parts of a set where a product vanishes: each factor in turn, those before it not."""
-        found: list[ZeroSet] = []
+        pieces: list[ZeroSet] = []
         for atom in sorted(atoms, key=order):
-            found += meet(piece, atom, self._work.assumed)
+            pieces += meet(piece, atom, self._work.assumed)
             piece = piece.remove_zeros(atom)
-        return found
+        return pieces
 
     def factored_equality(self, p: Polynomial) -> Equality:
         """p = 0: factored if there is time, and whole where there is not: the condition is right, if long."""
@@ -370,9 +370,9 @@ class Derivation:
 
     def equality(self, p: Polynomial) -> Equality:
         """`factored`; a polynomial that stays whole is counted as not finished."""
-        found = self.factored_equality(p)
-        self._whole += found.whole is not None
-        return found
+        factored = self.factored_equality(p)
+        self._whole += factored.whole is not None
+        return factored
 
 
 def conjunctions(
@@ -395,12 +395,12 @@ def conjunctions(
         common = frozenset.intersection(*sets)
     else:
         common = frozenset()
-    rest = {found - common for found in sets}
-    found = [Conjunction((Equality((atom,)),), unequal) for atom in sorted(common, key=order)]
+    rest = {cases - common for cases in sets}
+    cases = [Conjunction((Equality((atom,)),), unequal) for atom in sorted(common, key=order)]
     if all(rest):  # a polynomial that is the common factors alone leaves no more
         least = [equality_of(one) for one in smallest_sets(rest)]
-        found.append(Conjunction((*sorted(least, key=place_of), *whole), unequal))
-    return tuple(found)
+        cases.append(Conjunction((*sorted(least, key=place_of), *whole), unequal))
+    return tuple(cases)
 
 
 Atoms = frozenset[Atom]

@@ -121,11 +121,11 @@ def corank_one(
     """
     check_method(chain, method)
     if method in ("auto", "decoupling"):
-        found = decouple(chain)
+        decoupled = decouple(chain)
     else:
-        found = None
-    if found is not None:
-        return _derive_decoupled(chain, found, tree)
+        decoupled = None
+    if decoupled is not None:
+        return _derive_decoupled(chain, decoupled, tree)
     if method == "auto":
         reason = _too_long(chain, tree, MethodReason(parting_of(chain)))
         name = _chosen(chain, tree, reason)
@@ -205,17 +205,17 @@ def _differences(
     chain: Chain, method: str, missing: Sequence[ZeroSet], surplus: Sequence[ZeroSet], tree: Tree
 ) -> tuple[Contradiction, ...]:
     """Sets of the method that the rank tree does not have, and the reverse: how many, and a configuration on one."""
-    found = []
+    contradictions = []
     for own, other, sets in ((method, TREE, missing), (TREE, method, surplus)):
         if sets:
             q, rank = _configuration_on(chain, sets, tree.generic_rank)
-            found.append(
+            contradictions.append(
                 Contradiction(
                     ContradictionKind.SETS, method=own, other=other, number=len(sets), q=q, rank=rank,
                     full_rank=tree.generic_rank,
                 )
             )  # fmt: skip
-    return tuple(found)
+    return tuple(contradictions)
 
 
 def _configuration_on(chain: Chain, sets: Sequence[ZeroSet], full_rank: int) -> tuple[tuple[float, ...], int]:
@@ -233,20 +233,20 @@ def _derive_by_suppression(
     chain: Chain, reason: MethodReason, tree: Tree, work: Work, chosen: Chosen
 ) -> CorankOne:
     basic, frame = chosen
-    found = suppress(chain, frame=frame, basic=basic, seconds=work.remaining)
-    if found.left:
-        left = (Unfinished(UnfinishedKind.SUPPRESSION, number=len(found.left)),)
-        return CorankOne("suppression", reason, found, left)
-    different = _suppression_differences(chain, found, tree, work)
-    return CorankOne("suppression", reason, found, (), different)
+    suppression = suppress(chain, frame=frame, basic=basic, seconds=work.remaining)
+    if suppression.left:
+        left = (Unfinished(UnfinishedKind.SUPPRESSION, number=len(suppression.left)),)
+        return CorankOne("suppression", reason, suppression, left)
+    different = _suppression_differences(chain, suppression, tree, work)
+    return CorankOne("suppression", reason, suppression, (), different)
 
 
 def _sets_of(tree: Tree) -> list[ZeroSet]:
     """What the rank tree found, and what it left open."""
-    found = [drop.piece for drop in tree.drops]
-    found += [case.piece for case in tree.cases]
-    found += [piece for piece, _, _ in tree.without_points]
-    return found
+    pieces = [drop.piece for drop in tree.drops]
+    pieces += [case.piece for case in tree.cases]
+    pieces += [piece for piece, _, _ in tree.without_points]
+    return pieces
 
 
 def _suppression_differences(
@@ -278,15 +278,16 @@ def _compare_methods(
     """One of the methods that KG lists; the families' witnesses satisfy it, random configurations do not."""
     seconds = max(work.remaining, 0.1)
     basic, frame = chosen
-    found = derive(chain, method.replace("-", "_"), seconds, frame=frame, basic=basic)
+    derivation = derive(chain, method.replace("-", "_"), seconds, frame=frame, basic=basic)
     different = [
         Contradiction(ContradictionKind.WITNESS, family=family.id, method=method)
-        for family in families if not found.left and not found.holds(family.witness).all()
+        for family in families if not derivation.left and not derivation.holds(family.witness).all()
     ]  # fmt: skip
     q = out_of_units(chain.robot, sample(chain.own, chain.own_task, _REGULAR, 0))
     sigma = singular_values(chain.with_part_angles, q, chain.task)[:, min(chain.task.m, chain.n) - 1]
-    wrong = int((found.holds(q[sigma > 1e-3])).sum())
+    wrong = int((derivation.holds(q[sigma > 1e-3])).sum())
     if wrong:
         different.append(Contradiction(ContradictionKind.REGULAR, method=method, wrong=wrong))
-    unfactored = sum(what == "unfactored" for what, _ in found.notes)
-    return CorankOne(method, replace(reason, unfactored=unfactored), found, tuple(found.left), tuple(different))
+    unfactored = sum(what == "unfactored" for what, _ in derivation.notes)
+    reason = replace(reason, unfactored=unfactored)
+    return CorankOne(method, reason, derivation, tuple(derivation.left), tuple(different))

@@ -247,12 +247,12 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
         place = [chain.task.rows.index(r) for r in rows]
         try:
             work.check()
-            found = chain.ring.determinant(submatrix(chain.columns, (j - 1 for j in joints), place))
+            minor = chain.ring.determinant(submatrix(chain.columns, (j - 1 for j in joints), place))
             if len(rows) == chain.task.m:
-                found = found * _sign(chain, found, joints)
+                minor = minor * _sign(chain, minor, joints)
             else:
-                found = found
-            value = factored_value(chain.ring, found, work)
+                minor = minor
+            value = factored_value(chain.ring, minor, work)
         except OutOfTime:
             left.append(MinorsLeft(of, joints, words))
             continue

@@ -94,16 +94,16 @@ def reality(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -
     n = chain.n
     discriminants: list[str] = []
     for f in piece.equations:
-        found = _discriminant(piece, f)
-        if found is None:
+        discriminant = _discriminant(piece, f)
+        if discriminant is None:
             continue
-        text = letters_text(chain.ring, found)
-        if sign_of(chain, found) < 0:
+        text = letters_text(chain.ring, discriminant)
+        if sign_of(chain, discriminant) < 0:
             none = np.empty((0, n))
             if text:
                 return Reality(none, False, True, (text,), none)
             return Reality(none, False, True, (), none)
-        if text and not is_number(found) and not _always(chain, found):
+        if text and not is_number(discriminant) and not _always(chain, discriminant):
             discriminants.append(text)
     return replace(real_points(chain, piece, rank, rng), discriminants=tuple(discriminants))
 
@@ -185,14 +185,14 @@ def special_strays(chain: Chain, piece: ZeroSet, rank: int) -> Array:
     equations = _equations(chain, piece.equations)
     if not equations or rank >= min(chain.n, chain.own_task.m):
         return np.empty((0, chain.n))
-    found, moving = [aligned], np.delete(np.eye(chain.n), [j - 1 for j in piece.pins], axis=1)
+    seeds, moving = [aligned], np.delete(np.eye(chain.n), [j - 1 for j in piece.pins], axis=1)
     for solved in piece.solved:
         both = [chain.ring.form(f).at(piece.pins).f for f in (solved.numerator, solved.denominator)]
         if all(map(variables_in, both)):
             system = System((*equations, *_equations(chain, both)))
-            found.append(system.solve(starts, along=moving, iterations=60)[0])
-    found += _with_right_angles(chain, piece, System(equations), starts, moving)
-    q = np.concatenate(found)
+            seeds.append(system.solve(starts, along=moving, iterations=60)[0])
+    seeds += _with_right_angles(chain, piece, System(equations), starts, moving)
+    q = np.concatenate(seeds)
     q = q[System(equations).zero(q)]
     strays = q[singular_values(chain.own, q, chain.own_task)[:, rank] > RANK_HIGHER]
     return np.concatenate([strays, _from_many_starts(chain, piece, System(equations), rank, moving)])
@@ -357,10 +357,10 @@ def real_sets(
             work.check()
             drop = waiting[0]
             with calling_in_loops(work.check):
-                piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
+                piece, real = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
                 systems = len(work.unresolved)
                 work.without_points.clear()
-                if found.real or found.excluded:
+                if real.real or real.excluded:
                     thinner = []
                 else:
                     thinner = _thinner(chain, piece, work)
@@ -370,15 +370,15 @@ def real_sets(
                 work.interrupt()
             break
         waiting = [*waiting[1:], *thinner]
-        open_, why = _verdict(piece, found)
+        open_, why = _verdict(piece, real)
         if work.without_points or len(work.unresolved) > systems:
             open_ = UnfinishedKind.REAL_POINTS
             work.without_points.clear()
         elif thinner:
             open_ = None
         is_case = _keep_open(open_, drop, piece, left, cases)
-        if found.real and not is_case:
-            kept.append((Drop(piece, drop.rank), found))
+        if real.real and not is_case:
+            kept.append((Drop(piece, drop.rank), real))
         if why and not thinner and not open_:
             left_out.setdefault(why, []).append(piece)
     remaining = largest([drop for drop, _ in kept])
@@ -409,15 +409,15 @@ def _keep_unsearched(
     left.append(Unfinished(UnfinishedKind.UNSEARCHED, halt=halt_of(stop), number=len(waiting), total=total))
 
 
-def _verdict(piece: ZeroSet, found: Reality) -> tuple[UnfinishedKind | None, UnrealSet | None]:
+def _verdict(piece: ZeroSet, real: Reality) -> tuple[UnfinishedKind | None, UnrealSet | None]:
     """What remains open of a set, None for nothing, and why it is left out, None where it is not."""
-    if found.real and len(found.strays):
+    if real.real and len(real.strays):
         return UnfinishedKind.STRAYS, None
-    if found.real:
+    if real.real:
         return None, None
-    if found.excluded:
-        return None, UnrealSet("", Unreal.PROVEN, negative="".join(found.discriminants))
-    if found.unclear or (len(piece.equations) > 1 and len(found.points)):
+    if real.excluded:
+        return None, UnrealSet("", Unreal.PROVEN, negative="".join(real.discriminants))
+    if real.unclear or (len(piece.equations) > 1 and len(real.points)):
         return UnfinishedKind.DEPENDENT, None
     return None, UnrealSet("", Unreal.NOT_FOUND, tried=REAL_STARTS)
 
@@ -427,21 +427,21 @@ def _sharp(
 ) -> tuple[ZeroSet, Reality]:
     """A set in short words, with conditions added until no configuration of higher rank satisfies them."""
     piece = tidy(drop.piece, work)
-    found = reality(chain, piece, drop.rank, rng)
+    real = reality(chain, piece, drop.rank, rng)
     for _ in range(_SEPARATED):
-        more = add_separating_condition(chain, piece, drop.rank, found.strays, known, work)
+        more = add_separating_condition(chain, piece, drop.rank, real.strays, known, work)
         if more is None:
             break
-        piece, found = more, reality(chain, more, drop.rank, rng)
-    if not found.real or len(found.strays):
-        return piece, found
+        piece, real = more, reality(chain, more, drop.rank, rng)
+    if not real.real or len(real.strays):
+        return piece, real
     strays = special_strays(chain, piece, drop.rank)
     for _ in range(_SEPARATED):
         more = add_separating_condition(chain, piece, drop.rank, strays, known, work)
         if more is None:
             break
         piece, strays = more, special_strays(chain, more, drop.rank)
-    return piece, replace(found, strays=strays)
+    return piece, replace(real, strays=strays)
 
 
 def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:
@@ -457,8 +457,8 @@ def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:
             t = f.context().gen(place)
             slope = (1 + t**2) * slope - form.degrees[place] * t * f
         slopes.append(Form(ring, slope, form.degrees))
-    found = decompose(ring, piece.pins, [form, *slopes], chain.n, work)
-    smaller = with_points([component for component in found if component.codimension > piece.codimension], work)
+    pieces = decompose(ring, piece.pins, [form, *slopes], chain.n, work)
+    smaller = with_points([component for component in pieces if component.codimension > piece.codimension], work)
     columns, lower = chain.cleared_columns
     return [Drop(component, rank_on(columns, component) + lower) for component in smaller]
 
@@ -478,13 +478,13 @@ def families(
         Families by corank, large ones first, with their numbers.
     """
     result: list[Family] = []
-    seen = {id(drop.piece): found for drop, found in sets}
+    seen = {id(drop.piece): reality for drop, reality in sets}
     for corank in range(1, generic_rank + 1):
         rank = generic_rank - corank
         by_discriminants: dict[tuple[str, ...], list[ZeroSet]] = {}
-        for drop, found in sets:
+        for drop, reality in sets:
             if drop.rank == rank:
-                by_discriminants.setdefault(found.discriminants, []).append(drop.piece)
+                by_discriminants.setdefault(reality.discriminants, []).append(drop.piece)
         rows = flat_map(merge, by_discriminants.values())
         here: list[Family] = []
         for row in rows:

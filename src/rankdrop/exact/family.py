@@ -47,11 +47,11 @@ def pins_in_q(robot: Robot, pins: Iterable[AnglePin], shifts: Sequence[float]) -
 
     Of a part of an angle (`AnglePin.part`) they are those of the part.
     """
-    found = []
+    in_q = []
     for pin in pins:
         values = tuple(_angle(angle - shifts[pin.joint - 1] / pin.part) for angle in pin.angles)
-        found.append(Pin(robot.variables[pin.joint - 1].name, pin.joint, values))
-    return tuple(found)
+        in_q.append(Pin(robot.variables[pin.joint - 1].name, pin.joint, values))
+    return tuple(in_q)
 
 
 def slides_at_zero(robot: Robot, conditions: Iterable[Condition]) -> tuple[Pin, ...]:
@@ -237,11 +237,11 @@ def tidy(piece: ZeroSet, work: Work) -> ZeroSet:
     if len(piece.equations) < 2 or piece.zero or not piece.samples:
         return piece
     ring = piece.ring
-    found = list(_relations(piece))
-    if not found or all(str(f) in {str(primitive(g)) for g in piece.equations} for f in found):
+    relations = list(_relations(piece))
+    if not relations or all(str(f) in {str(primitive(g)) for g in piece.equations} for f in relations):
         return piece
     most = piece.codimension - len(piece.pins)
-    system = [ring.form(f) for f in (*found, *piece.equations)]
+    system = [ring.form(f) for f in (*relations, *piece.equations)]
     for other in decompose(ring, piece.pins, system, most, work):
         if other.codimension == piece.codimension and other.lies_inside(piece) and piece.lies_inside(other):
             return other
@@ -358,10 +358,10 @@ def merge_pairs(rows: Sequence[Merged], join: Callable[[Merged, Merged], Merged 
     kept = list(rows)
     while True:
         pairs = ((first, second, join(first, second)) for first, second in combinations(kept, 2))
-        found = next((pair for pair in pairs if pair[2] is not None), None)
-        if found is None:
+        mergeable = next((pair for pair in pairs if pair[2] is not None), None)
+        if mergeable is None:
             return kept
-        first, second, both = found
+        first, second, both = mergeable
         kept = [*(row for row in kept if row is not first and row is not second), *([] if both is None else [both])]
 
 

@@ -60,16 +60,16 @@ def higher_coranks(
         work: deadline.
         basic, frame: as for `derive`.
     """
-    found: list[HigherCorank] = []
+    coranks: list[HigherCorank] = []
     for corank in range(2, min(highest, tree.generic_rank) + 1):
         derived = derive(chain, "reciprocity", max(work.remaining, 0.1), frame=frame, basic=basic, corank=corank)
         if derived.complete:
-            found.append(HigherCorank(derived, _on_sets(derived, tree)))
+            coranks.append(HigherCorank(derived, _on_sets(derived, tree)))
         else:
-            found.append(HigherCorank(derived))
+            coranks.append(HigherCorank(derived))
         if not derived.conditions:
             break
-    return tuple(found)
+    return tuple(coranks)
 
 
 def _on_sets(derived: Derivation, tree: Tree) -> Check:
@@ -89,7 +89,7 @@ def unfinished_coranks(higher: Sequence[HigherCorank]) -> list[Unfinished]:
 
 def wrong_coranks(higher: Sequence[HigherCorank]) -> list[Contradiction]:
     """Coranks above 1 with conditions that the rank tree or numeric configurations contradict."""
-    found = []
+    contradictions = []
     for corank in higher:
         compared = (
             (ContradictionKind.HIGHER_SETS, corank.sets),
@@ -99,7 +99,7 @@ def wrong_coranks(higher: Sequence[HigherCorank]) -> list[Contradiction]:
         for kind, check in compared:
             wrong = check.tested - check.agree
             if wrong:
-                found.append(
+                contradictions.append(
                     Contradiction(kind, method="reciprocity", corank=corank.corank, wrong=wrong, tested=check.tested)
                 )
-    return found
+    return contradictions

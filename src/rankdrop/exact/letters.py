@@ -197,7 +197,7 @@ def assumptions(
         work: the derivation: its deadline, and what it assumed.
         derive: whether arms of special lengths are derived.
     """
-    found = []
+    assumed = []
     for f in list(work.assumed.values()):
         if never_zero(chain, f):
             continue
@@ -209,13 +209,13 @@ def assumptions(
         if special == []:
             continue
         listed = special or []
-        found.append(
+        assumed.append(
             Assumption(
                 text=_unequal(chain, f, equal), holds=sign_of(chain, f) != 0, derived=special is not None, equal=equal,
                 families=tuple(listed[:_LISTED]), more=len(listed[_LISTED:]),
             )
         )  # fmt: skip
-    return found
+    return assumed
 
 
 def _unequal(chain: Chain, f: Polynomial, equal: EqualLengths | None) -> str:

@@ -232,33 +232,33 @@ class _Comparison:
     def specialise(self, piece: ZeroSet) -> list[ZeroSet]:
         if not self.values:
             return [piece]
-        found = [ZeroSet(self.ring, {})]
+        pieces = [ZeroSet(self.ring, {})]
         for joint, value in piece.pins.items():
-            found = flat_map(partial(components_with_pin, joint=joint, value=value, work=self.work), found)
+            pieces = flat_map(partial(components_with_pin, joint=joint, value=value, work=self.work), pieces)
         for f in piece.equations:
             own = replace(self.ring.form(f), f=f.subs(self.values))
             cut = partial(self.cut, condition=Parsed(own))
-            found = flat_map(cut, found)
-        return [piece for piece in independent(found) if piece.samples and rank_on(self.columns, piece) < self.full]
+            pieces = flat_map(cut, pieces)
+        return [piece for piece in independent(pieces) if piece.samples and rank_on(self.columns, piece) < self.full]
 
     def zeros(self) -> list[ZeroSet]:
-        found = [ZeroSet.whole(self.ring)]
+        pieces = [ZeroSet.whole(self.ring)]
         for condition in self.parsed:
             self.work.check()
-            found = independent(flat_map(partial(self.cut, condition=condition), found))
-        return found
+            pieces = independent(flat_map(partial(self.cut, condition=condition), pieces))
+        return pieces
 
     def cut(self, piece: ZeroSet, condition: Parsed) -> list[ZeroSet]:
         form = condition.form.at(piece.pins)
         if form.f == 0:
             return [piece]
-        found: list[ZeroSet] = []
+        pieces: list[ZeroSet] = []
         for atom in Parsed(form).atoms:
             if atom.is_pin:
-                found += components_with_pin(piece, atom.joint, atom.value, self.work)
+                pieces += components_with_pin(piece, atom.joint, atom.value, self.work)
             else:
-                found += cut_half(piece, atom.f, self.work)
-        return independent(found)
+                pieces += cut_half(piece, atom.f, self.work)
+        return independent(pieces)
 
     def holds(self, piece: ZeroSet) -> bool:
         return all(

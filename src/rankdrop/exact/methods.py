@@ -123,13 +123,13 @@ def determinant(builder: Derivation) -> None:
         builder.conditions += parts
         builder.note("factors", terms=len(minor), factors=len(parts))
         return
-    found = _minors(builder)
+    minors = _minors(builder)
     if len(columns) > len(columns[0]):
         product = "J Jᵀ"
     else:
         product = "Jᵀ J"
-    builder.note("squares", product=product, minors=len(found))
-    _vanish_together(builder, found)
+    builder.note("squares", product=product, minors=len(minors))
+    _vanish_together(builder, minors)
 
 
 _MinorOfAll = tuple[MinorChoice, Polynomial]
@@ -139,24 +139,24 @@ _MinorOfAll = tuple[MinorChoice, Polynomial]
 def _minors(builder: Derivation) -> list[_MinorOfAll]:
     """The maximal minors that do not vanish everywhere; their sizes are kept."""
     minors = builder.minors(builder.chain.columns, builder.full_rank())
-    found = [pair for pair in zip(maximal_minors(builder.chain), minors, strict=True) if pair[1] != 0]
-    terms = [len(minor) for _, minor in found]
-    builder.sizes |= {"minors": len(found), "terms": sum(terms), "longest": max(terms)}
-    return found
+    pairs = [pair for pair in zip(maximal_minors(builder.chain), minors, strict=True) if pair[1] != 0]
+    terms = [len(minor) for _, minor in pairs]
+    builder.sizes |= {"minors": len(pairs), "terms": sum(terms), "longest": max(terms)}
+    return pairs
 
 
 def _vanish_together(builder: Derivation, minors: Sequence[_MinorOfAll]) -> None:
     """Conditions that all minors vanish. A minor that is not factored in time stands as it is, and is noted: the
     conditions hold where the rank drops and nowhere else, whether it has factors or not.
     """
-    found = []
+    zero_sets = []
     for choice, minor in minors:
         equality = builder.factored_equality(minor)
-        found.append(equality)
+        zero_sets.append(equality)
         if equality.whole is not None:
             where = zero_of(builder.chain, minor)
             builder.note("unfactored", choice=choice, terms=len(minor), degree=_degree(builder, minor), zero=where)
-    conditions = conjunctions(found)
+    conditions = conjunctions(zero_sets)
     builder.conditions += conditions
     rest = [condition for condition in conditions if len(condition.equal) > 1]
     builder.note("common", factors=len(conditions) - len(rest))
@@ -190,8 +190,8 @@ def zero_of(chain: Chain, p: Polynomial) -> tuple[float, ...] | None:
         values, _ = values_of(chain, p, way)
         first = max(1, int(np.argmax(values >= 0.0)))
         low, high = way[first - 1], way[first]
-    found = out_of_units(chain.robot, (low + high)[None] / 2 - chain.shifts)[0]
-    return tuple(map(float, whole_angles(chain.robot, found)))
+    zero = out_of_units(chain.robot, (low + high)[None] / 2 - chain.shifts)[0]
+    return tuple(map(float, whole_angles(chain.robot, zero)))
 
 
 def cofactors(builder: Derivation) -> None:
@@ -207,9 +207,9 @@ def cofactors(builder: Derivation) -> None:
         OptionError: the rank is not full anywhere.
         OutOfTime: no time is left.
     """
-    found = _minors(builder)
-    builder.note("cofactors", minors=len(found), terms=builder.sizes["terms"])
-    _vanish_together(builder, found)
+    minors = _minors(builder)
+    builder.note("cofactors", minors=len(minors), terms=builder.sizes["terms"])
+    _vanish_together(builder, minors)
 
 
 def decomposition(builder: Derivation) -> None:
@@ -229,11 +229,11 @@ def decomposition(builder: Derivation) -> None:
     arm = [column[:3] for column in screws[: n - 3]]
     turns = [column[3:] for column in screws]
     turns, wrist = turns[: n - 3], turns[n - 3 :]
-    found = [minor for minor in builder.minors(arm, 3) if minor != 0]
-    builder.sizes |= {"arm minors": len(found), "wrist minors": 0}
-    builder.conditions += conjunctions(map(builder.equality, found))
+    minors = [minor for minor in builder.minors(arm, 3) if minor != 0]
+    builder.sizes |= {"arm minors": len(minors), "wrist minors": 0}
+    builder.conditions += conjunctions(map(builder.equality, minors))
     before = len(builder.conditions)
-    builder.note("arm", minors=len(found), conditions=before)
+    builder.note("arm", minors=len(minors), conditions=before)
     determinant = builder.minor(wrist, range(3))
     for atom in builder.atoms(determinant) or ():  # the sine or cosine of θ_{n−1} and a number
         builder.conditions += _wrist_conditions(builder, atom, arm, turns, wrist)
@@ -294,13 +294,13 @@ def _missing(chain: Chain) -> str:
 
 def _null_space(builder: Derivation, arm: Columns) -> list[list[Polynomial]]:
     """Vectors that span the null space of J₁₁ wherever its rank is 3: cofactors of each four of its columns."""
-    found = []
+    basis = []
     for four in combinations(range(len(arm)), 4):
         minors = [builder.minor([arm[i] for i in four if i != left_out], range(3)) for left_out in four]
         vector = dict(zip(four, _alternating(minors), strict=True))
         if any(x != 0 for x in minors):
-            found.append([vector.get(i, builder.ring.zero) for i in range(len(arm))])
-    return found
+            basis.append([vector.get(i, builder.ring.zero) for i in range(len(arm))])
+    return basis
 
 
 def _alternating(minors: Sequence[Polynomial]) -> list[Polynomial]:
@@ -324,19 +324,19 @@ def _zeros(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> 
     simple = [atoms for atoms in known if any(atom.is_pin for atom in atoms)]
     if not simple:
         return [condition.equal for condition in conjunctions(map(equality_of, known))]
-    here, found = conditions_on(piece), list[tuple[Equality, ...]]()
+    here, cases = conditions_on(piece), list[tuple[Equality, ...]]()
     first = min(simple, key=_simplest)
     for atom in sorted(first, key=lambda atom: atom.key):
         for part in meet(piece, atom, {}):
             own = tuple(condition for condition in conditions_on(part) if condition not in here)
-            found += [(*own, *more) for more in _zeros(builder, part, [part.ring.at(x, part.pins) for x in screw])]
-    return found
+            cases += [(*own, *more) for more in _zeros(builder, part, [part.ring.at(x, part.pins) for x in screw])]
+    return cases
 
 
 def _vanishing(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> list[Atoms]:
     """Of each component that does not vanish on the whole set, the atoms under one of which it does."""
-    found = (builder.factors(piece, w) for w in screw if w != 0)
-    return [atoms for atoms in found if atoms is not None]
+    factors = (builder.factors(piece, w) for w in screw if w != 0)
+    return [atoms for atoms in factors if atoms is not None]
 
 
 def _simplest(atoms: Atoms) -> tuple[int, int]:
@@ -429,7 +429,7 @@ def _by_choice(
     products = [builder.ring.reduce(sum(map(mul, screw, column), builder.ring.zero)) for column in others]
     factors = [builder.factors(case, p) for p in products]
     always = frozenset.intersection(*known)  # where one of these vanishes, the screw does
-    for piece in conjunctions(equality_of(found) for found in factors if found is not None):
+    for piece in conjunctions(equality_of(atoms) for atoms in factors if atoms is not None):
         if not (redundant and len(piece.equal) == 1 and always.issuperset(piece.equal[0].atoms)):
             builder.conditions.append(condition_within(case, piece, nowhere))
     if never:
@@ -445,18 +445,18 @@ def _choices(builder: Derivation, columns: Columns) -> list[_Choice]:
     everywhere left out.
     """
     m = len(columns[0])
-    found = []
+    choices = []
     for joints in combinations(range(len(columns)), m - 1):
         chosen = [columns[j] for j in joints]
         screw = _alternating([builder.minor(chosen, [i for i in range(m) if i != row]) for row in range(m)])
         if any(w != 0 for w in screw):
-            found.append((joints, tuple(screw)))
+            choices.append((joints, tuple(screw)))
     if builder.basic is not None:
         wished = {j - 1 for j in builder.basic}
     else:
         wished = set(range(len(columns)))
     return sorted(
-        found, key=lambda choice: (not wished.issuperset(choice[0]), sum(map(len, choice[1])), choice[0])
+        choices, key=lambda choice: (not wished.issuperset(choice[0]), sum(map(len, choice[1])), choice[0])
     )
 
 

@@ -154,10 +154,10 @@ def common_zeros(first: Polynomial, second: Polynomial, third: Polynomial) -> tu
     eliminated = []
     for place in (0, 1):  # what is left depends on this variable
         left = [_resultant(first, other, 1 - place) for other in mixed]
-        found = left[0].gcd(left[1])
-        if found == 0:
+        divisor = left[0].gcd(left[1])
+        if divisor == 0:
             raise Unbounded
-        eliminated.append(found)
+        eliminated.append(divisor)
     return _pairs((first, second, third), eliminated)
 
 
@@ -165,9 +165,9 @@ def _pairs(system: Sequence[Polynomial], eliminated: Sequence[Polynomial]) -> tu
     with flint().ctx.workprec(BITS):
         xs, ys = (_real_roots(f, place) for place, f in enumerate(eliminated))
         tick(40 * len(xs) * len(ys))
-        found = [(float(x.mid()), float(y.mid())) for x in xs for y in ys
+        pairs = [(float(x.mid()), float(y.mid())) for x in xs for y in ys
                  if all(_value_at(f, x, y).contains(0) for f in system)]  # fmt: skip
-    return tuple(sorted(found))
+    return tuple(sorted(pairs))
 
 
 def real_zeros(f: Polynomial, place: int) -> tuple[float, ...]:
@@ -308,13 +308,13 @@ def _of_a_point(chain: Chain, point: tuple[Fraction, Fraction, Fraction], *, wri
     for turned in _TURNS:
         moved = regional(chain, point, turned)
         try:
-            found = _cusps_and_nodes(moved)
+            decision = _cusps_and_nodes(moved)
         except Unbounded:
             continue
-        cusps, nodes = (_in_q(moved, places) for places in found[:2])
+        cusps, nodes = (_in_q(moved, places) for places in decision[:2])
         if cusps:
             return Decision(CUSPS, "", wrist, cusps, nodes)
-        if nodes or found[2]:
+        if nodes or decision[2]:
             return Decision(OPEN, "nodes" if nodes else "point", wrist, (), nodes)
         return Decision(NO_CUSP, "", wrist, (), ())
     return Decision(OPEN, "repeated", wrist)
@@ -356,12 +356,12 @@ def _one_factor(known: Regional) -> bool:
 def _bilinear(h: Polynomial) -> list[list[Fraction]]:
     """Coefficients of h by (1, c₂, s₂) and (1, c₃, s₃)."""
     names = h.context().names()
-    found = [[Fraction(0)] * 3 for _ in range(3)]
+    matrix = [[Fraction(0)] * 3 for _ in range(3)]
     for exponents, value in h.terms():
         powers = dict(zip(names, (int(e) for e in exponents), strict=True))
         row, column = (powers[f"c{j}"] + 2 * powers[f"s{j}"] for j in (2, 3))
-        found[row][column] = Fraction(int(value.p), int(value.q))
-    return found
+        matrix[row][column] = Fraction(int(value.p), int(value.q))
+    return matrix
 
 
 def _shares_a_factor(f: Sequence[Sequence[Fraction]], g: Sequence[Sequence[Fraction]]) -> bool:
@@ -434,15 +434,15 @@ def _curves(known: Regional) -> list[Polynomial]:
     form = known.ring.to_half(known.determinant)
     if form.at_pi:
         raise Unbounded
-    found = []
+    curves = []
     for factor, power in form.f.factor()[1]:
         degrees = factor.degrees()
         if 0 in degrees and not real_zeros(factor, 0 if degrees[0] else 1):
             continue
         if power > 1:
             raise Unbounded
-        found.append(factor)
-    return found
+        curves.append(factor)
+    return curves
 
 
 def _half(known: Regional, p: Polynomial) -> Polynomial:

@@ -118,13 +118,13 @@ def _minors(builder: Derivation, columns: Columns) -> list[_Minor]:
     """The minors of order m − k that are not zero, those of basic joints and short ones first."""
     count = len(columns[0])
     size = count - builder.corank
-    found = []
+    minors = []
     for joints in combinations(range(len(columns)), size):
         chosen = [columns[j] for j in joints]
         for rows in combinations(range(count), size):
             value = builder.minor(chosen, rows)
             if value != 0:
-                found.append(_Minor(joints, rows, value))
+                minors.append(_Minor(joints, rows, value))
     if builder.basic is not None:
         wished = {j - 1 for j in builder.basic}
     else:
@@ -133,7 +133,7 @@ def _minors(builder: Derivation, columns: Columns) -> list[_Minor]:
     def order(minor: _Minor) -> tuple[bool, int, tuple[int, ...], tuple[int, ...]]:
         return not wished.issuperset(minor.joints), len(minor.value), minor.joints, minor.rows
 
-    return sorted(found, key=order)
+    return sorted(minors, key=order)
 
 
 def _chosen(builder: Derivation, case: ZeroSet, minors: Sequence[_Minor]) -> tuple[_Minor, Atoms] | None:
@@ -158,15 +158,15 @@ def _screws(builder: Derivation, columns: Columns, minor: _Minor) -> list[Screw]
     """k screws reciprocal to the chosen joints, independent where the minor does not vanish (Cramer's rule)."""
     chosen = [columns[j] for j in minor.joints]
     count = len(columns[0])
-    found = []
+    screws = []
     for row in sorted({*range(count)}.difference(minor.rows)):
         rows = sorted((*minor.rows, row))
         screw = [builder.ring.zero] * count
         for place, left_out in enumerate(rows):
             value = builder.minor(chosen, [i for i in rows if i != left_out])
             screw[left_out] = (-1) ** place * value
-        found.append(tuple(screw))
-    return found
+        screws.append(tuple(screw))
+    return screws
 
 
 def _reciprocal_product(builder: Derivation, screw: Screw, column: Sequence[Polynomial]) -> Polynomial:

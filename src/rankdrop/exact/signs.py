@@ -203,8 +203,8 @@ def zeros_of(chain: Chain, atoms: Sequence[Atom], count: int) -> Array:
     """
     points = (round_points(ZeroSet.where_atom(chain.ring, atom), chain, step=_TENTH) for atom in atoms)
     each = (islice(samples, ceil(count / len(atoms))) for samples in points)
-    found = [into_units(chain.robot, theta) - chain.shifts for theta in flat_map(list, each)]
-    return np.array(found[:count]).reshape(-1, chain.n)
+    zeros = [into_units(chain.robot, theta) - chain.shifts for theta in flat_map(list, each)]
+    return np.array(zeros[:count]).reshape(-1, chain.n)
 
 
 _TENTH = 0.1  # [rad]; at round degrees axes are parallel by chance
@@ -251,14 +251,14 @@ def _lost(chain: Chain, points: Array) -> tuple[str, ...]:
     """Sentences on the directions lost at all points alike, else on those at the first one."""
     robot, task = chain.own, chain.own_task
     still = lost_over_family(robot, points, task, 1)
-    found = still or lost_in_sparsest_frame(robot, points[0], task, 1)
+    lost = still or lost_in_sparsest_frame(robot, points[0], task, 1)
     at = out_of_units(chain.robot, points[0])
     if still:
         where = ""
     else:
         where = f" at q = ({', '.join(f'{x:.4g}' for x in at)})"
     length = counted_length(robot)
-    return tuple(words(direction, found.name, length) + where for direction in np.asarray(found.directions))
+    return tuple(words(direction, lost.name, length) + where for direction in np.asarray(lost.directions))
 
 
 SAMPLES = 128
@@ -287,15 +287,15 @@ def zeros_between(value: Function, turns: float, tolerance: float) -> list[tuple
     sample = value(share)
     if np.abs(sample).max() <= tolerance:
         return [(0.0, "lies in")]
-    found = [(float(share[i]), _kind(sample, int(i))) for i in np.flatnonzero(np.abs(sample) <= tolerance)]
+    zeros = [(float(share[i]), _kind(sample, int(i))) for i in np.flatnonzero(np.abs(sample) <= tolerance)]
     for i in np.flatnonzero(sample[:-1] * sample[1:] < 0):
         if min(abs(sample[i]), abs(sample[i + 1])) > tolerance:
-            found.append((_refine_zero(value, share[i], share[i + 1], crossing=True), "crosses"))
+            zeros.append((_refine_zero(value, share[i], share[i + 1], crossing=True), "crosses"))
     for k in _hollows(sample):
         lowest = _refine_zero(value, share[k - 1], share[k + 1], crossing=False)
         if abs(sample[k]) > tolerance >= abs(value(np.array([lowest]))[0]):
-            found.append((lowest, "touches"))
-    return sorted(found)
+            zeros.append((lowest, "touches"))
+    return sorted(zeros)
 
 
 def _hollows(sample: Array) -> list[int]:

@@ -140,13 +140,13 @@ class Stratum:
     def equations_with_pins(self) -> tuple[Polynomial, ...]:
         """The equalities as they read with the pinned joints at their angles, those that pin first."""
         pinned = [_pin_polynomial(self.ring, j, angles) for j, angles in self.pins.items()]
-        found = list(_once([primitive(p) for p in (self.short(p) for p in self.equalities) if p != 0]))
-        found = [p for p in found if p not in pinned]
-        for p in found[::-1]:
-            others = [q for q in found if q is not p]
+        equations = list(_once([primitive(p) for p in (self.short(p) for p in self.equalities) if p != 0]))
+        equations = [p for p in equations if p not in pinned]
+        for p in equations[::-1]:
+            others = [q for q in equations if q is not p]
             if others and _follows(self.ring, p, [*pinned, *others]):
-                found = others
-        return (*pinned, *found)
+                equations = others
+        return (*pinned, *equations)
 
     @cached_property
     def open(self) -> tuple[Polynomial, ...]:
@@ -374,9 +374,9 @@ def factor_on_stratum(stratum: Stratum, p: Polynomial) -> Product | None:
         every.append(ring.factor(here))
     shared = _in_all(lists)
     rests = [[atom for atom in atoms if atom not in shared] for atoms in lists]
-    pins = [atom for atom in _in_all([[atom for atom, _ in found.atoms] for found in every]) if atom.is_pin]
+    pins = [atom for atom in _in_all([[atom for atom, _ in product.atoms] for product in every]) if atom.is_pin]
     factors = [_shorter(ring, f, pins) for f in join_pins(ring, shared)]  # pins ≠ 0 in the cases of other factors
-    letters = {str(f): (f, power) for found in every for f, power in found.letters}  # by text: they have no hash
+    letters = {str(f): (f, power) for product in every for f, power in product.letters}  # by text: they have no hash
     if any(rests):
         rest = _combine(stratum, _without_letters(ring, p, letters.values()), shared, rests)
         factors.append(Equality(tuple(rests[0]) if len(rests) == 1 else (), rest))
@@ -396,22 +396,22 @@ def _open_atoms(stratum: Stratum, pins: Mapping[int, str], p: Polynomial) -> lis
     """Atoms of a polynomial that may hold on a piece with these pins; None where one always holds on one."""
     pieces = [piece for piece in stratum.pieces if piece.pins == pins]
     lists = {atom: [atoms_on(piece, Equality((atom,))) for piece in pieces] for atom, _ in stratum.ring.factor(p).atoms}
-    if any(found is None for atoms in lists.values() for found in atoms):
+    if any(matching is None for atoms in lists.values() for matching in atoms):
         return None
-    return [atom for atom, found in lists.items() if any(found)]
+    return [atom for atom, matching in lists.items() if any(matching)]
 
 
 def join_pins(ring: Ring, atoms: Sequence[Atom]) -> list[Equality]:
     """Conditions, one per atom or per pair of angles that one sine or cosine pins."""
     left = list(atoms)
-    found = []
+    joined = []
     for j in dict.fromkeys(atom.joint for atom in atoms if atom.is_pin):
         for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
             both = tuple(ring.pin(j, value) for value in pair)
             if all(atom in left for atom in both):
-                found.append(Equality(both, generator))
+                joined.append(Equality(both, generator))
                 left = [atom for atom in left if atom not in both]
-    return found + [Equality((atom,), polynomial_of(ring, atom)) for atom in left]
+    return joined + [Equality((atom,), polynomial_of(ring, atom)) for atom in left]
 
 
 def _combine(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequence[Sequence[Atom]]) -> Polynomial:
@@ -441,9 +441,9 @@ def _unsquare(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Polyn
             every = [*atoms, *some]
             if any(atom.value == "pi" for atom in every):
                 continue
-            found = ring.to_trig(prod(map(ring.half_of, every), start=ring.half.constant(1)))
-            if found is not None:
-                return found
+            root = ring.to_trig(prod(map(ring.half_of, every), start=ring.half.constant(1)))
+            if root is not None:
+                return root
     return _times(ring, [f.whole for f in join_pins(ring, atoms)])
 
 

@@ -157,9 +157,9 @@ def find(
         work: deadline, asked before each proof.
     """
     obstacle: Obstacle | None = None
-    found = list(candidates(sampled, joints))
+    dependences = list(candidates(sampled, joints))
     for k in [frame, *(k for k in range(1, chain.n) if k != frame)]:
-        for screw, others in found:
+        for screw, others in dependences:
             if not others:
                 return Dependence(screw, (), None), None
             work.check()
@@ -175,13 +175,13 @@ def find(
 
 def lightest(chain: Chain, stratum: Stratum, joints: Sequence[int], work: Work) -> Obstacle | None:
     """Of all minors of some screws, in the frames of all links, the one with the least to split at."""
-    found = []
+    obstacles = []
     for k in range(1, chain.n):
         work.check()
         _, obstacle = independent(chain, k, stratum, joints, work)
         if obstacle is not None:
-            found += [obstacle]
-    return min(found, key=lambda weighed: weighed.weight, default=None)
+            obstacles += [obstacle]
+    return min(obstacles, key=lambda weighed: weighed.weight, default=None)
 
 
 def independent(
@@ -233,13 +233,13 @@ def _weight(zeros: Sequence[Sequence[Atom]]) -> int:
 
 def _zeros(stratum: Stratum, p: Polynomial, work: Work) -> list[tuple[Atom, ...]] | None:
     """Per piece the atoms under which p may vanish; None where it vanishes on a whole piece."""
-    found = []
+    zeros = []
     for piece in stratum.pieces:
         atoms = atoms_on(piece, Equality((), p))
         if atoms is None or (piece.several and vanishes(piece, p, work.rng)):
             return None
-        found.append(atoms)
-    return found
+        zeros.append(atoms)
+    return zeros
 
 
 def _gram(stratum: Stratum, chosen: Columns, work: Work) -> Polynomial | None:
@@ -249,13 +249,13 @@ def _gram(stratum: Stratum, chosen: Columns, work: Work) -> Polynomial | None:
         [stratum.short(ring.reduce(sum((x * y for x, y in zip(a, b, strict=True)), ring.zero))) for b in chosen]
         for a in chosen
     ]
-    found = stratum.short(ring.determinant(products))
-    if found != 0:
-        zeros = _zeros(stratum, found, work)
+    determinant = stratum.short(ring.determinant(products))
+    if determinant != 0:
+        zeros = _zeros(stratum, determinant, work)
     else:
         zeros = None
     if zeros is not None and not any(zeros):
-        return found
+        return determinant
     return None
 
 
@@ -466,12 +466,12 @@ class _Derivation:
     ) -> list[tuple[tuple[int, ...], Polynomial]]:
         """The determinant of every six of these screws, or of the six asked for, as it reads on a stratum."""
         short = {j: [stratum.short(x) for x in self.columns[j - 1]] for j in joints}
-        found = []
+        determinants = []
         for six in combinations(joints, 6) if asked is None else (asked,):
             self.work.check()
             rows = [[short[j][r] for j in six] for r in range(6)]
-            found.append((six, stratum.short(self.ring.determinant(rows))))
-        return found
+            determinants.append((six, stratum.short(self.ring.determinant(rows))))
+        return determinants
 
     def nowhere_zero(self, stratum: Stratum, p: Polynomial) -> bool:
         """Whether a polynomial vanishes on no whole piece."""
@@ -527,15 +527,15 @@ class _Derivation:
         mixed = sampled.joints_of_mixed_rank(case.joints)
         if mixed is not None:
             return self.split_at_minor(case, lightest(self.chain, case.stratum, mixed, self.work))
-        found, obstacle = find(self.chain, self.frame, case.stratum, sampled, case.joints, self.work)
-        if found is not None:
-            if found.proof is not None:
+        dependence, obstacle = find(self.chain, self.frame, case.stratum, sampled, case.joints, self.work)
+        if dependence is not None:
+            if dependence.proof is not None:
                 for pins in case.stratum.combinations:
-                    for p in found.proof.polynomials:
+                    for p in dependence.proof.polynomials:
                         for f, _ in self.ring.factor(self.ring.at(p, pins)).letters:
                             self.work.assume(f)
-            left = tuple(j for j in case.joints if j != found.screw)
-            return self.determinant(replace(case, joints=left, dependence=found))
+            left = tuple(j for j in case.joints if j != dependence.screw)
+            return self.determinant(replace(case, joints=left, dependence=dependence))
         return self.split_at_minor(case, obstacle)
 
     def split_at_minor(self, case: Case, obstacle: Obstacle | None) -> Case:

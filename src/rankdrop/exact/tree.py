@@ -339,7 +339,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
         left = [Unfinished(UnfinishedKind.SCREWS, halt=halt_of(stop))]
         return Tree(rank, complete=False, left=left, unstated=left)
     generic = rank_on(columns, whole)
-    found: list[Drop] = []
+    drops: list[Drop] = []
     tree = Tree(generic + never, never, lowest=lowest)  # the rank is `never` or more at every configuration
     lowest = max(lowest - never, 0)
     for order in range(generic, lowest, -1):
@@ -347,7 +347,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
         systems = len(work.unresolved)
         try:
             with work.share(1.0 if order == lowest + 1 else _STAGE), calling_in_loops(work.check):
-                _explore(columns, order, waiting, found, tree, work, unwanted)
+                _explore(columns, order, waiting, drops, tree, work, unwanted)
         except (Exception, KeyboardInterrupt) as stop:  # whatever fails leaves this open: the search does not need it
             tree.complete = False
             tree.left.append(
@@ -361,11 +361,11 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
                 break
         unresolved = dict.fromkeys(work.unresolved[systems:])
         tree.cases += [OpenCase(_system(chain.ring, *work.systems[system]), order + never) for system in unresolved]
-        if not any(drop.rank < order for drop in found):
+        if not any(drop.rank < order for drop in drops):
             if any(case.order == order + never for case in tree.cases):
                 tree.lowest = max(tree.lowest, order - 1 + never)
             break
-    tree.drops = largest([Drop(drop.piece, drop.rank + never) for drop in found])
+    tree.drops = largest([Drop(drop.piece, drop.rank + never) for drop in drops])
     tree.without_points = [(piece, order + never, last) for piece, order, last in tree.without_points]
     tree.unresolved = list(dict.fromkeys(work.unresolved))
     return tree
@@ -503,9 +503,9 @@ def _cut(
     with work.attempt(_EASY) as undo:
         open_before = len(work.unresolved)
         try:
-            found = parts(minors[0])
+            pieces = parts(minors[0])
             if len(work.unresolved) == open_before and not work.without_points:
-                return found
+                return pieces
         except OutOfTime:
             pass
         undo()

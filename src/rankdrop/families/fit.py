@@ -99,12 +99,12 @@ def find_rows(
 
 def group_by_signature(inspection: Inspection) -> list[tuple[Signature, NDArray[np.int64]]]:
     """Points by signature: large dimension first, then many points first."""
-    found: dict[Signature, list[int]] = {}
+    groups: dict[Signature, list[int]] = {}
     for point, signature in enumerate(inspection.signatures):
         if signature is not None:
-            found.setdefault(signature, []).append(point)
-    order = sorted(found, key=lambda s: (s.rank, -len(found[s]), s))
-    return [(signature, np.array(found[signature])) for signature in order]
+            groups.setdefault(signature, []).append(point)
+    order = sorted(groups, key=lambda s: (s.rank, -len(groups[s]), s))
+    return [(signature, np.array(groups[signature])) for signature in order]
 
 
 def _rows_of(
@@ -273,10 +273,10 @@ class FamilyPoints:
         problem, batch = self.problem, min(max(2 * (count - len(self.q)), 64), 2000)
         base = self.rng.integers(0, len(self.q), size=batch)
         way = _tangent_steps(self.tangent[base], self.rng, self.rng.uniform(0.1, 1.0, size=(batch, 1)))
-        found = refine(
+        solved = refine(
             problem.robot, self.q[base] + way, problem.corank, task=problem.task, tolerances=problem.tolerances
         )
-        inspection = inspect(problem, verify_points(problem, found.converged))
+        inspection = inspect(problem, verify_points(problem, solved.converged))
         same = np.array([signature == self.row.signature for signature in inspection.signatures], dtype=np.bool_)
         same &= inspection.sigma[:, problem.rank] <= 1e-12
         same &= (np.abs(self.row.linear.deviation(inspection.q, np.array(self.row.combinations[0]))) < SAME).all(axis=1)

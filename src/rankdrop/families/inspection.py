@@ -183,7 +183,7 @@ def candidates(coupled: tuple[int, ...], n: int) -> NDArray[np.int64]:
 
     On 2 joints only where there are more than `_MANY`: there would be tens of thousands.
     """
-    found = []
+    places = []
     for size in (2, 3, 4) if len(coupled) <= _MANY else (2,):
         values = (-2, -1, 1, 2) if size == 2 else (-1, 1)
         for support in combinations(coupled, size):
@@ -191,9 +191,9 @@ def candidates(coupled: tuple[int, ...], n: int) -> NDArray[np.int64]:
                 if entries[0] > 0 and np.gcd.reduce(np.abs(entries)) == 1:
                     row = np.zeros(n, dtype=np.int64)
                     row[list(support)] = entries
-                    found.append(row)
-    found.sort(key=lambda row: (np.count_nonzero(row), int(np.abs(row).sum()), tuple(-row)))
-    rows = np.array(found, dtype=np.int64).reshape(-1, n)
+                    places.append(row)
+    places.sort(key=lambda row: (np.count_nonzero(row), int(np.abs(row).sum()), tuple(-row)))
+    rows = np.array(places, dtype=np.int64).reshape(-1, n)
     rows.flags.writeable = False  # the same to everyone who asks
     return rows
 
@@ -250,12 +250,12 @@ def verify_points(problem: Problem, q: Array, iterations: int = 8) -> Array:
     if not len(q):
         return q
     finer = replace(problem.tolerances, target=POLISHED)
-    found = refine(
+    solved = refine(
         problem.robot, q, problem.corank, task=problem.task, limits=problem.limits, iterations=iterations,
         tolerances=finer,
     )  # fmt: skip
-    better = found.sigma[:, problem.rank] <= problem.tolerances.singular
-    return np.where(better[:, None], found.q, q)
+    better = solved.sigma[:, problem.rank] <= problem.tolerances.singular
+    return np.where(better[:, None], solved.q, q)
 
 
 def not_singular(problem: Problem, q: Array, on_family: Callable[[Array], Mask]) -> tuple[Mask, float]:

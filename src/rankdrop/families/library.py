@@ -283,22 +283,22 @@ def circuits(tangent: Array, joints: tuple[int, ...]) -> list[tuple[int, ...]]:
         tangent: (p, n, n) projectors on the tangent space at a few points of the family.
         joints: the joints (from 0) to look among.
     """
-    found: list[tuple[int, ...]] = []
+    supports: list[tuple[int, ...]] = []
     tried = 0
     free = np.linalg.eigvalsh(tangent[:, joints, :][:, :, joints]) >= _BOUND
     for count in range(1, min(len(joints), int(free.sum(axis=1).max(initial=0)) + 1) + 1):
         bound: list[tuple[int, ...]] = []
         for support in combinations(joints, count):
             tried += 1
-            if len(found) + len(bound) >= MOST_CIRCUITS or tried > MOST_SUPPORTS:
+            if len(supports) + len(bound) >= MOST_CIRCUITS or tried > MOST_SUPPORTS:
                 break
-            if any(set(circuit) <= set(support) for circuit in found):
+            if any(set(circuit) <= set(support) for circuit in supports):
                 continue
             part = tangent[:, support, :][:, :, support]
             if np.median(np.linalg.eigvalsh(part)[:, 0]) < _BOUND:
                 bound.append(support)
-        found += sorted(bound, key=lambda support: (support[-1] - support[0], support))
-    return found
+        supports += sorted(bound, key=lambda support: (support[-1] - support[0], support))
+    return supports
 
 
 def vanishing_spaces(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[list[Equation]]:

@@ -147,14 +147,14 @@ def _with_open_joints(
 
 def _values(column: Array, *, turns: bool) -> list[float]:
     """The different values of one joint, sorted; angles in (−π, π]."""
-    found: list[float] = []
+    values: list[float] = []
     for value in np.pi - np.mod(np.pi - column, 2 * np.pi) if turns else column:
-        off = (value - other for other in found)
+        off = (value - other for other in values)
         if all(abs(wrap_angle(x) if turns else x) > _ONE for x in off):
-            found.append(float(value))
-        if len(found) > _FEW:
+            values.append(float(value))
+        if len(values) > _FEW:
             break
-    return sorted(found)
+    return sorted(values)
 
 
 def _slides(robot: Robot, joint: int) -> bool:

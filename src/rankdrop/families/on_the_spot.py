@@ -78,18 +78,18 @@ def groups_through(problem: Problem, q: Array, at: Inspection, around: Inspectio
     way = wrap(around.q - q) / problem.scale
     far = np.linalg.norm(way, axis=1)
     rng = np.random.default_rng([seed, 3])
-    found = []
+    groups = []
     for signature, every in group_by_signature(replace(around, signatures=(None, *around.signatures[1:]))):
         members = _holding(problem, signature, q, around.q, every)
         if signature.rank and len(members) >= FEW and smooth(problem, around, members, rng) and (
             _neighbours_span_kernel(way[members], far[members], problem.n - signature.rank)
         ):
-            found.append((signature, members))
+            groups.append((signature, members))
     ranks = sorted(signature.rank for signature in around.signatures[1:] if signature is not None)
     rank = conormal_rank(at)
     if ranks and rank == ranks[len(ranks) // 2]:
-        return sorted((item for item in found if item[0].rank == rank), key=lambda item: -len(item[1]))[:1]
-    return [(signature, members) for signature, members in found if far[members].min() <= BACK * SIZES[0]]
+        return sorted((item for item in groups if item[0].rank == rank), key=lambda item: -len(item[1]))[:1]
+    return [(signature, members) for signature, members in groups if far[members].min() <= BACK * SIZES[0]]
 
 
 def _neighbours_span_kernel(ways: Array, lengths: Array, dimension: int) -> bool:
@@ -218,7 +218,7 @@ class _Spot:
         """
         rng = np.random.default_rng([self.seed, 2])
         near = self.around.q[self.around.exact]
-        found = []
+        families = []
         for row in linear_rows(self.problem, near, rng):
             labels, far = row.nearest_values(self.q[None])
             if far.max() <= 1e2 * HELD:
@@ -226,8 +226,8 @@ class _Spot:
                 # neighbours are known badly where σ is of higher order: take the values exactly
                 points = row.linear.place(near, np.repeat(np.array([values]), len(near), axis=0), rng)
                 points = points[inspect(self.problem, points).exact]
-                found.append(self.family(replace(row, sets=tuple((value,) for value in values)), points, whole=True))
-        return found
+                families.append(self.family(replace(row, sets=tuple((value,) for value in values)), points, whole=True))
+        return families
 
     def family(self, row: Row, points: Array, *, whole: bool) -> Family:
         """The family of a row through q; `whole`: the equations of its coupled joints are known."""

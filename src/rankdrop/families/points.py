@@ -394,7 +394,7 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> C
             enough = count
         else:
             enough = max(count // 10, 1)
-        found, lost = 0, 0
+        distinct, lost = 0, 0
         for part in range(ROUNDS):
             run = search(robot, wanted, task=task, starts=enough, seed=seed + 1000 * wanted + part)
             if not run.complete:
@@ -403,8 +403,8 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> C
             parts.append(run.converged)
             coranks.append(generic - (run.sigma[arrived][:, :generic] > run.tolerances.singular).sum(axis=1))
             new = int((coranks[-1] == wanted).sum())
-            found, lost = found + new, lost + int(arrived.sum())
-            if found >= enough or new < enough / 10:
+            distinct, lost = distinct + new, lost + int(arrived.sum())
+            if distinct >= enough or new < enough / 10:
                 break
         if not lost:
             break
@@ -450,7 +450,7 @@ def _further(points: Cloud, indices: NDArray[np.int64]) -> Array:
     q = points.q.copy()
     for corank in np.unique(points.corank[indices]):
         mine = indices[points.corank[indices] == corank]
-        found = refine(points.robot, q[mine], int(corank), task=points.task).q
-        near = np.abs(found - q[mine]).max(axis=1) <= FURTHER
-        q[mine[near]] = found[near]
+        solved = refine(points.robot, q[mine], int(corank), task=points.task).q
+        near = np.abs(solved - q[mine]).max(axis=1) <= FURTHER
+        q[mine[near]] = solved[near]
     return q

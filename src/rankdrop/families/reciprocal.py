@@ -235,24 +235,24 @@ class _Chain:
             alone: turning joints alone, too; slides always.
         """
         most = min(max(2, (self.task.m - kept) * (self.n - kept)), max(1, self.n - 1))
-        found: list[tuple[str, Draw]] = []
+        strata: list[tuple[str, Draw]] = []
         for count in range(1, most + 1):
             for joints in combinations(range(self.n), count):
-                if (count > 1 or alone or self.slides[joints[0]]) and len(found) < _SETS:
+                if (count > 1 or alone or self.slides[joints[0]]) and len(strata) < _SETS:
                     name = f"joints {', '.join(str(j + 1) for j in joints)} together"
                     by_itself = f"joint {joints[0] + 1} alone"
-                    found.append((name if count > 1 else by_itself, self._newton(list(joints), kept)))
-        return found
+                    strata.append((name if count > 1 else by_itself, self._newton(list(joints), kept)))
+        return strata
 
     def pinned_strata(self, kept: int) -> list[tuple[str, Draw]]:
         """Strata in which a turning joint stands at a multiple of a right angle, and all others are solved for."""
-        found: list[tuple[str, Draw]] = []
+        strata: list[tuple[str, Draw]] = []
         for p in range(self.n):
             others = [j for j in range(self.n) if j != p]
             for name, value in _RIGHT_ANGLES.items():
                 if others and not self.slides[p] and (not self.bound[p] or self.low[p] <= value <= self.high[p]):
-                    found.append((f"joint {p + 1} at {name}", self._newton(others, kept, (p, value))))
-        return found
+                    strata.append((f"joint {p + 1} at {name}", self._newton(others, kept, (p, value))))
+        return strata
 
     def _newton(self, joints: list[int], kept: int, pin: tuple[int, float] | None = None) -> Draw:
         def draw(count: int, rng: np.random.Generator) -> Array:
@@ -261,14 +261,14 @@ class _Chain:
                 q[:, pin[0]] = pin[1]
             done = [np.zeros((0, self.n))]
             for step in range(_STEPS):
-                found = block(self.robot, q, self.task, kept)
-                share = found.sigma[:, kept] / found.sigma[:, 0]
+                solved = block(self.robot, q, self.task, kept)
+                share = solved.sigma[:, kept] / solved.sigma[:, 0]
                 done.append(q[share <= EXACT])
                 left = (share > EXACT) & (share <= _SIFTED.get(step, np.inf))
                 q = q[left].copy()
                 if not len(q):
                     break
-                f, d = found.f[left].reshape(len(q), -1), found.d[left][..., joints]
+                f, d = solved.f[left].reshape(len(q), -1), solved.d[left][..., joints]
                 move = shortest(d.reshape(len(q), -1, len(joints)), f, 1e-9)
                 size = np.linalg.norm(move, axis=1, keepdims=True)
                 q[:, joints] -= move * np.minimum(1.0, _STEP / np.maximum(size, _STEP))
@@ -290,15 +290,15 @@ class _Chain:
 
         axes, origin = pose(frame.axes)[:3, :3], pose(frame.origin)
         point = origin[:3, :3] @ np.array(frame.point) + origin[:3, 3]
-        found = np.zeros((6, self.task.m))
+        basis = np.zeros((6, self.task.m))
         for place, row in enumerate(self.task.rows):
             axis = axes[:, row % 3]
-            found[:, place] = np.concatenate([axis, np.cross(point, axis)] if row < 3 else [np.zeros(3), axis])
-        return found
+            basis[:, place] = np.concatenate([axis, np.cross(point, axis)] if row < 3 else [np.zeros(3), axis])
+        return basis
 
     def wrenches(self) -> list[tuple[str, Draw]]:
         """Strata that begin with the wrenches reciprocal to a block of joints."""
-        found: list[tuple[str, Draw]] = []
+        strata: list[tuple[str, Draw]] = []
         rng = np.random.default_rng(0)
         for first, last in self._blocks():
             link = first + 1 if self.whole else self.n
@@ -309,8 +309,8 @@ class _Chain:
                     name = f"joints {first + 1}-{last + 1}"
                 else:
                     name = f"joint {first + 1}"
-                found.append((f"wrenches of {name}", self._from_block(first, last, link, null)))
-        return found
+                strata.append((f"wrenches of {name}", self._from_block(first, last, link, null)))
+        return strata
 
     def _blocks(self) -> Iterator[tuple[int, int]]:
         """First and last joint of the blocks: of six rows two joints or more anywhere, else any up to the last."""
@@ -412,13 +412,13 @@ class _Chain:
             at[:, :, p] = angles
             values = np.linalg.det(task_jacobian(self.robot, at.reshape(-1, self.n), self.task) @ mix)
             waves = np.fft.fft(values.reshape(count, points), axis=1) / points
-            found = []
+            zeros = []
             for slope in (False, True):  # double zeros of the determinant are simple ones of its derivative
                 rows, roots = _zeros(waves, slope)
                 one = q[rows]
                 one[:, p] = roots
-                found.append(one)
-            return np.concatenate(found)
+                zeros.append(one)
+            return np.concatenate(zeros)
 
         return draw
 

@@ -529,8 +529,8 @@ def descend_to_minimum(problem: Problem, q: Array) -> tuple[Array, Array]:
         limits=None if problem.walls is None else np.stack(problem.walls), tie=TIE, kicks=0,
     )  # fmt: skip
     robot = problem.robot
-    found = _core.search(chain_of(robot), task_view(robot, problem.task), np.ascontiguousarray(q), settings, threads=1)
-    return found[0], found[1]
+    minima = _core.search(chain_of(robot), task_view(robot, problem.task), np.ascontiguousarray(q), settings, threads=1)
+    return minima[0], minima[1]
 
 
 NORMAL = 1.645  # one-sided 95 % point of the normal distribution

@@ -82,19 +82,19 @@ def surface(values: Array, axes: tuple[Array, Array, Array]) -> tuple[Array, Int
 
 def _cut(nodes: Ints, above: NDArray[np.bool_]) -> Ints:
     """(T, 3, 2) triangles cut out of tetrahedra, as pairs of nodes: one off three, or two off two."""
-    found = []
+    cells = []
     count = above.sum(axis=1)
     for single, lone in ((1, True), (3, False)):
         rows = nodes[count == single]
         order = np.argsort(above[count == single] != lone, axis=1, kind="stable")
         rows = np.take_along_axis(rows, order, axis=1)
-        found.append(np.stack([np.stack([rows[:, 0], rows[:, k]], axis=1) for k in (1, 2, 3)], axis=1))
+        cells.append(np.stack([np.stack([rows[:, 0], rows[:, k]], axis=1) for k in (1, 2, 3)], axis=1))
     rows = nodes[count == 2]
     rows = np.take_along_axis(rows, np.argsort(~above[count == 2], axis=1, kind="stable"), axis=1)
     p = [np.stack([rows[:, i], rows[:, k]], axis=1) for i, k in ((0, 2), (0, 3), (1, 3), (1, 2))]
-    found.append(np.stack([p[0], p[1], p[2]], axis=1))
-    found.append(np.stack([p[0], p[2], p[3]], axis=1))
-    return np.concatenate(found)
+    cells.append(np.stack([p[0], p[1], p[2]], axis=1))
+    cells.append(np.stack([p[0], p[2], p[3]], axis=1))
+    return np.concatenate(cells)
 
 
 NODES = 161
@@ -370,14 +370,14 @@ def solids(robot: Robot, task: Task, families: Sequence[Family], *, most: int = 
     Returns:
         One record per family that leaves something in its cube.
     """
-    found: list[Solid] = []
+    solids: list[Solid] = []
     for family in families:
         turning = tuple(number for number in family.coupled if robot.periodic[number - 1])
-        if family.corank == 1 and family.named and len(turning) >= 3 and len(found) < most:
+        if family.corank == 1 and family.named and len(turning) >= 3 and len(solids) < most:
             cut = solid(robot, task, family, turning[:3], seed=seed)
             if cut.curves or len(cut.triangles):
-                found.append(cut)
-    return tuple(found)
+                solids.append(cut)
+    return tuple(solids)
 
 
 def solid(
@@ -506,7 +506,7 @@ def sweeps(robot: Robot, q: ArrayLike, task: Task, count: int = 121) -> tuple[Sw
     centre = one_configuration(robot, q)
     low, high = sampling_box(robot, task, limits=False)
     rank = generic_rank(robot, task)
-    found = []
+    sweeps = []
     for j, joint in enumerate(robot.variables):
         if robot.periodic[j]:
             begin, end = (-np.pi, np.pi)
@@ -516,8 +516,8 @@ def sweeps(robot: Robot, q: ArrayLike, task: Task, count: int = 121) -> tuple[Sw
         line = np.repeat(centre[None], len(values), axis=0)
         line[:, j] = values
         sigma = singular_values(robot, line, task)[:, :rank]
-        found.append(Sweep(j + 1, joint.unit, float(centre[j]), values, sigma))
-    return tuple(found)
+        sweeps.append(Sweep(j + 1, joint.unit, float(centre[j]), values, sigma))
+    return tuple(sweeps)
 
 
 _ON = 1e-11  # |F| at a point of the set [1]

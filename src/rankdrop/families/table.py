@@ -163,15 +163,15 @@ def _order_families(
 
 def _contradicted_families(tested: Mapping[Row, Tested]) -> tuple[tuple[Family, int | None], ...]:
     """Derived families larger than ker D at their points allows, with that dimension; None where none has a point."""
-    found: list[tuple[Family, int | None]] = []
+    contradicted: list[tuple[Family, int | None]] = []
     for row, (_, points, dimension) in tested.items():
         if row.family is None:
             continue
         if not len(points):
-            found.append((row.family, None))
+            contradicted.append((row.family, None))
         elif row.family.dimension > dimension:
-            found.append((row.family, dimension))
-    return tuple(found)
+            contradicted.append((row.family, dimension))
+    return tuple(contradicted)
 
 
 def _solves_row(rows: Sequence[Row], q: Array) -> Mask:
@@ -197,7 +197,7 @@ def _test_rows(
     the limits where these are asked for.
     """
     marks = _marks(rows)
-    found: dict[Row, Tested] = {}
+    outcomes: dict[Row, Tested] = {}
     for i, row in enumerate(rows):
         rng = np.random.default_rng([seed, problem.corank, 7, i])
         if row.family is None:
@@ -211,8 +211,8 @@ def _test_rows(
             continue
         count, regular = solve_at_special_values(problem, stated, marks, rng)
         whole = Check(sound.tested + count, sound.agree + count - len(regular))
-        found[row] = (whole, points, room)
-    return found
+        outcomes[row] = (whole, points, room)
+    return outcomes
 
 
 def _told_apart(families: Sequence[Family]) -> tuple[Family, ...]:
@@ -233,18 +233,18 @@ def _in_units(cloud: Search) -> Search:
     )
 
 
-def _out_of_units(found: CorankFamilies, robot: Robot) -> CorankFamilies:
+def _out_of_units(families: CorankFamilies, robot: Robot) -> CorankFamilies:
     """Families of an arm in its own unit of length, in the unit of `robot`."""
-    return replace(found, families=tuple(family_out_of_units(family, robot) for family in found.families))
+    return replace(families, families=tuple(family_out_of_units(family, robot) for family in families.families))
 
 
 def _marks(rows: Sequence[Row]) -> dict[int, list[float]]:
     """Joint (from 0) -> the values at which some row pins it."""
-    found: dict[int, list[float]] = {}
+    marks: dict[int, list[float]] = {}
     for row in rows:
         for joint, values in zip(row.signature.pinned, row.sets, strict=False):
-            found.setdefault(joint, []).extend(values)
-    return found
+            marks.setdefault(joint, []).extend(values)
+    return marks
 
 
 def _fresh(cloud: Search, inspection: Inspection, seed: int, threads: int, wanted: Search | int) -> Array:
@@ -254,10 +254,10 @@ def _fresh(cloud: Search, inspection: Inspection, seed: int, threads: int, wante
     problem = cloud.problem
     rate = max(float(inspection.exact.sum()) / len(cloud.outcome), wanted / MOST_FRESH)
     parts: list[Array] = [np.zeros((0, problem.n))]
-    found, spent = 0, 0
+    higher, spent = 0, 0
     for attempt in range(4 if len(inspection.q) else 0):
-        starts = int(min(1.1 * (wanted - found) / rate + 50, MOST_FRESH - spent))
-        if found >= wanted or starts < 1:
+        starts = int(min(1.1 * (wanted - higher) / rate + 50, MOST_FRESH - spent))
+        if higher >= wanted or starts < 1:
             break
         part = search(
             problem.robot, problem.corank, task=problem.task, starts=starts, seed=seed + OTHER_SEED * (attempt + 1),
@@ -267,9 +267,9 @@ def _fresh(cloud: Search, inspection: Inspection, seed: int, threads: int, wante
             raise KeyboardInterrupt  # the core met Ctrl-C; a count of part of the points would mislead
         sigma = part.sigma[part.outcome == Outcome.CONVERGED]
         if problem.rank:
-            found += int((sigma[:, problem.rank - 1] > HIGHER).sum())
+            higher += int((sigma[:, problem.rank - 1] > HIGHER).sum())
         else:
-            found += len(sigma)
+            higher += len(sigma)
         spent += starts
         parts.append(part.converged)
     return np.concatenate(parts)
@@ -470,5 +470,5 @@ def _unnamed_family(
 def _values(problem: Problem, q: Array, joint: int) -> tuple[float, ...]:
     """Different values of a joint over points, at most twelve."""
     linear = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(problem.n))])
-    found = linear.combinations(q, np.ones(len(q)), 1e-5)
-    return tuple(sorted(values[0] for values in found)[:VALUES])
+    at_points = linear.combinations(q, np.ones(len(q)), 1e-5)
+    return tuple(sorted(values[0] for values in at_points)[:VALUES])

@@ -94,14 +94,14 @@ class Equation:
         Returns:
             (t, n) multiples m, (t,) shifts [rad], (t,) a, (t,) b, (t, n) powers p.
         """
-        found: dict[tuple[tuple[int | Fraction, ...], tuple[int, ...], float], list[float]] = {}
+        waves: dict[tuple[tuple[int | Fraction, ...], tuple[int, ...], float], list[float]] = {}
         for term in self.terms:
-            pair = found.setdefault((term.harmonics, term.powers, term.shift), [0.0, 0.0])
+            pair = waves.setdefault((term.harmonics, term.powers, term.shift), [0.0, 0.0])
             pair[term.kind == "sin"] += term.coefficient
-        m = np.array([key[0] for key in found], dtype=np.float64) / 2
-        p = np.array([key[1] for key in found], dtype=np.float64)
-        shift = np.array([key[2] for key in found])
-        both = np.array(list(found.values()))
+        m = np.array([key[0] for key in waves], dtype=np.float64) / 2
+        p = np.array([key[1] for key in waves], dtype=np.float64)
+        shift = np.array([key[2] for key in waves])
+        both = np.array(list(waves.values()))
         return m, shift, both[:, 0], both[:, 1], p
 
     @cached_property
@@ -446,9 +446,9 @@ class System:
     def moves(self) -> Mask:
         """(n,) joints that occur; there is at least one equation."""
         occurs = [(np.abs(m) + p).sum(axis=0) > 0 for m, _, _, _, p in (equation.tables for equation in self.equations)]
-        found = np.asarray(np.logical_or.reduce(occurs))
-        found.flags.writeable = False
-        return found
+        moving = np.asarray(np.logical_or.reduce(occurs))
+        moving.flags.writeable = False
+        return moving
 
     def values(self, q: Array) -> Array:
         """(N, e) values at q (N, n)."""

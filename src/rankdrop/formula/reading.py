@@ -100,7 +100,7 @@ def read(text: str, letters: frozenset[str] = frozenset()) -> tuple[Node, ...]:
 
 
 def _tokens(text: str) -> list[Node]:
-    found = []
+    tokens = []
     for match in _TOKEN.finditer(text):
         kind = match.lastgroup or ""
         if kind == "other":
@@ -109,8 +109,8 @@ def _tokens(text: str) -> list[Node]:
                 allowed="+ − * / ** ( ) = ; ,",
             )  # fmt: skip
         if kind != "space":
-            found.append(Node(kind, match.start(), name=_SIGNS.get(match.group(), match.group())))
-    return [*found, Node("end", len(text))]
+            tokens.append(Node(kind, match.start(), name=_SIGNS.get(match.group(), match.group())))
+    return [*tokens, Node("end", len(text))]
 
 
 class _Reader:
@@ -133,14 +133,14 @@ class _Reader:
 
     def statements(self) -> tuple[Node, ...]:
         """Condition { (; | , | and) Condition }, to the end; a Condition is a Sum [= Sum { or Sum }]."""
-        found = []
+        nodes = []
         while True:
             start, sides = self.token.place, [self.sum()]
             if self.take("="):
                 sides.append(self.sum())
                 while self.take("or"):
                     sides.append(self.sum())
-            found.append(Node("=", start, tuple(sides), self.text[start : self.token.place].strip()))
+            nodes.append(Node("=", start, tuple(sides), self.text[start : self.token.place].strip()))
             ended = self.token.kind == "end"
             if ended:
                 separator = None
@@ -149,7 +149,7 @@ class _Reader:
             if separator is None and not ended:
                 raise self.unexpected_part("an operator or the end")
             if ended or (self.token.kind == "end" and separator is not None and separator.name == ";"):
-                return tuple(found)
+                return tuple(nodes)
 
     def unexpected_part(self, allowed: str) -> OptionError:
         ended = self.token.kind == "end"
@@ -453,11 +453,11 @@ class Meaning:
         if eighths.denominator != 1:
             raise wrong(self.text, node.place, "this angle is not exact", allowed="whole numbers of pi/2, or of pi/4")
         whole = {j: int(m) for j, m in turns.items()}
-        found = self.waves_of(kind, whole, int(eighths) // 2)
+        wave = self.waves_of(kind, whole, int(eighths) // 2)
         if int(eighths) % 2:  # f(φ + π/4) = (f(φ) + f(φ + π/2)) / √2
-            found = self.sum([found, self.waves_of(kind, whole, int(eighths) // 2 + 1)], node)
-            found = Parsed(replace(found.form, f=found.form.f / 2), 1)
-        return found
+            wave = self.sum([wave, self.waves_of(kind, whole, int(eighths) // 2 + 1)], node)
+            wave = Parsed(replace(wave.form, f=wave.form.f / 2), 1)
+        return wave
 
     def not_exact(self, angle: Angle, node: Node) -> OptionError:
         """The error for an angle with a decimal in it that is no quarter turn."""

@@ -168,10 +168,10 @@ class FormSearch:
             return
         yield from self.factors(form)
         if not form.at_pi:
-            found = self.sines_and_cosines(f)
-            if found is not None:
-                yield found
-                yield factor_out(found)
+            product = self.sines_and_cosines(f)
+            if product is not None:
+                yield product
+                yield factor_out(product)
         places = [place for place, degree in enumerate(degrees) if 0 < degree <= 2]
         places += [place for place in variables_in(f) if place >= self.ring.angles]
         if len(f) > FINE:
@@ -189,18 +189,18 @@ class FormSearch:
         p = self.ring.to_trig(f)
         if p is None:
             return None
-        found = single_angles(self.ring, p)
-        return times(written_number(self.ring, _ratio(f, self.ring.to_half(p).f)), found)
+        form = single_angles(self.ring, p)
+        return times(written_number(self.ring, _ratio(f, self.ring.to_half(p).f)), form)
 
     def factors(self, form: Form) -> Iterator[Product]:
         """A form as a product: of all its factors, and with those that hold half angles kept in one bracket."""
         ring, f = self.ring, form.f
-        _, found = f.factor()
-        if len(found) + len(form.at_pi) < 2:
+        _, factors = f.factor()
+        if len(factors) + len(form.at_pi) < 2:
             return
         halves = [(_half(joint, "pi"), power) for joint, power in form.at_pi]
         rest: list[tuple[Polynomial, int]] = []
-        for factor, power in found:
+        for factor, power in factors:
             if variables_in(factor)[0] < ring.angles:
                 atom = ring.atom(factor)
             else:

@@ -311,25 +311,25 @@ def symbols(powers: Sequence[int], ring: Ring) -> list[tuple[Factor, int]]:
 def _expand_power(state: dict[tuple[int, ...], Pair], k: int, degree: int) -> dict[tuple[int, ...], Pair]:
     """The power of t_k in every key replaced by the power of z_k, all times 2^degree."""
     tables = {power: _table(power, degree) for power in {key[k] for key in state}}
-    found: dict[tuple[int, ...], Pair] = {}
+    expansion: dict[tuple[int, ...], Pair] = {}
     for key, (real, imaginary) in state.items():
         power = key[k]
         for _ in range(power % 4):  # times −i
             real, imaginary = imaginary, -real
         for z, value in tables[power].items():
             new = (*key[:k], z, *key[k + 1 :])
-            one, two = found.get(new, (0, 0))
-            found[new] = (one + value * real, two + value * imaginary)
-    return {key: pair for key, pair in found.items() if any(pair)}
+            one, two = expansion.get(new, (0, 0))
+            expansion[new] = (one + value * real, two + value * imaginary)
+    return {key: pair for key, pair in expansion.items() if any(pair)}
 
 
 def _table(power: int, degree: int) -> dict[int, int]:
-    found: dict[int, int] = {}
+    degrees: dict[int, int] = {}
     for i in range(power + 1):
         for j in range(degree - power + 1):
             z = degree - 2 * i - 2 * j
-            found[z] = found.get(z, 0) + (-1) ** i * comb(power, i) * comb(degree - power, j)
-    return {z: value for z, value in found.items() if value}
+            degrees[z] = degrees.get(z, 0) + (-1) ** i * comb(power, i) * comb(degree - power, j)
+    return {z: value for z, value in degrees.items() if value}
 
 
 def joints_of(form: Product) -> set[int]:

@@ -170,7 +170,7 @@ class Quotient:
 
 def number_at(form: Product, theta: Array, letters: Mapping[str, float]) -> float:
     """The value of a form at θ (n,) [rad; slides m], with values of the lengths [m]."""
-    found = float(form.number)
+    value_here = float(form.number)
     for factor, power in form.factors:
         if isinstance(factor, Symbol):
             if factor.slide:
@@ -182,8 +182,8 @@ def number_at(form: Product, theta: Array, letters: Mapping[str, float]) -> floa
             value = float(np.sin(angle) if factor.kind == "sin" else np.cos(angle))
         else:
             value = sum(number_at(part, theta, letters) for part in factor.parts)
-        found *= value**power
-    return found
+        value_here *= value**power
+    return value_here
 
 
 def _with_numbers(above: Product, below: Product, number: Fraction) -> tuple[Product, Product]:

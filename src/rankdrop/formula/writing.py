@@ -286,7 +286,7 @@ def _equation(
     waves: Sequence[Product], letters: Mapping[str, float], n: int, shifts: Sequence[float] | None
 ) -> Equation:
     """The numeric equation of terms of a Fourier form; arguments as in `Condition.equation`."""
-    found: dict[tuple[str, tuple[int, ...], tuple[int, ...]], float] = {}
+    amplitudes: dict[tuple[str, tuple[int, ...], tuple[int, ...]], float] = {}
     waves = _with_numbers_for_roots(waves)
     largest = _largest(waves)
     for part in waves:
@@ -302,13 +302,13 @@ def _equation(
             elif isinstance(factor, Symbol):
                 value *= letters[factor.name] ** power
         key = (kind, tuple(harmonics), tuple(powers))
-        found[key] = found.get(key, 0.0) + value
+        amplitudes[key] = amplitudes.get(key, 0.0) + value
     if shifts is None:
         half = np.zeros(n)
     else:
         half = np.asarray(shifts, dtype=np.float64) / 2
     terms = []
-    for (kind, multiples, exponents), value in found.items():
+    for (kind, multiples, exponents), value in amplitudes.items():
         phase = float(sum(m * x for m, x in zip(multiples, half, strict=True)))
         terms.append(Term(value, kind, multiples, exponents, 0.0 - phase))
     return normalised_equation(terms)

@@ -177,16 +177,16 @@ class Arm:
 
     def carry_screws(self, motion_of: Callable[[int, int], Matrix]) -> Seen:
         """All screws as the link sees them, with the motion (6, 6) of each joint i, forwards (1) or backwards (−1)."""
-        found: list[Matrix] = [None] * len(self.links)
+        screws: list[Matrix] = [None] * len(self.links)
         motions: list[Matrix | None] = [None] * len(self.links)
         for side, sign in self._sides:
             motion = None
             for place, i in enumerate(side):
                 column = self._matrix(6, 1, self._screws[i])
                 if motion is None:
-                    found[i] = column
+                    screws[i] = column
                 else:
-                    found[i] = motion * column
+                    screws[i] = motion * column
                 motions[i] = motion
                 if place + 1 < len(side):
                     step = motion_of(i, sign)
@@ -194,7 +194,7 @@ class Arm:
                         motion = step
                     else:
                         motion = motion * step
-        return found, motions
+        return screws, motions
 
     def jacobian(self, columns: list[Matrix]) -> Array:
         """(6, n) middles of the Jacobian, as doubles."""
@@ -212,8 +212,8 @@ class Arm:
             rank: how many.
             tolerance: for every arm so near as well.
         """
-        found = self.enclose(region, rows, rank, tolerance)
-        return found is not None and regular(found[0].tolist(), rank)
+        enclosed = self.enclose(region, rows, rank, tolerance)
+        return enclosed is not None and regular(enclosed[0].tolist(), rank)
 
     def enclose(
         self, region: Region, rows: list[int], rank: int, tolerance: Tolerance | None = None
@@ -304,13 +304,13 @@ class Arm:
 
     def _weighted_columns(self, side: list[int], columns: list[Matrix], weights: list[Matrix]) -> list[Matrix]:
         """For each place on a side, Σ of the columns farther from the link, times their weights."""
-        found: list[Matrix] = [None] * len(side)
+        weighted: list[Matrix] = [None] * len(side)
         rank = weights[0].ncols()
         total = self._f.arb_mat(6, rank, [0] * (6 * rank))
         for place in range(len(side) - 1, -1, -1):
-            found[place] = total
+            weighted[place] = total
             total = total + columns[side[place]] * weights[side[place]]
-        return found
+        return weighted
 
     def _first(
         self, side: list[int], columns: list[Matrix], weights: list[Matrix], half: list[Interval]
@@ -459,14 +459,14 @@ class Arm:
         """Unit turns about a point that was moved, and unit moves, each six intervals."""
         f = self._f
         zero, unit = f.arb(0), f.arb(1)
-        found = []
+        motions = []
         for k in range(6):
             axis = [unit if r == k % 3 else zero for r in range(3)]
             twist = f.arb_mat(6, 1, cross(point, axis) + axis if k < 3 else axis + [zero] * 3)
             seen = (twist if motion is None else motion * twist).entries()
             wide = _ball(f.arb, zero, slack)
-            found.append([x + wide for x in seen[:3]] + seen[3:] if k < 3 else seen)
-        return found
+            motions.append([x + wide for x in seen[:3]] + seen[3:] if k < 3 else seen)
+        return motions
 
     def _foot(self, i: int, point: list[Interval]) -> Interval:
         """How far the axis of a joint is from its point: 0 but for rounding."""

@@ -101,10 +101,10 @@ class Shape:
     def children(self, cells: Cells, masks: Masks, level: int) -> tuple[Cells, NDArray[np.int64]]:
         """(M, d) boxes of `level` whose bits are set in masks (N,) of boxes (N, d), and (M,) whose they are."""
         parent, child = np.nonzero(bits(masks, self.variables))
-        found = cells[parent] << np.array(self.halved(level), dtype=np.int32)
+        children = cells[parent] << np.array(self.halved(level), dtype=np.int32)
         for j in range(self.variables):
-            found[:, j] += (child >> (self.variables - 1 - j)) & 1
-        return found, parent
+            children[:, j] += (child >> (self.variables - 1 - j)) & 1
+        return children, parent
 
     def roots(self, numbers: NDArray[np.int64]) -> Cells:
         """(M, d) boxes of the level `top` by their numbers."""
@@ -310,10 +310,10 @@ def plan_from_entries(record: dict[str, Any]) -> Plan:
 
 def digest(plan: Plan, tree: BitTree) -> str:
     """SHA-256 of a plan and its boxes; 64 hex digits."""
-    found = hashlib.sha256(plan.line() + b"\n")
+    hashed = hashlib.sha256(plan.line() + b"\n")
     for part in tree.payload():
-        found.update(part)
-    return found.hexdigest()
+        hashed.update(part)
+    return hashed.hexdigest()
 
 
 def covering_bytes(plan: Plan, tree: BitTree, tested: int, freed: int) -> bytes:
@@ -417,14 +417,14 @@ def _unpack_tree(shape: Shape, content: bytes) -> BitTree:
         room -= size
         if room < 0:
             raise ValueError("more boxes than a file of this size holds")
-        found = bytearray()
-        while len(found) < size:
-            piece = stream.decompress(content, min(size - len(found), _PIECE))
+        taken = bytearray()
+        while len(taken) < size:
+            piece = stream.decompress(content, min(size - len(taken), _PIECE))
             content = stream.unconsumed_tail
             if not piece:
                 raise ValueError("too few bytes")
-            found += piece
-        return found
+            taken += piece
+        return taken
 
     size = (shape.trees + 7) // 8
     roots = np.unpackbits(np.frombuffer(take(size), np.uint8), bitorder="little", count=shape.trees).view(np.bool_)

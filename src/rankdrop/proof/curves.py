@@ -186,8 +186,8 @@ class ToolPath:
         places = self._places([(_doubles(turn), _doubles(point)[:, 0]) for turn, point in seen])
         worst_place = worst_turn = 0.0
         for (first, start), (last, end) in pairwise(places):
-            found = self._piece((first, last), start, end, seen[first], seen[last])
-            worst_place, worst_turn = max(worst_place, found[0]), max(worst_turn, found[1])
+            refusal = self._piece((first, last), start, end, seen[first], seen[last])
+            worst_place, worst_turn = max(worst_place, refusal[0]), max(worst_turn, refusal[1])
         worst_place, worst_turn = worst_place * 1.005, worst_turn * 1.005  # three digits are printed, none too small
         return self._of_both(f"{worst_place:.3g}", f"{worst_turn:.3g}")
 
@@ -384,14 +384,14 @@ def _turn_between(first: Array, second: Array) -> Array:
 
 def _points_on_axes(links: list[Link]) -> Array:
     """(N, 3) a point on the axis of each joint at q = 0, near that of the joint before it."""
-    found, near = [], np.zeros(3)
+    points, near = [], np.zeros(3)
     for link in links:
         v, w = np.array(link.screw[:3]), np.array(link.screw[3:])
         if link.kind != SLIDE:
             foot, axis = np.cross(w, v) / (w @ w), w / np.linalg.norm(w)
             near = foot + axis * float(axis @ (near - foot))
-        found.append(near)
-    return np.array(found)
+        points.append(near)
+    return np.array(points)
 
 
 def _link_values(links: list[Link], row: Array) -> list[float]:

@@ -71,8 +71,8 @@ class Determinant:
             levels: how often the range of each variable was halved.
             cells: which of the 2^level equal parts.
         """
-        found = self._prove_whole_boxes(levels, cells)
-        owner = np.flatnonzero(~found)
+        proven = self._prove_whole_boxes(levels, cells)
+        owner = np.flatnonzero(~proven)
         parts, corners = cells[owner], np.array(list(product((0, 1), repeat=cells.shape[1])))
         for halvings in range(1, _HALVINGS + 1):
             if not len(parts) or len(parts) << cells.shape[1] > _PARTS:
@@ -80,9 +80,9 @@ class Determinant:
             parts = (parts[:, None, :] * 2 + corners).reshape(-1, cells.shape[1])
             left = ~self._prove_whole_boxes([level + halvings for level in levels], parts)
             parts, owner = parts[left], np.repeat(owner, len(corners))[left]
-        found[:] = True
-        found[owner] = False
-        return found
+        proven[:] = True
+        proven[owner] = False
+        return proven
 
     def _prove_whole_boxes(self, levels: list[int], cells: NDArray[np.int64]) -> NDArray[np.bool_]:
         if not len(cells) or max(levels) > _FINEST:
@@ -195,11 +195,11 @@ def _coefficients(arm: Arm, rows: list[int], places: list[int], degrees: list[in
 
 def _waves(x: Interval, degree: int, first: float = 1.0) -> list[Interval]:
     """1, cos, sin, cos 2, sin 2 of an angle; `first` in place of 1."""
-    found = [flint().arb(first)]
+    waves = [flint().arb(first)]
     for k in range(1, degree + 1):
         sine, cosine = (k * x).sin_cos()
-        found += [cosine, sine]
-    return found
+        waves += [cosine, sine]
+    return waves
 
 
 def _check(arm: Arm, rows: list[int], places: list[int], degrees: list[int], coefficients: list[Interval]) -> None:
@@ -223,13 +223,13 @@ def _check(arm: Arm, rows: list[int], places: list[int], degrees: list[int], coe
 def _shifted_waves(degree: int, centre: Interval) -> Matrix:
     """(n, n) coefficients in the waves of x − c, from those in the waves of x."""
     f, size = flint(), 2 * degree + 1
-    found = f.arb_mat(size, size, [0] * (size * size))
-    found[0, 0] = f.arb(1)
+    shifted = f.arb_mat(size, size, [0] * (size * size))
+    shifted[0, 0] = f.arb(1)
     for k in range(1, degree + 1):
         sine, cosine = (k * centre).sin_cos()
         c, s = 2 * k - 1, 2 * k
-        found[c, c], found[c, s], found[s, c], found[s, s] = cosine, sine, -sine, cosine
-    return found
+        shifted[c, c], shifted[c, s], shifted[s, c], shifted[s, s] = cosine, sine, -sine, cosine
+    return shifted
 
 
 def _bernstein(degree: int, most: Interval) -> Matrix:
@@ -258,21 +258,21 @@ def _bernstein(degree: int, most: Interval) -> Matrix:
 
 def _numbers(cells: NDArray[np.int64], levels: list[int]) -> NDArray[np.int64]:
     """(M,) boxes of some variables by number, the first slowest."""
-    found = np.zeros(len(cells), dtype=np.int64)
+    numbers = np.zeros(len(cells), dtype=np.int64)
     for cell, level in zip(cells.T, levels, strict=True):
-        found = (found << level) + cell
-    return found
+        numbers = (numbers << level) + cell
+    return numbers
 
 
 def _products(sides: list[tuple[Array, float]], numbers: NDArray[np.int64], levels: list[int]) -> Array:
     """(U, a, a) Kronecker products of the matrices of boxes, by their numbers."""
-    found = np.ones((len(numbers), 1, 1))
+    products = np.ones((len(numbers), 1, 1))
     if levels:
         cells = np.unravel_index(numbers, [1 << level for level in levels])
     else:
         cells = ()
     for (made, _), cell in zip(sides, cells, strict=True):
         one = made[cell]
-        size = found.shape[1] * one.shape[1]
-        found = np.einsum("nij,nkl->nikjl", found, one).reshape(len(numbers), size, size)
-    return found
+        size = products.shape[1] * one.shape[1]
+        products = np.einsum("nij,nkl->nikjl", products, one).reshape(len(numbers), size, size)
+    return products

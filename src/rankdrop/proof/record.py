@@ -450,7 +450,7 @@ def _limits(joints: list[Record]) -> list[tuple[float, float]] | None:
         raise ValueError("all joints have an entry for both limits, or none has")
     if stated != {True}:
         return None
-    found = []
+    limits = []
     for joint in joints:
         if joint["follows"] is not None:
             continue
@@ -458,8 +458,8 @@ def _limits(joints: list[Record]) -> list[tuple[float, float]] | None:
         high = np.inf if joint["upper"] is None else joint["upper"]
         if not low <= high:
             raise ValueError("lower limit above upper limit")
-        found.append((low, high))
-    return found
+        limits.append((low, high))
+    return limits
 
 
 def fingerprint(arm: Record, links: list[Link]) -> str:

@@ -25,7 +25,7 @@ _PALE = 0.75  # opacity of colours
 _MANY = 12  # regions of a group that the legend lists
 
 
-def aspects_figure(found: Postures) -> Figure:
+def aspects_figure(postures: Postures) -> Figure:
     """The regions of regular configurations in the joints that separate them, coloured.
 
     Args:
@@ -35,7 +35,7 @@ def aspects_figure(found: Postures) -> Figure:
         OptionError: there is nothing to draw, or the aspects were not counted.
         MissingExtraError: matplotlib is not installed.
     """
-    maps = aspect_maps(*count_of_arm(found.robot, found.task))
+    maps = aspect_maps(*count_of_arm(postures.robot, postures.task))
     columns = max(len(chart.slices) or 1 for chart in maps)
     heights = [_STRIP if chart.cells.ndim == 1 else _SIDE for chart in maps]
     drawn = new_figure((_PANEL * max(columns, 2) + 0.6, sum(heights) + 0.35 * len(maps)), "a figure of aspects")
@@ -47,14 +47,14 @@ def aspects_figure(found: Postures) -> Figure:
         tones = [COLOURS[(first + k) % len(COLOURS)] for k in range(len(chart.regions))]
         for k, panel in enumerate(axes):
             if k < max(len(chart.slices), 1):
-                _draw_map(panel, found.robot, chart, k, tones)
+                _draw_map(panel, postures.robot, chart, k, tones)
             else:
                 panel.set_axis_off()
-        _legend(axes[max(len(chart.slices), 1) - 1], found, chart, tones)
+        _legend(axes[max(len(chart.slices), 1) - 1], postures, chart, tones)
         first += len(chart.regions)
     if any(chart.slices for chart in maps):
         drawn.text(0.02, 0.0, _SLICED, fontsize=6.5, va="top")
-    drawn.suptitle(fill(aspects_number(found), _TITLE), fontsize=9, x=0.02, y=1.0, ha="left", va="bottom")
+    drawn.suptitle(fill(aspects_number(postures), _TITLE), fontsize=9, x=0.02, y=1.0, ha="left", va="bottom")
     return drawn
 
 
@@ -91,12 +91,12 @@ def _inner(ticks: Any) -> tuple[list[float], list[str]]:
     return [value for value, _ in ticks[1:-1]], [word for _, word in ticks[1:-1]]
 
 
-def _legend(axes: Any, found: Postures, shown: AspectMap, tones: list[str]) -> None:
+def _legend(axes: Any, postures: Postures, shown: AspectMap, tones: list[str]) -> None:
     """Colours of regions, at the right of the last map."""
     from matplotlib.patches import Patch
 
     handles = [
-        Patch(color=tone, alpha=_PALE, lw=0, label=fill(region_words(found.count, shown.factors, region), _WIDE))
+        Patch(color=tone, alpha=_PALE, lw=0, label=fill(region_words(postures.count, shown.factors, region), _WIDE))
         for tone, region in zip(tones, shown.regions, strict=True)
     ][:_MANY]
     if len(shown.regions) > _MANY:

@@ -89,11 +89,11 @@ def ways_out(robot: Robot, task: Task, family: Family) -> tuple[Way, ...]:
     Where the witness itself is outside the limits no motion counts as inside, and there are none.
     """
     q = np.array(family.witness)
-    found = escape(robot, q, task)
+    escapes = escape(robot, q, task)
     rank = f"σ{generic_rank(robot, task)}"
-    best, ways = found.best_direction, list[Way]()
-    for alone in found.single:
-        if alone.order is None or not alone.within_limits or alone.step == 0 or alone.sigma_after <= found.floor:
+    best, ways = escapes.best_direction, list[Way]()
+    for alone in escapes.single:
+        if alone.order is None or not alone.within_limits or alone.step == 0 or alone.sigma_after <= escapes.floor:
             continue
         target = q.copy()
         target[alone.number - 1] += alone.step
@@ -272,12 +272,12 @@ def _exact(analysis: Analysis, seconds: float, seed: int) -> tuple[Conditions | 
             shipped = None
         else:
             shipped = known_conditions(analysis.robot, analysis.task)
-        found = shipped or conditions(
+        exact = shipped or conditions(
             analysis.robot, analysis.task, seconds=seconds, seed=seed, points=EXACT_POINTS, special=False
         )
     except (MissingExtraError, RobotError) as error:
         return None, str(error)
-    return found, ""
+    return exact, ""
 
 
 def _blame(analysis: Analysis, family: Family) -> tuple[tuple[int, ...], tuple[str, ...]]:
@@ -285,10 +285,10 @@ def _blame(analysis: Analysis, family: Family) -> tuple[tuple[int, ...], tuple[s
     if robot.n > LARGEST_CHAIN:
         return (), ()
     nullity = robot.n - analysis.generic_rank + family.corank
-    found = make_all(circuits_at(robot, family.witness, task), robot.n, nullity)
+    circuits = make_all(circuits_at(robot, family.witness, task), robot.n, nullity)
     smallest = blame(robot, family.witness, task)
     numbers = sorted(set(flat_map(lambda circuit: circuit.numbers, smallest)))
-    words = [circuit.words for circuit in found]
+    words = [circuit.words for circuit in circuits]
     if words and (part := place_parts(robot, task, np.asarray(family.witness), family.corank)):
         words[0] = f"{part}: {words[0]}"
     return tuple(numbers), tuple(words)

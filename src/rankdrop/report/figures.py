@@ -204,7 +204,7 @@ def _grown(box: Any, by: float) -> Array:
 
 def _tries(picture: Picture, end: Array, other: Array, body: Bar) -> list[Array]:
     """Places for a joint's number: the ends of its axis, then around its body."""
-    found = list(picture.flat(np.stack([end, other])))
+    curves = list(picture.flat(np.stack([end, other])))
     middle = picture.flat((body.start + body.end) / 2)[0]
     reach_of_body = np.linalg.norm(picture.flat(body.end)[0] - middle)
     for ring in _RINGS:
@@ -212,8 +212,8 @@ def _tries(picture: Picture, end: Array, other: Array, body: Bar) -> list[Array]
         for turn in np.linspace(0.0, 2 * pi, _AROUND, endpoint=False):
             way = np.array([np.cos(turn), np.sin(turn)])
             along = (picture.flat(body.end)[0] - middle) / max(reach_of_body, 1e-9)
-            found.append(middle + (off + abs(way @ along) * reach_of_body) * way)
-    return found
+            curves.append(middle + (off + abs(way @ along) * reach_of_body) * way)
+    return curves
 
 
 def _free(at: Array, half: float, dot: float, covered: Array, boxes: Sequence[Array]) -> bool:

@@ -115,9 +115,9 @@ def _header(content: Content) -> str:
     robot, task, settings = analysis.robot, analysis.task, analysis.settings
     css = "good" if verdict.holds else "bad"
     counts = {summary.corank: len(analysis.of_corank(summary.corank)) for summary in analysis.coranks}
-    found = ", ".join(f"corank {corank}: {count}" for corank, count in counts.items() if count)
+    counted = ", ".join(f"corank {corank}: {count}" for corank, count in counts.items() if count)
     facts = [
-        ("families", found or "none found"),
+        ("families", counted or "none found"),
         ("chain", f"{robot.n} joints, {robot.base} to {robot.tip}"),
         ("task", f"{task.name}: rank {analysis.generic_rank}, redundancy {robot.n - analysis.generic_rank}"),
         ("length scale", f"{settings.length_scale:.4g} m"),
@@ -302,10 +302,10 @@ def arm_view(robot: Robot, at: ArrayLike | Family | None = None, task: Task | st
         >>> arm_view(open_robot("ur5")).q.shape
         (6,)
     """
-    found = resolve_task(task, robot)
+    resolved = resolve_task(task, robot)
     where = at.witness if isinstance(at, Family) else at
-    q = upright_start(robot, found) if where is None else np.array(where, dtype=np.float64)
+    q = upright_start(robot, resolved) if where is None else np.array(where, dtype=np.float64)
     if q.shape != (robot.n,) or not np.isfinite(q).all():
         raise ConfigurationError("a configuration has one finite number for each joint", where=f"robot {robot.name!r}",
                                  got=f"shape {q.shape}", allowed=f"({robot.n},)")  # fmt: skip
-    return ArmView(robot, found, q)
+    return ArmView(robot, resolved, q)

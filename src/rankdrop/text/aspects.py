@@ -63,9 +63,9 @@ _NOT_COUNTED = {
 }
 
 
-def aspects_number(found: Any) -> str:
+def aspects_number(postures: Any) -> str:
     """How many aspects the arm has, in one sentence."""
-    name, count = found.robot.name, found.count
+    name, count = postures.robot.name, postures.count
     if count.left is not None:
         return f"The aspects of {name} were not counted: {_NOT_COUNTED[count.left.value]}."
     least, most = count.at_least, count.at_most
@@ -77,7 +77,7 @@ def aspects_number(found: Any) -> str:
             upper = seen
         return f"{name} has at least {least} {plural('aspect', least)} (proven){upper}."
     each = {sign.parts.at_least for sign in count.each}
-    signs = _signs_of_what(count, square=found.robot.n == found.task.m)
+    signs = _signs_of_what(count, square=postures.robot.n == postures.task.m)
     if each == {1} and signs:
         how = f": one for each sign of {signs}"
     else:
@@ -211,88 +211,90 @@ def _signs_of_what(count: Any, *, square: bool) -> str:
     return f"the {len(count.factors)} factors of det J"
 
 
-def aspects_sentence(found: Any) -> str:
+def aspects_sentence(postures: Any) -> str:
     """The verdict on changes of posture, and what it rests on."""
-    if found.robot.n != found.task.m:
+    if postures.robot.n != postures.task.m:
         return "Postures are compared for arms with as many joints as rows only."
-    if found.change is not None:
-        corners, spent = len(found.change.q), found.change.evaluations
+    if postures.change is not None:
+        corners, spent = len(postures.change.q), postures.change.evaluations
         return (f"It can change its posture without a singularity (cuspidal): a path of {corners} corners from one "
                 f"solution of a pose to another is proven free ({spent:,} enclosures).")  # fmt: skip
-    if found.shared is not None:
-        solutions, aspects = len(found.shared.q), found.count.at_least
+    if postures.shared is not None:
+        solutions, aspects = len(postures.shared.q), postures.count.at_least
         return (
             f"It can change its posture without a singularity (cuspidal): proven. One pose has {solutions} solutions, "
             f"and two of them have the same signs of all factors: they lie in one of the {aspects} aspects."
         )
-    if found.decision.impossible:
-        words = decision_text(found.decision)
+    if postures.decision.impossible:
+        words = decision_text(postures.decision)
         words = f"{words[:1].upper()}{words[1:]}"
         return f"It cannot change its posture without a singularity (not cuspidal): proven. {words}."
-    count = len(found.solved)
-    poses = f"{count} {plural('pose', count)}{f' {_WITHIN[True]}' if found.options.limits else ''}"
+    count = len(postures.solved)
+    poses = f"{count} {plural('pose', count)}{f' {_WITHIN[True]}' if postures.options.limits else ''}"
     return f"No change of posture without a singularity was found in {poses}; that is no proof of absence."
 
 
-def no_certificate(found: Any) -> str:
+def no_certificate(postures: Any) -> str:
     """Why no certificate is written of an arm without a path and without a proof that the checker knows."""
-    if found.robot.n != found.task.m:
+    if postures.robot.n != postures.task.m:
         return "postures are compared for arms with as many joints as rows only"
-    if found.shared is not None:
+    if postures.shared is not None:
         return "that it is cuspidal rests on the number of aspects, which no certificate states; try other poses"
-    if found.decision.impossible:
-        return f"the checker does not know this proof that it is not cuspidal: {decision_text(found.decision)}"
+    if postures.decision.impossible:
+        return f"the checker does not know this proof that it is not cuspidal: {decision_text(postures.decision)}"
     return "there is no path, and nothing is proven"
 
 
-def aspects_sections(found: Any, *, deg: bool) -> Iterator[Section]:
+def aspects_sections(postures: Any, *, deg: bool) -> Iterator[Section]:
     """Changes of posture: the number of aspects and the verdict first."""
-    sentences = (aspects_number(found), within_limits_sentence(found.within), found.sentence)
+    sentences = (aspects_number(postures), within_limits_sentence(postures.within), postures.sentence)
     yield Section(" ".join(filter(None, sentences)))
-    counting = _counting_line(found.count)
+    counting = _counting_line(postures.count)
     lines = [counting] if counting else []
-    if found.within is not None and found.within.left is None:
-        lines.append(f"within the joint limits: {'; '.join((*_peeled_and_cells(found.within), _WITHIN_HOW))}")
-    if found.robot.n != found.task.m:
-        yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
+    if postures.within is not None and postures.within.left is None:
+        lines.append(f"within the joint limits: {'; '.join((*_peeled_and_cells(postures.within), _WITHIN_HOW))}")
+    if postures.robot.n != postures.task.m:
+        yield Section(f"{postures.robot.name}, {postures.task.name}", lines=tuple(lines))
         return
-    if not found.decision.impossible:
-        lines.append(f"without a search: {decision_text(found.decision)}")
-    lines.append(f"solutions of the inverse: Newton's method from {found.options.starts:,} starts for each pose, seed "
-                 f"{found.options.seed}, {_WITHIN[found.options.limits]}; more may exist")  # fmt: skip
-    yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
-    if len(found.solved) == 1:
-        yield _solutions(found, deg=deg)
-    elif found.solved:
-        times = Counter((len(solved.q), solved.per_aspect) for solved in found.solved if not solved.near_cusp)
+    if not postures.decision.impossible:
+        lines.append(f"without a search: {decision_text(postures.decision)}")
+    lines.append(f"solutions of the inverse: Newton's method from {postures.options.starts:,} starts for each pose, "
+                 f"seed {postures.options.seed}, {_WITHIN[postures.options.limits]}; more may exist")  # fmt: skip
+    yield Section(f"{postures.robot.name}, {postures.task.name}", lines=tuple(lines))
+    if len(postures.solved) == 1:
+        yield _solutions(postures, deg=deg)
+    elif postures.solved:
+        times = Counter((len(solved.q), solved.per_aspect) for solved in postures.solved if not solved.near_cusp)
         rows = tuple(
             (str(count), " + ".join(map(str, sizes)), str(poses))
             for (count, sizes), poses in sorted(times.items(), key=lambda item: (-item[1], item[0]))
         )
         yield Section("Solutions by aspect", columns=("solutions", "in the aspects", "poses"), rows=rows, texts=(1,),
-                      notes=(_meaning_of_numbers(found),))  # fmt: skip
-    if found.change is not None:
-        if found.change.own:
+                      notes=(_meaning_of_numbers(postures),))  # fmt: skip
+    if postures.change is not None:
+        if postures.change.own:
             lines = []
         else:
             lines = ["not from the configuration first named, but between two other solutions"]
         yield Section(
             "A change of posture without a singularity", lines=tuple(lines),
-            columns=("", *joint_heads(found.robot, deg=deg)),
-            rows=tuple((str(k), *joint_cells(found.robot, q, deg=deg)) for k, q in enumerate(found.change.q, start=1)),
-            notes=(f"straight lines between; smallest |det J| of its sample points {found.change.clearance:.3g}, "
+            columns=("", *joint_heads(postures.robot, deg=deg)),
+            rows=tuple(
+                (str(k), *joint_cells(postures.robot, q, deg=deg)) for k, q in enumerate(postures.change.q, start=1)
+            ),
+            notes=(f"straight lines between; smallest |det J| of its sample points {postures.change.clearance:.3g}, "
                    "lengths by the length scale",),
         )  # fmt: skip
-    notes = rounding_notes(found)
+    notes = rounding_notes(postures)
     if notes:
         yield Section("Notes", lines=notes)
 
 
-def rounding_notes(found: Any) -> tuple[str, ...]:
+def rounding_notes(postures: Any) -> tuple[str, ...]:
     """What was rounded to make the arm exact; () where it is not."""
-    if found.chain is None:
+    if postures.chain is None:
         return ()
-    return tuple(map(str, chain_remarks(found.chain)))
+    return tuple(map(str, chain_remarks(postures.chain)))
 
 
 def _counting_line(count: Any) -> str:
@@ -328,26 +330,26 @@ _WITHIN_HOW = (
 _WITHIN = {True: "within the joint limits", False: "joint limits ignored"}
 
 
-def _solutions(found: Any, *, deg: bool) -> Section:
-    solved = found.solved[0]
+def _solutions(postures: Any, *, deg: bool) -> Section:
+    solved = postures.solved[0]
     rows = tuple(
         (f"{solved.aspect[i]}{' ←' if i == 0 else ''}", solved.names[i],
-         *joint_cells(found.robot, solved.q[i], deg=deg))
+         *joint_cells(postures.robot, solved.q[i], deg=deg))
         for i in sorted(range(len(solved.q)), key=lambda i: (solved.aspect[i], i))
     )  # fmt: skip
     return Section(
         f"{len(solved.q)} solutions in {len(solved.per_aspect)} aspects", rows=rows, texts=(0, 1),
-        columns=("aspect", "sign", *joint_heads(found.robot, deg=deg)),
-        notes=("← the configuration that gave the pose", _meaning_of_numbers(found)),
+        columns=("aspect", "sign", *joint_heads(postures.robot, deg=deg)),
+        notes=("← the configuration that gave the pose", _meaning_of_numbers(postures)),
     )  # fmt: skip
 
 
-def _meaning_of_numbers(found: Any) -> str:
-    if found.decision.impossible:
+def _meaning_of_numbers(postures: Any) -> str:
+    if postures.decision.impossible:
         return "every solution lies in an aspect of its own: proven"
-    if found.count.signs_decide:
+    if postures.count.signs_decide:
         return "solutions lie in one aspect where all factors of det J have equal signs: proven"
     joined = "solutions of one aspect are joined by paths proven free"
-    if all(len(set(solved.sign)) == len(set(solved.aspect)) for solved in found.solved):
+    if all(len(set(solved.sign)) == len(set(solved.aspect)) for solved in postures.solved):
         return f"{joined}; aspects of different signs of det J are parted by a singularity"
     return f"{joined}; of aspects with the same sign no path was found, which does not prove them two"

@@ -191,8 +191,8 @@ def compared_sentence(names: Sequence[str], task: str, best: Mapping[str, Sequen
     """
     told = [f"{listing(arms)} {'has' if len(arms) == 1 else 'have'} the {measure}"
             for measure, arms in best.items() if 0 < len(arms) < len(names)]  # fmt: skip
-    found = "; ".join(told) or f"{listing(names)} do not differ within the error"
-    return f"{found}, for task {task}."
+    differences = "; ".join(told) or f"{listing(names)} do not differ within the error"
+    return f"{differences}, for task {task}."
 
 
 def compared_arms(names: Sequence[str], records: Sequence[Mapping[str, Any]]) -> Section:

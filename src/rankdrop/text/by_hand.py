@@ -59,11 +59,11 @@ def every_step(chain: Chain, derivation: CorankOne) -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _decoupling(found: Decoupling) -> Iterator[str]:
+def _decoupling(decoupling: Decoupling) -> Iterator[str]:
     """Reason, point, blocks and parts."""
-    yield f"{parting_text(parting_of(found.chain))}."
-    yield form_sentence(found.form)
-    for block in found.blocks:
+    yield f"{parting_text(parting_of(decoupling.chain))}."
+    yield form_sentence(decoupling.form)
+    for block in decoupling.blocks:
         yield f"{block.name}: rows {', '.join(block.rows)} of joints {joint_list(block.joints)}."
         if not block.parts:
             yield "  never singular"
@@ -72,22 +72,22 @@ def _decoupling(found: Decoupling) -> Iterator[str]:
             yield f"  {part.text}: {part.name}" + (f": {lost}" if lost else "")
 
 
-def _suppression(found: Suppression) -> Iterator[Step]:
+def _suppression(suppression: Suppression) -> Iterator[Step]:
     """Screws, basic determinant, cases with dependent screws, families, what is left."""
-    ring = found.chain.ring
-    if found.frame_asked:
+    ring = suppression.chain.ring
+    if suppression.frame_asked:
         reason = "asked for"
     else:
-        reason = _frames(found.chain)
-    screws = (_screw(ring, j, column) for j, column in enumerate(found.columns, 1))
-    where = f"in the frame of link {found.frame}, z along its axis, x along the next normal"
+        reason = _frames(suppression.chain)
+    screws = (_screw(ring, j, column) for j, column in enumerate(suppression.columns, 1))
+    where = f"in the frame of link {suppression.frame}, z along its axis, x along the next normal"
     yield Step("Screws", (f"$j = (v; ω) of joint j {where}", f"why this frame: {reason}", *screws))
-    if found.start.basic is not None:
-        yield Step("Step 1: the determinant of the basic screws", tuple(_first(found)))
-        yield from _cases(found, found.start)
-    yield Step("Families", tuple(_families(found)))
-    if found.left:
-        yield Step("Not finished", tuple(map(left_text, found.left)))
+    if suppression.start.basic is not None:
+        yield Step("Step 1: the determinant of the basic screws", tuple(_first(suppression)))
+        yield from _cases(suppression, suppression.start)
+    yield Step("Families", tuple(_families(suppression)))
+    if suppression.left:
+        yield Step("Not finished", tuple(map(left_text, suppression.left)))
 
 
 def _frames(chain: Chain) -> str:
@@ -100,23 +100,23 @@ def _screw(ring: Ring, j: int, column: Sequence[Polynomial]) -> str:
     return Formula(f"${j} = ({', '.join(entries[:3])}; {', '.join(entries[3:])})")
 
 
-def _first(found: Suppression) -> Iterator[str]:
-    joints, chain = found.basic, found.chain
+def _first(suppression: Suppression) -> Iterator[str]:
+    joints, chain = suppression.basic, suppression.chain
     known = ((three, kind) for three, kind in triples(chain) if set(three) <= set(joints))
     said = ", ".join(f"{_joints(three)} are a {kind} joint" for three, kind in known)
     yield f"basic screws: {_names(joints)}, independent in general{'; ' * bool(said) + said}"
     if chain.n > 6:
-        yield f"why these: {'asked for' if found.basic_asked else '; '.join(_choice(found))}"
-    yield Formula(f"|{_names(joints)}| = {found.determinant}")
+        yield f"why these: {'asked for' if suppression.basic_asked else '; '.join(_choice(suppression))}"
+    yield Formula(f"|{_names(joints)}| = {suppression.determinant}")
     if chain.n == 6:
         yield "with six joints there is no other screw: the arm is singular where a factor is zero"
-    yield from _branches(found.start)
+    yield from _branches(suppression.start)
 
 
-def _choice(found: Suppression) -> Iterator[str]:
+def _choice(suppression: Suppression) -> Iterator[str]:
     """KG's conditions (a), (b), (c), with how many sixes each leaves."""
-    known, free = triples(found.chain), [(six, terms) for six, terms in found.sixes if terms]
-    yield f"(a) not dependent everywhere: {len(free)} of {len(found.sixes)} sixes"
+    known, free = triples(suppression.chain), [(six, terms) for six, terms in suppression.sixes if terms]
+    yield f"(a) not dependent everywhere: {len(free)} of {len(suppression.sixes)} sixes"
     threes = [set(three) for three, _ in known]
     with_triple = [(six, terms) for six, terms in free if _holds_one(six, threes)]
     if with_triple:
@@ -151,18 +151,18 @@ def _nearest_to_a_row(sixes: Sequence[tuple[Sequence[int], int]]) -> Iterator[st
         yield f"terms of the determinant: {terms}; {taken}"
 
 
-def _cases(found: Suppression, case: Case) -> Iterator[Step]:
+def _cases(suppression: Suppression, case: Case) -> Iterator[Step]:
     for inner in case.cases:
-        lines = tuple(_case(found, inner))
+        lines = tuple(_case(suppression, inner))
         if lines:
             yield Step(f"Case {inner.number}: {conditions_text(inner.stratum)}", lines)
-        yield from _cases(found, inner)
+        yield from _cases(suppression, inner)
 
 
-def _case(found: Suppression, case: Case) -> Iterator[str]:
-    ring = found.chain.ring
+def _case(suppression: Suppression, case: Case) -> Iterator[str]:
+    ring = suppression.chain.ring
     if case.dependence is not None:
-        yield from _suppressed_screw_lines(found, case, case.dependence)
+        yield from _suppressed_screw_lines(suppression, case, case.dependence)
     if case.basic is not None:
         p = case.basic.product.polynomial
         yield Formula(f"|{_names(case.basic.joints)}| = {Value(ring, p, ring.factor(p)).text()}")
@@ -175,14 +175,14 @@ def _case(found: Suppression, case: Case) -> Iterator[str]:
     yield from _branches(case)
 
 
-def _suppressed_screw_lines(found: Suppression, case: Case, dependence: Dependence) -> Iterator[str]:
+def _suppressed_screw_lines(suppression: Suppression, case: Case, dependence: Dependence) -> Iterator[str]:
     """Which screw is a combination of which others in a case, how that is proven, and which screws are left."""
     screw, on, proof = dependence.screw, dependence.on, dependence.proof
     for j in sorted((screw, *on)):  # with the case's angles put in, where that changes short ones
-        column = found.columns[j - 1]
+        column = suppression.columns[j - 1]
         short = [case.stratum.short(x) for x in column]
         if short != column and sum(map(len, short)) <= LONG:
-            yield Formula(f"here {_screw(found.chain.ring, j, short)}")
+            yield Formula(f"here {_screw(suppression.chain.ring, j, short)}")
     if proof is None:
         yield f"${screw} is zero"
     else:
@@ -191,13 +191,13 @@ def _suppressed_screw_lines(found: Suppression, case: Case, dependence: Dependen
         else:
             kind = f"a combination of {_names(on)}, which are independent:"
         yield f"${screw} is {kind}"
-        yield from _proof(found, proof, on)
+        yield from _proof(suppression, proof, on)
     yield f"${screw} is suppressed; left: {_names(case.joints)}"
 
 
-def _proof(found: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]:
-    ring = found.chain.ring
-    if proof.frame == found.frame:
+def _proof(suppression: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]:
+    ring = suppression.chain.ring
+    if proof.frame == suppression.frame:
         there = ""
     else:
         there = f" in the frame of link {proof.frame}"
@@ -221,9 +221,9 @@ def _branches(case: Case) -> Iterator[str]:
         yield Formula(f"{name}: {conditions_text(inner.stratum)}")
 
 
-def _families(found: Suppression) -> Iterator[str]:
+def _families(suppression: Suppression) -> Iterator[str]:
     """The families, why no two of them meet, and what is assumed."""
-    ring, families = found.chain.ring, found.families
+    ring, families = suppression.chain.ring, suppression.families
     for family in families:
         yield Formula(f"family {family.family}: {conditions_text(family.stratum)}")
     apart = (
@@ -240,7 +240,7 @@ def _families(found: Suppression) -> Iterator[str]:
         yield f"{condition_text(ring, p)} in {_joints(zero)}, not in {_joints(other)}"
         told = {*product(zero, other), *product(other, zero)}
         waiting = {pair: q for pair, q in waiting.items() if pair not in told}
-    for p in found.assumptions:
+    for p in suppression.assumptions:
         yield Formula(f"assumed: {text_of(ring, p)} ≠ 0")
 
 
@@ -285,17 +285,17 @@ def _short(six: Sequence[int]) -> str:
     return _joints(six)
 
 
-def _method(found: Derivation) -> Step:
-    notes, words, whole = notes_of(found), Words(found.chain.ring), Words(found.chain.ring, whole=True)
-    figures = ", ".join(f"{name}: {count:,}" for name, count in found.sizes.items())
-    shown = [Formula(words.conjunction(conjunction)) for conjunction in found.conditions[:_SHOWN]]
-    every = [Formula(whole.conjunction(conjunction)) for conjunction in found.conditions]
-    more = len(found.conditions) - _SHOWN
+def _method(derivation: Derivation) -> Step:
+    notes, words, whole = notes_of(derivation), Words(derivation.chain.ring), Words(derivation.chain.ring, whole=True)
+    figures = ", ".join(f"{name}: {count:,}" for name, count in derivation.sizes.items())
+    shown = [Formula(words.conjunction(conjunction)) for conjunction in derivation.conditions[:_SHOWN]]
+    every = [Formula(whole.conjunction(conjunction)) for conjunction in derivation.conditions]
+    more = len(derivation.conditions) - _SHOWN
     lines = (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *notes)
     complete = (figures, *every, *notes)
-    title = f"Method: {found.method.replace('_', '-')}"
-    if found.corank > 1:
-        title += f", corank {found.corank}"
+    title = f"Method: {derivation.method.replace('_', '-')}"
+    if derivation.corank > 1:
+        title += f", corank {derivation.corank}"
     return Step(title, lines, () if complete == lines else complete)
 
 
@@ -325,10 +325,10 @@ _NOTES = {
 """What the methods note on the way."""
 
 
-def notes_of(found: Derivation) -> tuple[str, ...]:
+def notes_of(derivation: Derivation) -> tuple[str, ...]:
     """What is to be said of the answer of a method."""
-    words = Words(found.chain.ring)
-    return tuple(flat_map(lambda note: _note(words, note), found.notes))
+    words = Words(derivation.chain.ring)
+    return tuple(flat_map(lambda note: _note(words, note), derivation.notes))
 
 
 def _note(words: Words, note: Note) -> Iterator[str]:

@@ -336,10 +336,10 @@ def sampled(analysis: Any) -> str:
 
 def unseen(analysis: Any) -> str:
     """What the searches may have missed, at the corank where that is most; "" where nothing converged."""
-    found = [row for row in analysis.coranks if row.converged]
-    if not found:
+    searched = [row for row in analysis.coranks if row.converged]
+    if not searched:
         return ""
-    worst = max(found, key=lambda row: row.unseen.upper)
+    worst = max(searched, key=lambda row: row.unseen.upper)
     share = f"an estimated {100 * worst.unseen.estimate:.2f} %, at most {100 * worst.unseen.upper:.2f} % (95 %)"
     how = f"{worst.unseen.how[0].upper()}{worst.unseen.how[1:]}"
     return f"What sampling may have missed: {share} of its searches, worst at corank {worst.corank}. {how}."

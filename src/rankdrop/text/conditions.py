@@ -454,8 +454,8 @@ def _tested_lines(conditions: Any) -> Iterator[str]:
     if tested:
         yield f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 11913"
     if cloud.tested:
-        found = f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family"
-        yield found + " or in a case that was not taken apart" * bool(conditions.undivided)
+        agreement = f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family"
+        yield agreement + " or in a case that was not taken apart" * bool(conditions.undivided)
     elif conditions.settings.points:
         yield "the numeric search for singular configurations found none"
     else:

@@ -196,19 +196,19 @@ def _in_order(designs: Any, numbers: Iterable[int]) -> list[int]:
 
 
 def _families(designs: Any) -> Iterator[Section]:
-    found = designs.structures
-    if not found:
+    structures = designs.structures
+    if not structures:
         return
-    common = found[0]
+    common = structures[0]
     rows = []
-    for number, structure in enumerate(found[:SHOWN], 1):
+    for number, structure in enumerate(structures[:SHOWN], 1):
         told = "\n".join(structure.keys)
         if number > 1:
             told = _difference(common, structure)
         ends = zip(designs.parameters, structure.ranges, strict=True)
         where = ", ".join(f"{p.name} {parameter_text(low, p)} … {parameter_text(high, p)}" for p, (low, high) in ends)
         rows.append((str(number), f"{len(structure.variants):,}", told, where))
-    more = _not_shown(len(found) - SHOWN, "more")
+    more = _not_shown(len(structures) - SHOWN, "more")
     told = "the commonest first; the others by what they have more (+) and less (−)"
     columns = ("", "variants", "families", "within")
     yield Section("Sets of families", told, columns=columns, rows=tuple(rows), texts=(2, 3), after=more)
@@ -425,41 +425,43 @@ def measure_text(name: str, value: float | None) -> str:
     return f"{value:.4g}"
 
 
-def compared_arms_sentence(found: Any) -> str:
+def compared_arms_sentence(comparison: Any) -> str:
     """What a comparison found, in one sentence."""
-    if found.doubtful:
-        return f"Incomplete: not all holds of {', '.join(found.doubtful)}."
+    if comparison.doubtful:
+        return f"Incomplete: not all holds of {', '.join(comparison.doubtful)}."
     best = {}
-    for name in found.measures:
+    for name in comparison.measures:
         if name in _BEST:
-            best[_BEST[name]] = tuple(found.names[i] for i in found.best(name))
-    return compared_sentence(found.names, found.task.name, best)
+            best[_BEST[name]] = tuple(comparison.names[i] for i in comparison.best(name))
+    return compared_sentence(comparison.names, comparison.task.name, best)
 
 
-def compared_arms_sections(found: Any, *, full: bool = True) -> Iterator[Section]:
+def compared_arms_sections(comparison: Any, *, full: bool = True) -> Iterator[Section]:
     """A column for each arm; then each arm with all its families, or without `full` in a line."""
-    yield Section("", lines=(found.sentence,))
-    rows = [("joints", *(str(robot.n) for robot in found.robots)),
-            ("reach", *(f"{reach(robot):.4g} m" for robot in found.robots))]  # fmt: skip
-    rows += [(name, *_arm_cells(found, name)) for name in found.measures]
-    where = _limits_words(found.limits)
-    notes = [f"σ has translation divided by {found.task.length_scale:.4g} m for every arm; ← best",
-             *(f"{name}: {MEANINGS[name]}{error_text(found.records, name)}" for name in found.measures)]  # fmt: skip
-    yield Section("Side by side", f"task {found.task.name}; {where}; seed {found.seed}", columns=("", *found.names),
+    yield Section("", lines=(comparison.sentence,))
+    rows = [("joints", *(str(robot.n) for robot in comparison.robots)),
+            ("reach", *(f"{reach(robot):.4g} m" for robot in comparison.robots))]  # fmt: skip
+    rows += [(name, *_arm_cells(comparison, name)) for name in comparison.measures]
+    where = _limits_words(comparison.limits)
+    notes = [f"σ has translation divided by {comparison.task.length_scale:.4g} m for every arm; ← best",
+             *(f"{name}: {MEANINGS[name]}{error_text(comparison.records, name)}"
+               for name in comparison.measures)]  # fmt: skip
+    subtitle = f"task {comparison.task.name}; {where}; seed {comparison.seed}"
+    yield Section("Side by side", subtitle, columns=("", *comparison.names),
                   rows=tuple(rows), texts=(0,), notes=tuple(notes))  # fmt: skip
     if not full:
-        yield compared_arms(found.names, found.records)
+        yield compared_arms(comparison.names, comparison.records)
         return
-    for name, robot, record in zip(found.names, found.robots, found.records, strict=True):
+    for name, robot, record in zip(comparison.names, comparison.robots, comparison.records, strict=True):
         yield _arm(name, robot.about, record)
-    yield Section("", lines=(found.sentence,))
+    yield Section("", lines=(comparison.sentence,))
 
 
-def _arm_cells(found: Any, measure: str) -> list[str]:
+def _arm_cells(comparison: Any, measure: str) -> list[str]:
     """A measure of each arm, the best marked."""
-    best = found.distinguished(measure)
+    best = comparison.distinguished(measure)
     cells = []
-    for number, record in enumerate(found.records):
+    for number, record in enumerate(comparison.records):
         cell = measure_cell(measure, record)
         if number in best:
             cell += "  ←"

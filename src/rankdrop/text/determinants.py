@@ -30,13 +30,13 @@ def lines(determinants: Determinants, most: int | None) -> tuple[str, ...]:
         determinants: of an arm.
         most: factors of more characters are given by their size; None for none.
     """
-    found = [determinants.meaning]
+    sentences = [determinants.meaning]
     for minor in determinants.minors:
         if minor.about:
-            found.append(minor.about)
-        found.append(Formula(f"{_name(determinants, minor)} = {minor.value.text(most)}"))
-    found += (f"not done: {left}" for left in determinants.left)
-    return tuple(found)
+            sentences.append(minor.about)
+        sentences.append(Formula(f"{_name(determinants, minor)} = {minor.value.text(most)}"))
+    sentences += (f"not done: {left}" for left in determinants.left)
+    return tuple(sentences)
 
 
 def meaning_of_minors(determinants: Determinants) -> str:

@@ -346,7 +346,7 @@ def joints_named(robot: Robot) -> str:
     """
     named = list(zip(symbols(robot), (joint.name for joint in robot.variables), strict=True))
     numbers = [_NUMBERS.findall(name) for _, name in named]
-    other = any(found and int(found[-1]) != place for place, found in enumerate(numbers, start=1))
+    other = any(digits and int(digits[-1]) != place for place, digits in enumerate(numbers, start=1))
     if other:
         return ", ".join(f"{symbol} {name}" for symbol, name in named)
     return ""

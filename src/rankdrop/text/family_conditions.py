@@ -50,11 +50,11 @@ def _shipped_conditions(robot: Robot, task: Task, family: Family) -> tuple[list[
 
 def _joints(terms: list[Record]) -> frozenset[int]:
     """Numbers of the joints of an equation, from its terms: harmonics of angles, powers of slides."""
-    found: set[int] = set()
+    joints: set[int] = set()
     for term in terms:
         exponents = zip(term["harmonics"], term["powers"], strict=True)
-        found |= {number for number, exponent in enumerate(exponents, start=1) if any(exponent)}
-    return frozenset(found)
+        joints |= {number for number, exponent in enumerate(exponents, start=1) if any(exponent)}
+    return frozenset(joints)
 
 
 def _letters(polynomial: list[Any], letters: Record) -> frozenset[str]:

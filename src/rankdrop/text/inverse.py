@@ -66,32 +66,32 @@ def _fixed_point(value: float, digits: int = 1) -> str:
     return minus(f"{round(float(value), digits) + 0.0:.{digits}f}")
 
 
-def inverse_sentence(found: Any) -> str:
+def inverse_sentence(inverse: Any) -> str:
     """How many solutions a pose has, or why it has none."""
-    if found.unreached is not None:
-        return f"{found.robot.name}: no solution. {_why(found)}."
+    if inverse.unreached is not None:
+        return f"{inverse.robot.name}: no solution. {_why(inverse)}."
     parts = []
-    if found.continua:
-        parts.append(_continua_words(found))
-    if found.branches or not found.continua:
-        count = len(found.branches)
-        if found.most and not found.continua:
-            most = f"; a 6R arm has at most {found.most}"
+    if inverse.continua:
+        parts.append(_continua_words(inverse))
+    if inverse.branches or not inverse.continua:
+        count = len(inverse.branches)
+        if inverse.most and not inverse.continua:
+            most = f"; a 6R arm has at most {inverse.most}"
         else:
             most = ""
-        also = "isolated " if found.continua else ""
+        also = "isolated " if inverse.continua else ""
         parts.append(f"{count} {also}{plural('solution', count)}{most}")
-    return f"{found.robot.name}: {'; and '.join(parts)}. {_inside_words(found)}."
+    return f"{inverse.robot.name}: {'; and '.join(parts)}. {_inside_words(inverse)}."
 
 
-def _continua_words(found: Any) -> str:
+def _continua_words(inverse: Any) -> str:
     """The self-motions: "3 self-motion curves (dimension 1): infinitely many solutions"."""
     words = []
-    for dimension in sorted({continuum.dimension for continuum in found.continua}):
-        some = [continuum for continuum in found.continua if continuum.dimension == dimension]
+    for dimension in sorted({continuum.dimension for continuum in inverse.continua}):
+        some = [continuum for continuum in inverse.continua if continuum.dimension == dimension]
         kind = _SHAPES.get(dimension, "set")
         if dimension == 1:
-            count = f"{'at least ' if found.more else ''}{len(some)} self-motion {plural(kind, len(some))}"
+            count = f"{'at least ' if inverse.more else ''}{len(some)} self-motion {plural(kind, len(some))}"
         else:
             count = f"at least one self-motion {kind}"
         words.append(f"{count} (dimension {dimension}{_all_singular(some)})")
@@ -107,24 +107,24 @@ def _all_singular(continua: list[Any]) -> str:
     return ", all of them singular"
 
 
-def _inside_words(found: Any) -> str:
-    every = (*found.branches, *found.continua)
-    if found.continua and found.inside:
-        return f"{_which_have(found.inside, len(every))} configurations inside the joint limits"
-    if found.inside == len(every):
+def _inside_words(inverse: Any) -> str:
+    every = (*inverse.branches, *inverse.continua)
+    if inverse.continua and inverse.inside:
+        return f"{_which_have(inverse.inside, len(every))} configurations inside the joint limits"
+    if inverse.inside == len(every):
         if len(every) > 1:
             return "All are inside the joint limits"
         return "It is inside the joint limits"
-    if found.inside:
-        return f"{found.inside} of {len(every)} inside the joint limits"
+    if inverse.inside:
+        return f"{inverse.inside} of {len(every)} inside the joint limits"
     nearest = min(every, key=lambda solution: max(amount for _, amount in solution.beyond))
-    beyond = f"the nearest exceeds those of {_beyond_words(found.robot, nearest)}"
-    return f"{_none_is(found)} inside the joint limits; {beyond}"
+    beyond = f"the nearest exceeds those of {_beyond_words(inverse.robot, nearest)}"
+    return f"{_none_is(inverse)} inside the joint limits; {beyond}"
 
 
-def _none_is(found: Any) -> str:
+def _none_is(inverse: Any) -> str:
     """A curve is followed, so that none of it is inside; of a surface points are found."""
-    if any(continuum.dimension > 1 for continuum in found.continua):
+    if any(continuum.dimension > 1 for continuum in inverse.continua):
         return "No configuration was found"
     return "None is"
 
@@ -156,31 +156,31 @@ def _beyond_cell(robot: Robot, solution: Any) -> str:
     return ", ".join(f"{number} by {amount}" for number, amount in amounts)
 
 
-def _why(found: Any) -> str:
+def _why(inverse: Any) -> str:
     """Why a pose has no solution, and how far it is out of reach."""
-    why, robot = found.unreached, found.robot
+    why, robot = inverse.unreached, inverse.robot
     if why.kind == "tilt":
-        return _tilt_words(found)
+        return _tilt_words(inverse)
     if why.shift is None:
         shift = None
     else:
         shift = f"{_length(why.shift, robot)} with this orientation"
     turn = None
     if why.turn is not None:
-        turn = f"{short(degrees(why.turn), 3)}° of {_turning(found.task, found.pose, why.turned)} at this position"
+        turn = f"{short(degrees(why.turn), 3)}° of {_turning(inverse.task, inverse.pose, why.turned)} at this position"
     if why.kind == "position":
-        return _out_of_reach(found, shift)
+        return _out_of_reach(inverse, shift)
     amounts = [amount for amount in (shift, turn) if amount is not None]
     apart = " or ".join(amounts) or "an amount that was not found"
     if why.kind == "joints":
         reached = f"{robot.n} joints reach this position with other orientations only"
-        return f"{reached}: off by {apart}{_other_task(found)}"
+        return f"{reached}: off by {apart}{_other_task(inverse)}"
     return f"This position is in reach with other orientations only: off by {apart}"
 
 
-def _tilt_words(found: Any) -> str:
+def _tilt_words(inverse: Any) -> str:
     """How far the pose is tilted, and which tilt the tool has, where no joint tilts it."""
-    robot, why = found.robot, found.unreached
+    robot, why = inverse.robot, inverse.unreached
     _, (roll, pitch, _) = _place_and_angles(robot, why.tip)
     tilt = f"roll {_fixed_point(roll, 2)}°, pitch {_fixed_point(pitch, 2)}°"
     off = f"{short(degrees(why.turn), 3)}°"
@@ -188,20 +188,20 @@ def _tilt_words(found: Any) -> str:
     return f"{said}. Give it the tilt of the tool: {tilt}"
 
 
-def _out_of_reach(found: Any, shift: str | None) -> str:
+def _out_of_reach(inverse: Any, shift: str | None) -> str:
     """How far the position is out of reach, and how to write it if it is one in millimetres."""
-    why, robot, more = found.unreached, found.robot, ""
+    why, robot, more = inverse.unreached, inverse.robot, ""
     if shift is not None and why.shift > 1.001 * why.position:
         more = f"; {shift}"
     if why.position > _FAR * reach(robot):
-        most = float(np.abs(found.pose[:3, 3]).max())
+        most = float(np.abs(inverse.pose[:3, 3]).max())
         more += f". The position is read in metres; are the numbers millimetres? Write {most:.4g}mm"
     return f"Out of reach by {_length(why.position, robot)}{more}"
 
 
-def _other_task(found: Any) -> str:
+def _other_task(inverse: Any) -> str:
     """The task that an arm with too few joints can do in full, as a sentence to be added."""
-    other = fitting_task(found.robot, found.task)
+    other = fitting_task(inverse.robot, inverse.task)
     if other is None:
         return ""
     return f". {advise('task', other.name)} leaves free what they cannot do"
@@ -256,32 +256,33 @@ def _needed_turn(task: Task, wanted: Array, made: Array) -> Array:
     return np.cross(wanted @ made.T @ axis, axis)
 
 
-def inverse_sections(found: Any, *, deg: bool) -> tuple[Section, ...]:
+def inverse_sections(inverse: Any, *, deg: bool) -> tuple[Section, ...]:
     """The count, the solutions, how they were searched."""
-    tone = "good" if found.inside else "bad"
-    first = Section(found.sentence, lines=(f"Pose: {tool_place(found.robot, found.pose)}, base axes.",), tone=tone)
-    return (first, *_tables(found, deg=deg), Section("Search", lines=tuple(_search_lines(found))))
+    tone = "good" if inverse.inside else "bad"
+    place = tool_place(inverse.robot, inverse.pose)
+    first = Section(inverse.sentence, lines=(f"Pose: {place}, base axes.",), tone=tone)
+    return (first, *_tables(inverse, deg=deg), Section("Search", lines=tuple(_search_lines(inverse))))
 
 
-def _tables(found: Any, *, deg: bool) -> Iterator[Section]:
+def _tables(inverse: Any, *, deg: bool) -> Iterator[Section]:
     """The isolated solutions, the self-motions, and where there is neither the nearest poses in reach."""
-    robot = found.robot
+    robot = inverse.robot
     heads = tuple(_head(number, joint.unit, deg=deg) for number, joint in enumerate(robot.variables, start=1))
-    if found.branches:
+    if inverse.branches:
         rows = tuple(
             (str(number), *_branch_cells(robot, branch), *_cells(robot, branch.q, deg=deg))
-            for number, branch in enumerate(found.branches, start=1)
+            for number, branch in enumerate(inverse.branches, start=1)
         )
         yield Section("Solutions", "inside the joint limits first, then nearest to q = 0", columns=(
             "", "verdict", "posture", "joint limits", *heads), rows=rows, texts=(0, 1, 2, 3))  # fmt: skip
-    if found.continua:
+    if inverse.continua:
         rows = tuple(
             (str(number), *_continuum_cells(continuum), *_cells(robot, continuum.q, deg=deg))
-            for number, continuum in enumerate(found.continua, start=1)
+            for number, continuum in enumerate(inverse.continua, start=1)
         )
         yield Section("Self-motions", "the tool stands still along them; one configuration of each", columns=(
             "", "verdict", "shape", "inside limits", *heads), rows=rows, texts=(0, 1, 2))  # fmt: skip
-    why = found.unreached
+    why = inverse.unreached
     if why is not None and why.kind != "tilt":
         lines = [f"the nearest tip: {tool_place(robot, why.tip)}"]
         if why.turned is not None:
@@ -318,17 +319,17 @@ def _continuum_cells(continuum: Any) -> tuple[str, str, str]:
     return verdict, shape, inside
 
 
-def _search_lines(found: Any) -> Iterator[str]:
+def _search_lines(inverse: Any) -> Iterator[str]:
     """How the solutions were searched, and what is not proven."""
-    if found.unreached is not None and found.unreached.kind == "tilt":
+    if inverse.unreached is not None and inverse.unreached.kind == "tilt":
         yield "not searched: the tilt of the tool is the same in every configuration"
         return
-    how = f"random starts of Newton's method (joint limits ignored, seed {found.options.seed})"
-    if found.unreached is not None:
-        yield (f"none found from {found.starts:,} {how}; that does not prove that there is none, and the distances are "
-               "the least that were found")  # fmt: skip
+    how = f"random starts of Newton's method (joint limits ignored, seed {inverse.options.seed})"
+    if inverse.unreached is not None:
+        yield (f"none found from {inverse.starts:,} {how}; that does not prove that there is none, and the distances "
+               "are the least that were found")  # fmt: skip
         return
-    yield f"found from {found.starts:,} {how}, of which {found.arrived:,} ended on a solution; not proven to be all"
-    yield f"substituted back into forward kinematics: off by at most {power(max(found.residual, 1e-17))} (m, rad)"
-    if found.most is not None and len(found.branches) > found.most:
-        yield f"more than {found.most} solutions: a fault of this package, please report it"
+    yield f"found from {inverse.starts:,} {how}, of which {inverse.arrived:,} ended on a solution; not proven to be all"
+    yield f"substituted back into forward kinematics: off by at most {power(max(inverse.residual, 1e-17))} (m, rad)"
+    if inverse.most is not None and len(inverse.branches) > inverse.most:
+        yield f"more than {inverse.most} solutions: a fault of this package, please report it"

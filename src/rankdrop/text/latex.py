@@ -226,10 +226,10 @@ def as_text(text: str) -> str:
         '$\\\\theta_{3}$ = $\\\\pm$$\\\\pi$/2, 50 \\\\%'
     """
     pieces, at = [], 0
-    for found in _NUMBERED.finditer(text):
-        pieces.append(_letters(text[at : found.start()]))
-        pieces.append(f"${_SIGNS.get(found[1], found[1])}_{{{found[2]}}}$")
-        at = found.end()
+    for match in _NUMBERED.finditer(text):
+        pieces.append(_letters(text[at : match.start()]))
+        pieces.append(f"${_SIGNS.get(match[1], match[1])}_{{{match[2]}}}$")
+        at = match.end()
     return "".join([*pieces, _letters(text[at:])])
 
 

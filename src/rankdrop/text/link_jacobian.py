@@ -30,83 +30,83 @@ def check_words(check: Agreement) -> str:
     return _CHECKS[check.kind].format(points=check.points, agreeing=check.agreeing)
 
 
-def repr_words(found: LinkJacobian) -> str:
+def repr_words(jacobian: LinkJacobian) -> str:
     """A result in a line of Python."""
-    return f"LinkJacobian of {found.robot.name}: frame {found.frame}, about {_point(found.at)}"
+    return f"LinkJacobian of {jacobian.robot.name}: frame {jacobian.frame}, about {_point(jacobian.at)}"
 
 
-def entry_texts(found: LinkJacobian) -> tuple[tuple[str, ...], ...]:
+def entry_texts(jacobian: LinkJacobian) -> tuple[tuple[str, ...], ...]:
     """The entries as text, row by row."""
-    return _each_entry(found.rows, lambda entry: text_of(found.chain.ring, entry))
+    return _each_entry(jacobian.rows, lambda entry: text_of(jacobian.chain.ring, entry))
 
 
-def inverse_texts(found: LinkJacobian, most: int | None) -> tuple[tuple[str, ...], ...]:
+def inverse_texts(jacobian: LinkJacobian, most: int | None) -> tuple[tuple[str, ...], ...]:
     """The entries of the inverse as text; longer sums than `most` by their size."""
-    if found.closed is None:
+    if jacobian.closed is None:
         return ()
-    return _each_entry(found.closed.entries, lambda entry: entry.text(most))
+    return _each_entry(jacobian.closed.entries, lambda entry: entry.text(most))
 
 
-def latex(found: LinkJacobian) -> str:
+def latex(jacobian: LinkJacobian) -> str:
     """The matrix, its determinant and its inverse in LaTeX, as displayed formulas."""
-    name = f"{{}}^{{{found.frame}}}J"
-    formulas = [f"{name} = {_matrix(_latex_entries(found))}"]
-    if found.closed is not None:
-        formulas.append(rf"\det {name} = {found.closed.determinant.latex()}")
-        inverse = _each_entry(found.closed.entries, lambda entry: entry.latex())
+    name = f"{{}}^{{{jacobian.frame}}}J"
+    formulas = [f"{name} = {_matrix(_latex_entries(jacobian))}"]
+    if jacobian.closed is not None:
+        formulas.append(rf"\det {name} = {jacobian.closed.determinant.latex()}")
+        inverse = _each_entry(jacobian.closed.entries, lambda entry: entry.latex())
         formulas.append(f"{name}^{{-1}} = {_matrix(inverse)}")
     lines = ["% needs \\usepackage{amsmath}", *(f"\\[ {formula} \\]" for formula in formulas)]
-    lengths = [rf"{latex_name(letter)} = {value:.12g}\,\mathrm{{m}}" for letter, value in found.letters.items()]
+    lengths = [rf"{latex_name(letter)} = {value:.12g}\,\mathrm{{m}}" for letter, value in jacobian.letters.items()]
     if lengths:
         lines.append(rf"${', '.join(lengths)}$")
     return "\n".join([*lines, ""])
 
 
-def _latex_entries(found: LinkJacobian) -> tuple[tuple[str, ...], ...]:
-    notation, ring = Latex(), found.chain.ring
+def _latex_entries(jacobian: LinkJacobian) -> tuple[tuple[str, ...], ...]:
+    notation, ring = Latex(), jacobian.chain.ring
 
     def entry_latex(entry: Any) -> str:
         if entry == 0:
             return "0"
         return notation.value(form_of(ring, entry))
 
-    return _each_entry(found.rows, entry_latex)
+    return _each_entry(jacobian.rows, entry_latex)
 
 
-def sections_of(found: LinkJacobian, most: int | None) -> tuple[Section, ...]:
+def sections_of(jacobian: LinkJacobian, most: int | None) -> tuple[Section, ...]:
     """Matrix, determinant, inverse, numbers and checks; longer sums than `most` by their size."""
-    return tuple(_sections(found, most))
+    return tuple(_sections(jacobian, most))
 
 
-def _sections(found: LinkJacobian, most: int | None) -> Iterator[Section]:
-    rows = [ROWS[r] for r in found.task.rows]
-    joints = [f"joint {j}" for j in range(1, found.robot.n + 1)]
-    k = found.frame
+def _sections(jacobian: LinkJacobian, most: int | None) -> Iterator[Section]:
+    rows = [ROWS[r] for r in jacobian.task.rows]
+    joints = [f"joint {j}" for j in range(1, jacobian.robot.n + 1)]
+    k = jacobian.frame
     axes = f"axes of link {k} (z along axis {k}, x along the common normal after it)"
-    lines = [f"{axes}, reference point {_point(found.at)}"]
-    if found.letters and found.rows:
-        letters = ", ".join(f"{name} = {value:.12g} m" for name, value in found.letters.items())
+    lines = [f"{axes}, reference point {_point(jacobian.at)}"]
+    if jacobian.letters and jacobian.rows:
+        letters = ", ".join(f"{name} = {value:.12g} m" for name, value in jacobian.letters.items())
         lines.append(f"lengths: {letters}")
-    yield Section(f"{found.robot.name}: Jacobian in the frame of link {k}", "", tuple(lines))
-    if found.rows:
-        yield _table(f"J seen from link {k}", rows, joints, entry_texts(found))
-        yield Section("Shortest", "", tuple(_frames(found)))
-    if found.closed is not None:
-        yield Section("Determinant", "", (f"det J = {found.closed.determinant.text(most)}",))
-        yield _table("Inverse", joints, rows, inverse_texts(found, most))
-    if found.numbers is not None:
-        yield from _numbers(found.numbers, rows, joints)
-    if found.checks:
-        yield Section("Checks", "", tuple(map(_agreement_text, found.checks)))
+    yield Section(f"{jacobian.robot.name}: Jacobian in the frame of link {k}", "", tuple(lines))
+    if jacobian.rows:
+        yield _table(f"J seen from link {k}", rows, joints, entry_texts(jacobian))
+        yield Section("Shortest", "", tuple(_frames(jacobian)))
+    if jacobian.closed is not None:
+        yield Section("Determinant", "", (f"det J = {jacobian.closed.determinant.text(most)}",))
+        yield _table("Inverse", joints, rows, inverse_texts(jacobian, most))
+    if jacobian.numbers is not None:
+        yield from _numbers(jacobian.numbers, rows, joints)
+    if jacobian.checks:
+        yield Section("Checks", "", tuple(map(_agreement_text, jacobian.checks)))
 
 
-def _frames(found: LinkJacobian) -> Iterator[str]:
+def _frames(jacobian: LinkJacobian) -> Iterator[str]:
     """Terms of the closed form in the axes of each link, and where it is shorter about another point."""
-    here = [(terms, k) for terms, k, at in found.shortest if at == found.at]
+    here = [(terms, k) for terms, k, at in jacobian.shortest if at == jacobian.at]
     told = ", ".join(f"link {k}: {terms}" for terms, k in sorted(here))
-    yield f"terms, multiplied out, about {_point(found.at)}: {told}"
-    terms, k, at = found.shortest[0]
-    if at != found.at or terms < here[0][0]:
+    yield f"terms, multiplied out, about {_point(jacobian.at)}: {told}"
+    terms, k, at = jacobian.shortest[0]
+    if at != jacobian.at or terms < here[0][0]:
         yield f"of all reference points: link {k} about {_point(at)}, {terms} terms"
 
 

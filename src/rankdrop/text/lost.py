@@ -134,22 +134,22 @@ def _through(robot: Robot, number: int) -> str:
     An axis farther off passes through it always if those between do, which then leave the origin where it is.
     """
     origin = robot.joints[number - 1].frame[:3, 3]
-    found = []
+    passages = []
     for places in (range(number, 0, -1), range(number + 1, len(robot.joints) + 1)):
         for place in places:
             joint = robot.joints[place - 1]
             if joint.slides or np.abs(cross(joint.foot - origin, joint.axis)).max() > _ON:
                 break
-            found.append(place)
+            passages.append(place)
             if abs(joint.pitch) > _ON:
                 break
-    found.sort()
-    if found:
-        listed = " and ".join(filter(None, (", ".join(map(str, found[:-1])), str(found[-1]))))
+    passages.sort()
+    if passages:
+        listed = " and ".join(filter(None, (", ".join(map(str, passages[:-1])), str(passages[-1]))))
     else:
         listed = ""
-    if len(found) > 1:
+    if len(passages) > 1:
         return f"origin where axes {listed} meet"
-    if found:
+    if passages:
         return f"origin on axis {listed}"
     return ""

@@ -142,19 +142,20 @@ _DETAILS = {
 }
 
 
-def dependence_words(found: Dependence, *, whole: bool = True) -> str:
+def dependence_words(dependence: Dependence, *, whole: bool = True) -> str:
     """A dependent set in words: "axes 1, 4, 5 concurrent and coplanar"; without the second word unless `whole`."""
-    names = numbers(found.joints)
-    if found.common in _SENTENCES:
-        return _SENTENCES[found.common].format(names)
-    how = PATTERNS[found.common]
+    names = numbers(dependence.joints)
+    if dependence.common in _SENTENCES:
+        return _SENTENCES[dependence.common].format(names)
+    how = PATTERNS[dependence.common]
     if not whole:
-        how = _FIRST_OF_TWO.get(found.common, how)
-    if found.sliding:
+        how = _FIRST_OF_TWO.get(dependence.common, how)
+    if dependence.sliding:
         return f"slides {names} {how}"
-    if found.way is None:
+    if dependence.way is None:
         return f"axes {names} {how}"
-    return f"axes {names} {how}, {plural('slide', len(found.slides))} {numbers(found.slides)} {WAYS[found.way]}"
+    slides = f"{plural('slide', len(dependence.slides))} {numbers(dependence.slides)}"
+    return f"axes {names} {how}, {slides} {WAYS[dependence.way]}"
 
 
 _SENTENCES = {

@@ -26,8 +26,8 @@ def representation_words(representation: Representation) -> str:
     return f"{representation.name} coordinates are {_STATES[representation.singular, representation.near]}"
 
 
-def representations_words(found: Representations) -> str:
+def representations_words(representations: Representations) -> str:
     """What is singular at a configuration: the arm, coordinates, both or neither."""
-    by_name = {representation.name: representation.singular for representation in found.every}
+    by_name = {representation.name: representation.singular for representation in representations.every}
     singular = ", ".join(name for name in NAMES if by_name[name])
-    return _SINGULAR[found.arm.corank > 0, singular != ""].format(singular)
+    return _SINGULAR[representations.arm.corank > 0, singular != ""].format(singular)

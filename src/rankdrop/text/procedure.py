@@ -36,14 +36,14 @@ def _step_lines(step: Executed) -> Iterator[str]:
             yield from map(_row, screws)
 
 
-def _products_lines(found: Products) -> Iterator[str]:
-    for u, v, inside in found.entries:
+def _products_lines(products: Products) -> Iterator[str]:
+    for u, v, inside in products.entries:
         if inside:
             yield f"[{u}, {v}] yes"
         else:
             yield f"[{u}, {v}] no"
-    for u in found.actuators:
-        yield f"actuating screw {u} can restore ({found.first}, {found.last})"
+    for u in products.actuators:
+        yield f"actuating screw {u} can restore ({products.first}, {products.last})"
 
 
 def _msos_lines(subset: OrderedSubset) -> Iterator[str]:

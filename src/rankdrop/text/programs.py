@@ -283,11 +283,11 @@ def sections(check: Any, *, full: bool, remedies: Sequence[Any] = ()) -> tuple[S
     """The summary, remedies, singularities, moves, and the lines that were not read."""
     tone = {"free": "good", "undecided": "warning", "too near": "warning"}.get(check.verdict, "bad")
     first, *others = summary(check)
-    found = [Section(first, lines=tuple(others), tone=tone)]
+    sections_so_far = [Section(first, lines=tuple(others), tone=tone)]
     if remedies:
         words = [f"line {remedy.move.line}: {remedy_words(remedy, check.robot)}" for remedy in remedies]
         more = [] if full or len(words) <= _LISTED else [f"{advise('full')} prints all {len(words)}"]
-        found.append(Section("Remedies, computed on the literal targets; programs are not written",
+        sections_so_far.append(Section("Remedies, computed on the literal targets; programs are not written",
                              lines=tuple(words if full else words[:_LISTED]), notes=tuple(more)))  # fmt: skip
     lines = []
     for crossing in check.met if full else check.met[:_NAMED]:
@@ -295,11 +295,11 @@ def sections(check: Any, *, full: bool, remedies: Sequence[Any] = ()) -> tuple[S
         head, *rest = crossing_lines(crossing.stretch, path, deg=True, full=full)
         lines += [f"line {crossing.line}: {head}", *rest]
     if lines:
-        found.append(Section("Singularities on the way", lines=tuple(lines)))
-    found.append(_moves_section(check, full=full))
+        sections_so_far.append(Section("Singularities on the way", lines=tuple(lines)))
+    sections_so_far.append(_moves_section(check, full=full))
     if check.program.skipped:
-        found.append(_skipped_section(check, full=full))
-    return tuple(found)
+        sections_so_far.append(_skipped_section(check, full=full))
+    return tuple(sections_so_far)
 
 
 def _moves_section(check: Any, *, full: bool) -> Section:

@@ -40,23 +40,23 @@ def end_sentence(end: End) -> str:
     )
 
 
-def redundancy_sections(found: Redundancy) -> Iterator[Section]:
+def redundancy_sections(redundancy: Redundancy) -> Iterator[Section]:
     """Range, null space and projector, with the checks of the projector."""
-    n = found.projector.shape[0]
+    n = redundancy.projector.shape[0]
     joints = tuple(f"joint {number}" for number in range(1, n + 1))
-    rank = found.rank
+    rank = redundancy.rank
     yield Section("Redundancy", f"rank {rank.rank}, nullity {rank.nullity}, corank {rank.corank}")
     twist = ("vx", "vy", "vz", "wx", "wy", "wz")
     yield Section(
-        "Twists that can be made", "rows (v; ω)", columns=twist, rows=_cells(found.range_basis), texts=(),
+        "Twists that can be made", "rows (v; ω)", columns=twist, rows=_cells(redundancy.range_basis), texts=(),
     )  # fmt: skip
-    yield Section("Joint rates that leave the task still", columns=joints, rows=_cells(found.null_basis), texts=())
+    yield Section("Joint rates that leave the task still", columns=joints, rows=_cells(redundancy.null_basis), texts=())
     checks = (
-        f"largest entry of PP − P {found.idempotent:.1g}, of JP {found.annihilates:.1g}, of P less its closed form "
-        f"{found.difference:.1g}"
+        f"largest entry of PP − P {redundancy.idempotent:.1g}, of JP {redundancy.annihilates:.1g}, of P less its "
+        f"closed form {redundancy.difference:.1g}"
     )
     yield Section(
-        "Projector P = I − J⁺J", columns=joints, rows=_cells(found.projector), texts=(), notes=(checks,),
+        "Projector P = I − J⁺J", columns=joints, rows=_cells(redundancy.projector), texts=(), notes=(checks,),
     )  # fmt: skip
 
 

@@ -54,32 +54,32 @@ def _common_geometry_words(system: ScrewSystem) -> str:
     return with_slides
 
 
-def always_singular_words(found: AlwaysSingular) -> str:
+def always_singular_words(always_singular: AlwaysSingular) -> str:
     """The rank, and the systems that account for it."""
-    return f"rank {found.rank} of {found.most} everywhere: {_reason(found)}"
+    return f"rank {always_singular.rank} of {always_singular.most} everywhere: {_reason(always_singular)}"
 
 
-def _reason(found: AlwaysSingular) -> str:
-    if found.dimension:
-        return _all_inside(found)
-    if not found.losses:
+def _reason(always_singular: AlwaysSingular) -> str:
+    if always_singular.dimension:
+        return _all_inside(always_singular)
+    if not always_singular.losses:
         return "no screw system of the joints accounts for it"
-    words = "; ".join(map(_loss_words, found.losses))
-    if found.bound > found.rank:
-        words += f"; this accounts for rank {found.bound}, not for {found.rank}"
+    words = "; ".join(map(_loss_words, always_singular.losses))
+    if always_singular.bound > always_singular.rank:
+        words += f"; this accounts for rank {always_singular.bound}, not for {always_singular.rank}"
     return words
 
 
-def _all_inside(found: AlwaysSingular) -> str:
+def _all_inside(always_singular: AlwaysSingular) -> str:
     """All joints in one subgroup, and what the task sees of it."""
-    if found.kind:
-        system = f"a {found.kind} system ({_MEANING[found.kind]})"
+    if always_singular.kind:
+        system = f"a {always_singular.kind} system ({_MEANING[always_singular.kind]})"
     else:
         system = "a system"
-    words = f"joints {numbers(range(found.joints))} lie in {system} of dimension {found.dimension}"
-    if found.dimension == found.rank:
+    words = f"joints {numbers(range(always_singular.joints))} lie in {system} of dimension {always_singular.dimension}"
+    if always_singular.dimension == always_singular.rank:
         return words
-    return f"{words}, of which this task sees {found.rank}"
+    return f"{words}, of which this task sees {always_singular.rank}"
 
 
 def _loss_words(loss: Loss) -> str:

@@ -110,20 +110,20 @@ def label_words(parts: FamilyParts, name: FamilyName) -> str:
 
 def family_title(robot: Robot, task: Task, family: Family) -> str:
     """The name of a family with the parts of the arm in front: "elbow: axes 3 and 5 aligned"."""
-    found = parts_of(robot, task, family)
-    if family.called.parts == found.parts:
+    family_parts = parts_of(robot, task, family)
+    if family.called.parts == family_parts.parts:
         return family.name
     if family.called.parts:
-        return name_words(replace(family.called, parts=found.parts))
-    parts = _words_of_parts(found)
+        return name_words(replace(family.called, parts=family_parts.parts))
+    parts = _words_of_parts(family_parts)
     if not parts:
         return family.name
     return f"{parts}: {family.name}"
 
 
-def _words_of_parts(found: FamilyParts) -> str:
+def _words_of_parts(parts: FamilyParts) -> str:
     """The parts of the arm that a family is about in words; "" where none is known."""
-    words = [part.value for part in found.parts]
-    if found.either:
+    words = [part.value for part in parts.parts]
+    if parts.either:
         words = [f"{', '.join(words[:-1])} or {words[-1]}"]
-    return listing(["base"] * found.base + words)
+    return listing(["base"] * parts.base + words)

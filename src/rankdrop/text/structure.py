@@ -39,21 +39,21 @@ def structure_sentences(chain: Chain) -> tuple[str, ...]:
         'the axes of joints 4, 5, 6 meet in one point (spherical wrist)'
     """
     structure = structure_of(chain)
-    found = []
+    sentences = []
     if structure.srs:
-        found.append("S-R-S: spherical shoulder, elbow, spherical wrist")
+        sentences.append("S-R-S: spherical shoulder, elbow, spherical wrist")
     for triple in structure.points:
         part = {structure.wrist: " (spherical wrist)", structure.shoulder: " (spherical shoulder)"}.get(triple, "")
-        found.append(f"the axes of joints {joint_list(triple)} meet in one point{part}")
+        sentences.append(f"the axes of joints {joint_list(triple)} meet in one point{part}")
     within = set(flat_map(pairwise, structure.points))
-    found += [f"axes {i} and {j} meet" for i, j in structure.meeting if (i, j) not in within]
-    found += [f"the axes of joints {joint_list(group)} are parallel" for group in structure.parallel]
-    found += [f"near-structural: {near}" for near in near_structure(chain)]
+    sentences += [f"axes {i} and {j} meet" for i, j in structure.meeting if (i, j) not in within]
+    sentences += [f"the axes of joints {joint_list(group)} are parallel" for group in structure.parallel]
+    sentences += [f"near-structural: {near}" for near in near_structure(chain)]
     remarks = chain_remarks(chain)
     if remarks:
-        found.append(f"twists are multiples of 15° and 18° where they are that within {ALIGNED:g} rad")
-        found += map(str, remarks)
-    return tuple(found)
+        sentences.append(f"twists are multiples of 15° and 18° where they are that within {ALIGNED:g} rad")
+        sentences += map(str, remarks)
+    return tuple(sentences)
 
 
 def form_sentence(form: BlockForm) -> str:

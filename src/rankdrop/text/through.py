@@ -25,33 +25,33 @@ _THROUGH = {
 """Kind of a path through a singularity -> what it means."""
 
 
-def through_sentence(found: Any, highest: int) -> str:
+def through_sentence(through: Any, highest: int) -> str:
     """Whether a tool path leads through a singularity; `highest` is the order up to which terms are compared."""
-    order, side = found.order or 1, "ahead of it" if found.side > 0 else "before it"
-    return _THROUGH[found.kind].format(order=order, less=order - 1, twice=2 * order, side=side, highest=highest)
+    order, side = through.order or 1, "ahead of it" if through.side > 0 else "before it"
+    return _THROUGH[through.kind].format(order=order, less=order - 1, twice=2 * order, side=side, highest=highest)
 
 
-def through_sections(found: Any, *, deg: bool) -> Iterator[Section]:
+def through_sections(through: Any, *, deg: bool) -> Iterator[Section]:
     """A tool path through a singularity: the verdict first and last."""
-    yield Section(found.sentence)
-    rows = ", ".join(f"{ROWS[row]} {value:g}" for row, value in zip(found.task.rows, found.along, strict=True))
-    lines = [f"path along {rows} [m, rad], {100 * abs(found.outside):.3g} % of it lost to first order"]
-    if len(found.s):
-        ends = f"s = {found.s[0]:.4g} to {found.s[-1]:.4g}"
-        lines.append(f"followed from {ends}: off the path by {found.off:.1e} at most")
-        if found.kind == "tangent":
+    yield Section(through.sentence)
+    rows = ", ".join(f"{ROWS[row]} {value:g}" for row, value in zip(through.task.rows, through.along, strict=True))
+    lines = [f"path along {rows} [m, rad], {100 * abs(through.outside):.3g} % of it lost to first order"]
+    if len(through.s):
+        ends = f"s = {through.s[0]:.4g} to {through.s[-1]:.4g}"
+        lines.append(f"followed from {ends}: off the path by {through.off:.1e} at most")
+        if through.kind == "tangent":
             law = "at path speed 1"
         else:
-            law = f"under the law, in {found.times[-1] * 2:.3g} s"
-        lines.append(f"joint rates {law}: {found.rate:.3g} rad/s at most")
-    if found.exponent:
-        lines.append(f"joint rates at constant path speed grow as |s|^{found.exponent:.3f} (measured)")
-    yield Section(f"{found.robot.name}, {found.task.name}", lines=tuple(map(minus, lines)))
-    if len(found.s):
+            law = f"under the law, in {through.times[-1] * 2:.3g} s"
+        lines.append(f"joint rates {law}: {through.rate:.3g} rad/s at most")
+    if through.exponent:
+        lines.append(f"joint rates at constant path speed grow as |s|^{through.exponent:.3f} (measured)")
+    yield Section(f"{through.robot.name}, {through.task.name}", lines=tuple(map(minus, lines)))
+    if len(through.s):
         cells = tuple(
-            (minus(f"{found.times[i]:.3f}"), minus(f"{found.s[i]:.3e}"),
-             *joint_cells(found.robot, found.joints[i], deg=deg))
-            for i in range(0, len(found.s), max(1, len(found.s) // 8))
+            (minus(f"{through.times[i]:.3f}"), minus(f"{through.s[i]:.3e}"),
+             *joint_cells(through.robot, through.joints[i], deg=deg))
+            for i in range(0, len(through.s), max(1, len(through.s) // 8))
         )  # fmt: skip
-        yield Section("The motion", columns=("t [s]", "s", *joint_heads(found.robot, deg=deg)), rows=cells, texts=())
-    yield Section(found.sentence)
+        yield Section("The motion", columns=("t [s]", "s", *joint_heads(through.robot, deg=deg)), rows=cells, texts=())
+    yield Section(through.sentence)

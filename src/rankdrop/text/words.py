@@ -375,10 +375,10 @@ def tolerant_sentence(tolerant: Tolerant) -> str:
     name = tolerant.robot.name
     if not tolerant.places:
         if tolerant.spare <= 0 or tolerant.crucial:
-            found = "No configuration of {} tolerates"
+            template = "No configuration of {} tolerates"
         else:
-            found = NO_TOLERANT
-        return f"{found.format(name)} every single joint failure: {_why_none(tolerant)}."
+            template = NO_TOLERANT
+        return f"{template.format(name)} every single joint failure: {_why_none(tolerant)}."
     best, r = tolerant.places[0], tolerant.generic_rank
     if tolerant.relative:
         measure = f"σ{r} left / σ1"
@@ -422,29 +422,31 @@ def _places_sections(tolerant: Tolerant) -> Iterator[Section]:
     yield failures_table(best.failures, "At the best of them")
 
 
-def _self_motion_section(tolerant: Tolerant, found: SelfMotions) -> Section:
+def _self_motion_section(tolerant: Tolerant, self_motions: SelfMotions) -> Section:
     """Where each joint may be locked for the tool still to reach the pose, and where the arm stands best there."""
     measure = f"σ{tolerant.generic_rank} left" + " / σ1" * tolerant.relative
     units = [joint.unit for joint in tolerant.robot.variables]
     where = " inside the joint limits" * tolerant.limits
+    here = degrees_text(self_motions.q, units)
+    best = degrees_text(self_motions.best, units)
     lines = (
-        locked_sentence(found),
-        f"Worst failure at this pose: {measure} = {short(found.value)} at {degrees_text(found.q, units)}, at best "
-        f"{short(found.best_value)} at {degrees_text(found.best, units)}, at worst {short(found.least_value)}.",
+        locked_sentence(self_motions),
+        f"Worst failure at this pose: {measure} = {short(self_motions.value)} at {here}, "
+        f"at best {short(self_motions.best_value)} at {best}, at worst {short(self_motions.least_value)}.",
     )
     rows = tuple(
         (str(locked.number), locked.joint, _locked_ranges(locked, units[locked.number - 1]), _locked_share(locked))
-        for locked in found.joints
+        for locked in self_motions.joints
     )
     if tolerant.limits:
-        of = f"{found.usable} of {count(found.curves, 'curve')} pass inside the joint limits"
+        of = f"{self_motions.usable} of {count(self_motions.curves, 'curve')} pass inside the joint limits"
     else:
-        of = f"{count(found.curves, 'curve')}, joint limits ignored"
+        of = f"{count(self_motions.curves, 'curve')}, joint limits ignored"
     notes = [
         f"{of}; found from random starts, seed {tolerant.seed}: a curve may have been missed, so a share may be larger",
         "ends of ranges to some 0.5°; locked at another value, a joint takes the pose out of reach of these curves",
     ]
-    if not found.complete:
+    if not self_motions.complete:
         notes.append("not every curve was followed to its end")
     return Section(
         "Self-motions of one tool pose", f"all configurations{where} that have the tool there", lines=lines,
@@ -453,16 +455,17 @@ def _self_motion_section(tolerant: Tolerant, found: SelfMotions) -> Section:
     )  # fmt: skip
 
 
-def locked_sentence(found: SelfMotions) -> str:
+def locked_sentence(self_motions: SelfMotions) -> str:
     """The joint with the smallest share of values at which it may be locked, and those that may be locked anywhere."""
-    whole = [locked.number for locked in found.joints if locked.share is not None and locked.share >= 1.0 - _ZERO]
+    shares = [(locked.number, locked.share) for locked in self_motions.joints if locked.share is not None]
+    whole = [number for number, share in shares if share >= 1.0 - _ZERO]
     if whole:
         anywhere = f"; {plural('joint', len(whole))} {numbers(whole)} may be locked anywhere"
     else:
         anywhere = ""
     return (
-        f"With joint {found.weakest.number} locked the tool still reaches the pose at "
-        f"{_locked_share(found.weakest)} of its values, the least of all joints{anywhere}."
+        f"With joint {self_motions.weakest.number} locked the tool still reaches the pose at "
+        f"{_locked_share(self_motions.weakest)} of its values, the least of all joints{anywhere}."
     )
 
 

@@ -145,15 +145,15 @@ class Controls:
             if slider is not source:
                 self._place(index, float(now.q[index]) * self._unit[index])
 
-    def _tell(self, now: Now, found: Explanation | None) -> None:
+    def _tell(self, now: Now, explanation: Explanation | None) -> None:
         """Status and details, of one configuration both; details of another one are dimmed until it is explained."""
-        if found is not None:
-            details = panel.details_html(found)
+        if explanation is not None:
+            details = panel.details_html(explanation)
         else:
             details = panel.dimmed_html(self._said)
-        status = panel.status_html(now, self.robot.n, self.live.generic_rank, self.titles, found)
-        if found is not None or self._said:
-            self._details.content, self._said = details, details if found is not None else ""
+        status = panel.status_html(now, self.robot.n, self.live.generic_rank, self.titles, explanation)
+        if explanation is not None or self._said:
+            self._details.content, self._said = details, details if explanation is not None else ""
         self._status.content = status
 
     def _place(self, index: int, value: float) -> None:
@@ -165,13 +165,13 @@ class Controls:
         if slider.value != shown:
             set_input(slider, shown)
 
-    def on_explanation(self, found: Explanation) -> None:
+    def on_explanation(self, explanation: Explanation) -> None:
         """A configuration was explained."""
-        panel.details_html(found)  # what it works out late, before anybody waits for the lock
+        panel.details_html(explanation)  # what it works out late, before anybody waits for the lock
         with self._telling:
-            self.found = found
-            if self.now is not None and np.array_equal(self.now.q, found.q):
-                self._tell(self.now, found)
+            self.found = explanation
+            if self.now is not None and np.array_equal(self.now.q, explanation.q):
+                self._tell(self.now, explanation)
 
     def show_handle(self, shown: bool) -> None:
         """Show or hide the handle at the tip."""

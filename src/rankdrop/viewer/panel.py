@@ -32,7 +32,7 @@ _FRAMES = 2  # base and tool; `explain` has the link as well
 
 
 def status_html(
-    now: Now, length_of_chain: int, generic_rank: int, titles: Mapping[str, str], found: Explanation | None = None
+    now: Now, length_of_chain: int, generic_rank: int, titles: Mapping[str, str], explanation: Explanation | None = None
 ) -> str:
     """Verdict, σ bars, family and distance.
 
@@ -43,10 +43,10 @@ def status_html(
         found: the explanation of this very configuration, once there is one: it gives the verdict, and `details_html`
             family and distance, so that no two lines contradict each other.
     """
-    if found is None:
+    if explanation is None:
         verdict = now.verdict
     else:
-        verdict = found.verdict
+        verdict = explanation.verdict
     background, ink, sign = VERDICTS[verdict]
     badge = (
         f'<span style="background:{background};color:{ink};border-radius:0.5em;padding:0.15em 0.6em;'
@@ -58,7 +58,7 @@ def status_html(
     else:
         motions = ""
     lines = [f"{badge} &nbsp;rank {now.seen.rank} of {generic_rank}{motions}",
-             *([_family_line(now, titles)] if found is None else []), _bars(now, generic_rank)]  # fmt: skip
+             *([_family_line(now, titles)] if explanation is None else []), _bars(now, generic_rank)]  # fmt: skip
     if now.outside:
         lines.append(f"<b>beyond a limit:</b> joint {numbers(now.outside)}")
     return lines_html(lines)
@@ -122,15 +122,16 @@ def _bars(now: Now, generic_rank: int) -> str:
     return f'<div style="margin:0.3em 0" title="lengths: shares of σ1">{"".join(rows)}</div>'
 
 
-def details_html(found: Explanation) -> str:
+def details_html(explanation: Explanation) -> str:
     """What the explanation adds a moment later: its summary, lost motions in two frames, circuits to blame."""
-    summary = found.sections(parts=("summary",))[-1]
+    summary = explanation.sections(parts=("summary",))[-1]
     lines = [f"<b>{escape(summary.title)}</b>", *map(escape, summary.lines)]
-    if found.lost.words:
-        if found.verdict != "singular":
+    if explanation.lost.words:
+        if explanation.verdict != "singular":
             lines.append(f"<span style='{_QUIET}'>at the nearest singular configuration:</span>")
-        lines += [_lost_line(lost_text(found.robot, seen)) for seen in list(found.lost.seen.values())[:_FRAMES]]
-    return lines_html([*lines, *(_blame_line(i, circuit) for i, circuit in enumerate(found.blame.smallest))])
+        in_frames = list(explanation.lost.seen.values())[:_FRAMES]
+        lines += [_lost_line(lost_text(explanation.robot, lost)) for lost in in_frames]
+    return lines_html([*lines, *(_blame_line(i, circuit) for i, circuit in enumerate(explanation.blame.smallest))])
 
 
 def _blame_line(place: int, circuit: Circuit) -> str:

@@ -182,8 +182,8 @@ def wxyz(turns: Array) -> Array:
     """Unit quaternions (..., 4), w ≥ 0, of rotation matrices (..., 3, 3)."""
     from viser.transforms import SO3
 
-    found = np.asarray(SO3.from_matrix(np.asarray(turns, dtype=np.float64)).wxyz)
-    return np.asarray(np.where(found[..., :1] < 0, -found, found))
+    quaternions = np.asarray(SO3.from_matrix(np.asarray(turns, dtype=np.float64)).wxyz)
+    return np.asarray(np.where(quaternions[..., :1] < 0, -quaternions, quaternions))
 
 
 def turn_onto(axis: Array) -> Array:

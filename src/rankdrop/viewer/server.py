@@ -145,10 +145,10 @@ class Viewer:
         if self.controls.found is not None:
             self._show_ghost(self.controls.found)
 
-    def _show_ghost(self, found: Explanation) -> None:
+    def _show_ghost(self, explanation: Explanation) -> None:
         now = self.controls.now
-        at = now is not None and np.array_equal(now.q, found.q) and not now.seen.corank
-        nearest = found.far.nearest if at else None
+        at = now is not None and np.array_equal(now.q, explanation.q) and not now.seen.corank
+        nearest = explanation.far.nearest if at else None
         self.stage.show_ghost(None if nearest is None else np.array(nearest.q))
 
     def _on_request(self, path: str) -> None:
@@ -177,27 +177,27 @@ class Viewer:
     def on_look(self, now: Now, source: object) -> None:
         """Draw what was looked at."""
         self.stage.show(now)
-        found = self.controls.found
-        near = found is not None and now.verdict == "near" and np.abs(found.q - now.q).max() < 0.1
-        circuits = now.blamed or (found.blame.smallest if found is not None and near else ())
+        explanation = self.controls.found
+        near = explanation is not None and now.verdict == "near" and np.abs(explanation.q - now.q).max() < 0.1
+        circuits = now.blamed or (explanation.blame.smallest if explanation is not None and near else ())
         self.stage.blame([circuit.numbers for circuit in circuits], now)
         for part in (self.controls, self.path, self.share, self.slice):
             part.on_look(now, source)
         if now.seen.corank or self.session.moving:
             self.stage.show_ghost(None)
-        elif found is not None:  # it may have been explained before it was drawn
-            self._show_ghost(found)
+        elif explanation is not None:  # it may have been explained before it was drawn
+            self._show_ghost(explanation)
 
-    def on_explanation(self, found: Explanation) -> None:
+    def on_explanation(self, explanation: Explanation) -> None:
         """Show what an explanation adds."""
-        self.controls.on_explanation(found)
-        self._escape.on_explanation(found)
-        self._show_ghost(found)
+        self.controls.on_explanation(explanation)
+        self._escape.on_explanation(explanation)
+        self._show_ghost(explanation)
         now = self.controls.now
-        if now is not None and np.array_equal(now.q, found.q):
-            self.stage.blame([circuit.numbers for circuit in found.blame.smallest], now)
+        if now is not None and np.array_equal(now.q, explanation.q):
+            self.stage.blame([circuit.numbers for circuit in explanation.blame.smallest], now)
             if not self.session.moving:
-                self.stage.keep_in_view(found.q)
+                self.stage.keep_in_view(explanation.q)
 
     def on_failure(self, error: BaseException) -> None:
         """Say what went wrong."""

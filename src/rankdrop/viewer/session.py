@@ -36,7 +36,7 @@ class Listener(Protocol):
     def on_look(self, now: Now, source: object) -> None:
         """A configuration was looked at; `source` is whoever set it."""
 
-    def on_explanation(self, found: Explanation) -> None:
+    def on_explanation(self, explanation: Explanation) -> None:
         """A configuration was explained."""
 
     def on_failure(self, error: BaseException) -> None:
@@ -192,12 +192,12 @@ class Session:
                     return
                 known, q = self._version, self._q
             try:
-                found = explain(self.live.robot, q, self.live.task, analysis=self.analysis, limits=self.limits,
+                explanation = explain(self.live.robot, q, self.live.task, analysis=self.analysis, limits=self.limits,
                                 evaluations=EVALUATIONS, frame=self.frame)  # fmt: skip
                 with self._changed:
                     if not self._open:
                         return
-                self.listener.on_explanation(found)
+                self.listener.on_explanation(explanation)
             except Exception as error:
                 self._report(error)
             self.thought += 1

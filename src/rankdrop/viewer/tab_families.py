@@ -230,13 +230,13 @@ class EscapeTab:
                 stop=controls.button("stop", controls.session.stop),
             )  # fmt: skip
 
-    def on_explanation(self, found: Explanation) -> None:
+    def on_explanation(self, explanation: Explanation) -> None:
         """Label the buttons with what they do from here."""
-        out, r = found.escape, found.rank.generic_rank
+        out, r = explanation.escape, explanation.rank.generic_rank
         for way in out.single:
             usable = way.order is not None and way.within_limits and abs(way.step) > 0
             if usable:
-                unit = found.robot.variables[way.number - 1].unit
+                unit = explanation.robot.variables[way.number - 1].unit
                 told = f"{motion(way.step, unit)} → σ{r} = {short(way.sigma_after, 2)}"
             else:
                 told = _why_not(way, lost=bool(out.corank))
@@ -350,16 +350,16 @@ class SliceBox:
 
     def labels(self, robot: Robot) -> list[tuple[str, Array]]:
         """What to write where: the joints at the middles of their edges, the ends of their ranges at the corners."""
-        found = []
+        labels = []
         for number, (joint, low, high) in enumerate(zip(self.joints, self.low, self.high, strict=True)):
             unit = robot.variables[joint - 1].unit
             way = AXES[number] * self.edge
             aside = -0.09 * self.edge * AXES[0 if number == 1 else 1]
             start = self.corner + (self.edge * AXES[0] if number == 2 else 0.0)
-            found.append((f"{joint} {robot.variables[joint - 1].name}", start + 0.5 * way + 2.0 * aside))
-            found.append((_value(low, unit), start + 0.06 * way + aside))
-            found.append((_value(high, unit), start + 0.94 * way + aside))
-        return found
+            labels.append((f"{joint} {robot.variables[joint - 1].name}", start + 0.5 * way + 2.0 * aside))
+            labels.append((_value(low, unit), start + 0.06 * way + aside))
+            labels.append((_value(high, unit), start + 0.94 * way + aside))
+        return labels
 
 
 def _value(value: float, unit: str) -> str:

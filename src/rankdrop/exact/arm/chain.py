@@ -370,11 +370,11 @@ class Chain:
         """(n, 6) columns Σ m_j $_j of the variables, from the (N, 6) screws of the joints."""
         if not self.has_mimics:
             return screws
-        found = [[self.ring.zero] * 6 for _ in range(self.n)]
+        sums = [[self.ring.zero] * 6 for _ in range(self.n)]
         for section, screw in zip(self.sections, screws, strict=True):
-            column, m = found[section.variable - 1], self.ring.constant(section.rate)
-            found[section.variable - 1] = [x + m * y for x, y in zip(column, screw, strict=True)]
-        return each_entry(self.ring.reduce, found)
+            column, m = sums[section.variable - 1], self.ring.constant(section.rate)
+            sums[section.variable - 1] = [x + m * y for x, y in zip(column, screw, strict=True)]
+        return each_entry(self.ring.reduce, sums)
 
     def screws_about(self, k: int, m: int) -> list[list[Polynomial]]:
         """The n columns in the axes of link k, the linear part taken at the origin of the frame of link m."""
@@ -406,12 +406,12 @@ class Chain:
         else:
             first = times(ring, self.link_pose(k, 1), inverse(ring, self._joint(1)))
         tip = self._tip_in(last)
-        found = list(self.screws(k))
+        columns = list(self.screws(k))
         for row in sorted({*range(6)} - {*self.task.rows}):
             along = [ring.constant(x) for x in self.task_axes[row % 3]]
             axis = [ring.reduce(_inner(ring, first[i][:3], along)) for i in range(3)]
-            found.append([*_cross(ring, tip, axis), *axis] if row > 2 else [*axis, ring.zero, ring.zero, ring.zero])
-        return found
+            columns.append([*_cross(ring, tip, axis), *axis] if row > 2 else [*axis, ring.zero, ring.zero, ring.zero])
+        return columns
 
     def _tip_in(self, last: Matrix) -> list[Polynomial]:
         ring, (x, y, z) = self.ring, self.tip
@@ -425,12 +425,12 @@ class Chain:
 
     def screws_near(self, k: int, joints: Sequence[int]) -> list[list[Polynomial]]:
         """Screws (v; ω) of some joints in the frame of link k: of joints near it they are short in any arm."""
-        found = {
+        screws = {
             j: joint_screw(self.ring, pose, self.sections[j - 1].kind)  # at once: long ones end it before longer poses
             for j, pose in self._poses(k, min(*joints, k), max(*joints, k))
             if j in joints
         }
-        return [found[j] for j in joints]
+        return [screws[j] for j in joints]
 
     def _poses(self, k: int, first: int = 1, last: int | None = None) -> Iterator[tuple[int, Matrix]]:
         """Per joint of a stretch that holds link k (all joints) a frame with z along its axis, seen from link k."""
@@ -572,21 +572,21 @@ def exact_chain(
         )
     power = exponent(robot)
     unit = Fraction(10) ** power
-    found, roundings = sections(in_units(robot), float(unit))
-    found = tuple(replace(section, d=section.d * unit, a=section.a * unit) for section in found)
+    chain_sections, roundings = sections(in_units(robot), float(unit))
+    chain_sections = tuple(replace(section, d=section.d * unit, a=section.a * unit) for section in chain_sections)
     if resolved.m < 6 and min(resolved.rows) < 3:
         tip = _tip(robot)
     else:
         tip = None
     if tip is not None:
-        roundings += tip_roundings(_home_in_last(in_units(robot))[:3, 3], len(found) + 1, float(unit))
-    if lengths == "auto" and resolved.m == 6 and len(found) > WIDE:
+        roundings += tip_roundings(_home_in_last(in_units(robot))[:3, 3], len(chain_sections) + 1, float(unit))
+    if lengths == "auto" and resolved.m == 6 and len(chain_sections) > WIDE:
         lengths = "numbers"
-    letters, written = named_lengths(robot, found, lengths, tip)
+    letters, written = named_lengths(robot, chain_sections, lengths, tip)
     unused: tuple[tuple[str, float], ...] = ()
     if letters and isinstance(lengths, str):
         unused = tuple((name, value) for name, value in robot.lengths if name not in letters)
-    return Chain(robot, resolved, found, letters, written, roundings, unused)
+    return Chain(robot, resolved, chain_sections, letters, written, roundings, unused)
 
 
 def _home_in_last(robot: Robot) -> Array:

@@ -147,7 +147,7 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
     angles = [_angle(normals[i][0], normals[i + 1][0], line[0]) for i, line in enumerate(lines)]
     shifts = {joint.name: _shift(joint, angle) for joint, angle in zip(robot.joints, angles, strict=True)}
     roundings: list[Deviation] = []
-    found = []
+    out = []
     for i, joint in enumerate(robot.joints):
         (_, _, start), (after, near, far), z = normals[i], normals[i + 1], lines[i][0]
         angle, distance, twist = angles[i], float((near - start) @ z), turn(0.0)
@@ -179,8 +179,8 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
                 size = unit if what in "ad" else 1.0
                 roundings.append(Deviation(what, (i + 1,), size * error, size * value))
         variable = robot.drivers[i] + 1
-        found.append(Section(joint.kind, phase, shift, exact["d"], exact["a"], twist, variable, multiplier, part))
-    return tuple(found), tuple(roundings)
+        out.append(Section(joint.kind, phase, shift, exact["d"], exact["a"], twist, variable, multiplier, part))
+    return tuple(out), tuple(roundings)
 
 
 def _angle(before: Array, after: Array, z: Array) -> float:
@@ -197,10 +197,10 @@ def _shift(joint: Joint, angle: float) -> float:
 
 def tip_roundings(tip: Array, joint: int, unit: float) -> tuple[Deviation, ...]:
     """Coordinates of the tip in the frame of the last link that `decimals` changes, as roundings of a joint more."""
-    found = zip("ayd", map(float, tip), map(float, decimals(tip)), strict=True)
+    coordinates = zip("ayd", map(float, tip), map(float, decimals(tip)), strict=True)
     return tuple(
         Deviation(kind, (joint,), unit * (given - exact), unit * given)
-        for kind, given, exact in found if abs(given - exact) > _NOISE["a"]
+        for kind, given, exact in coordinates if abs(given - exact) > _NOISE["a"]
     )  # fmt: skip
 
 

@@ -109,13 +109,13 @@ def triples(chain: Chain) -> list[tuple[tuple[int, int, int], str]]:
     In the frame of the middle one (z along its axis) their screws have v = 0, or v_z = ω_x = ω_y = 0. None where joints
     follow others.
     """
-    found = []
+    meeting = []
     for first in range(1, 0 if chain.has_mimics else chain.n - 1):
         three = chain.screws(first + 1)[first - 1 : first + 2]
         for name, rows in (("spherical", (0, 1, 2)), ("planar", (2, 3, 4))):
             if all(x == 0 for x in entries(with_rows(three, rows))):
-                found.append(((first, first + 1, first + 2), name))
-    return found
+                meeting.append(((first, first + 1, first + 2), name))
+    return meeting
 
 
 def check_basic(chain: Chain, basic: Sequence[int] | None, frame: int | None) -> None:
@@ -168,25 +168,25 @@ def _parallel(chain: Chain, revolute: list[bool]) -> tuple[tuple[int, ...], ...]
 
 def _nearly_in_one(chain: Chain, triples: list[tuple[int, int, int]]) -> list[Deviation]:
     """Triples whose normals and offset are small, not all zero."""
-    found = []
+    deviations = []
     for first, middle, last in triples:
         before, own = chain.sections[first - 1], chain.sections[middle - 1]
         if not (_is_twisted(before) and _is_twisted(own)):
             continue
         miss = max(abs(float(x)) for x in (before.a, own.d, own.a))
         if 0 < miss <= SMALL * reach(chain.robot):
-            found.append(Deviation("point", (first, middle, last), miss, counted=counted_length(chain.robot)))
-    return found
+            deviations.append(Deviation("point", (first, middle, last), miss, counted=counted_length(chain.robot)))
+    return deviations
 
 
 def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[Deviation]:
-    found = []
+    deviations = []
     for i in neighbours:
         twist = chain.sections[i - 1].twist
         angle = acos(min(1.0, abs(float(twist.cos))))
         if twist.sin != 0 and angle <= SMALL:
-            found.append(Deviation("parallel", (i, i + 1), angle))
-    return found
+            deviations.append(Deviation("parallel", (i, i + 1), angle))
+    return deviations
 
 
 Columns = list[list[Polynomial]]
@@ -240,14 +240,14 @@ def block_form(chain: Chain, structure: ExactStructure) -> BlockForm | None:
         structure: of the chain.
     """
     if chain.has_mimics:
-        found = []
+        forms = []
     else:
-        found = list(_candidates(chain, structure))
-    if not found:
+        forms = list(_candidates(chain, structure))
+    if not forms:
         return None
     parts = {structure.wrist: 0, structure.shoulder: 1}
     kinds = list(KINDS)
-    best = min(found, key=lambda group: (kinds.index(group.kind), parts.get(group.group, 2), _terms(group.columns)))
+    best = min(forms, key=lambda group: (kinds.index(group.kind), parts.get(group.group, 2), _terms(group.columns)))
     if best.kind == "point":
         return _best_axes(chain, best)
     return best
@@ -404,9 +404,9 @@ def sizes(chain: Chain) -> list[tuple[int, int, int | None]]:
     """
     check_frame(chain, 1, None)
     points: list[int | None] = [None, *(range(1, chain.links + 1) if moves(chain) else ())]
-    found = [
+    block_sizes = [
         (count_terms(frame_jacobian(chain, k, at)), k, at)
         for at in points
         for k in range(1, chain.links + 1)
     ]
-    return sorted(found, key=lambda key: (key[0], key[2] is not None, key[2] or 0, key[1]))
+    return sorted(block_sizes, key=lambda key: (key[0], key[2] is not None, key[2] or 0, key[1]))

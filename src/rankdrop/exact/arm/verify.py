@@ -57,7 +57,7 @@ def rank_check(chain: Chain, points: Iterable[Point]) -> tuple[int, ...]:
 def rank_agreement(chain: Chain, points: Iterable[Point], claimed: int) -> Check:
     """At how many of the points, one or more of every piece of a family, the rank is exactly as claimed."""
     ranks = rank_check(chain, points)
-    return Check(len(ranks), sum(found == claimed for found in ranks))
+    return Check(len(ranks), sum(rank == claimed for rank in ranks))
 
 
 def _twists(chain: Chain, point: Point) -> list[list[int]]:
@@ -66,17 +66,17 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
     """
     prime = point.prime
     frame = _Frame([[int(i == j) for j in range(3)] for i in range(3)], [0, 0, 0])
-    found = [[0] * 6 for _ in range(chain.n)]
+    twists = [[0] * 6 for _ in range(chain.n)]
     for number, section in enumerate(chain.sections):
         screw = _screw(frame, section, prime)
         variable, m = section.variable - 1, residue(section.multiplier, prime)
-        found[variable] = [(x + m * y) % prime for x, y in zip(found[variable], screw, strict=True)]
+        twists[variable] = [(x + m * y) % prime for x, y in zip(twists[variable], screw, strict=True)]
         frame = _next_frame(chain, frame, number, section, point)
     left_out = sorted({*range(6)} - {*chain.task.rows})
     if left_out:
         tip = _tip(chain, frame, point)
-        found += [_screw_of_row(chain, frame, tip, row, prime) for row in left_out]
-    return found
+        twists += [_screw_of_row(chain, frame, tip, row, prime) for row in left_out]
+    return twists
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,10 @@ def test_the_long_ones_are_there() -> None:
     assert set(MODULES) >= LONG
 
 
-@pytest.mark.by_hand
+@pytest.mark.slow
 @pytest.mark.parametrize("modules", [
     pytest.param([name for name in MODULES if name not in LONG], id="quick"),
-    pytest.param(sorted(LONG), id="long", marks=pytest.mark.slow),
+    pytest.param(sorted(LONG), id="long"),
 ])  # fmt: skip
 def test_what_the_examples_show_is_what_comes(modules: list[str]) -> None:
     runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE, verbose=False)

@@ -362,7 +362,7 @@ def value_in_error(value: Any) -> str:
     """A value in an error: its beginning, or how large it is.
 
     Example:
-        >>> shown([1, 2, 3]), shown("wrist")
+        >>> value_in_error([1, 2, 3]), value_in_error("wrist")
         ('a list of 3', "'wrist'")
     """
     if isinstance(value, list | dict):

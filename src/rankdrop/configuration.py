@@ -269,8 +269,8 @@ def configuration_at(
 
     Example:
         >>> from rankdrop.robot.open import open_robot
-        >>> found = at(open_robot("pa10"), [0.0] * 7).measured
-        >>> found.rank, found.corank, found.nullity
+        >>> measured = configuration_at(open_robot("pa10"), [0.0] * 7).measured
+        >>> measured.rank, measured.corank, measured.nullity
         (3, 3, 4)
     """
     if isinstance(robot, Configuration):

@@ -25,7 +25,7 @@ def leave_out(items: Iterable[From], left_out: Iterable[From]) -> list[From]:
 
     Example:
         >>> first, second = [1], [1]
-        >>> without([first, second], [second]) == [first]
+        >>> leave_out([first, second], [second]) == [first]
         True
     """
     gone = {id(item) for item in left_out}

@@ -74,10 +74,10 @@ def advise(name: str, value: str = "", *, python: str = "") -> str:
         python: what is written in Python, where it is not `name=value` of the call.
 
     Example:
-        >>> advised("tip-tolerance", "…"), advised("task", "position"), advised("full")
+        >>> advise("tip-tolerance", "…"), advise("task", "position"), advise("full")
         ('tip_tolerance=…', "task='position'", 'full=True')
         >>> with on_command_line():
-        ...     advised("tip-tolerance", "…"), advised("task", "position"), advised("full")
+        ...     advise("tip-tolerance", "…"), advise("task", "position"), advise("full")
         ('--tip-tolerance', '--task position', '--full')
     """
     if _typed:
@@ -191,7 +191,7 @@ def allowed_values(hint: Any) -> str:
     """What a field may be, in words.
 
     Example:
-        >>> allowed(Annotated[float, option("Speed", unit="m/s", gt=0)])
+        >>> allowed_values(Annotated[float, option("Speed", unit="m/s", gt=0)])
         'a number above 0 [m/s]'
     """
     kind, meta, unit = plain_type(hint), meta_of(hint), unit_of(hint)

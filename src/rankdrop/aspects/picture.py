@@ -80,7 +80,7 @@ def aspect_maps(count: AspectCount, signs: Signs | None) -> tuple[AspectMap, ...
         >>> from rankdrop.task import resolve_task
         >>> arm = open_robot("ur5e")
         >>> [(chart.joints, len(chart.regions)) for chart in aspect_maps(*count_of_arm(arm, resolve_task(None, arm)))]
-        [((2, 3, 4), 4), ((5,), 2)]
+        [((5,), 2), ((2, 3, 4), 4)]
     """
     signs = _drawable(count, signs)
     ring, polynomials = signs.chain.ring, [polynomial_of(factor) for factor in signs.factors]

@@ -526,7 +526,7 @@ def families_between(chain: Chain, first: ArrayLike, second: ArrayLike, *, signs
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
-        >>> between(exact_chain(open_robot("planar2r")), [0, 0.5], [0, -0.5]).sentences()[0]
+        >>> families_between(exact_chain(open_robot("planar2r")), [0, 0.5], [0, -0.5]).sentences()[0]
         'Every path between them crosses elbow: axes 1, 2 and tip coplanar (s2): its sign differs.'
     """
     if signs is not None:

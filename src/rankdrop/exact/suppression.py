@@ -390,7 +390,7 @@ def suppress(
         >>> from rankdrop.exact.arm.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
         >>> found = suppress(exact_chain(open_robot("puma560")))
-        >>> [(family.stratum.closed, family.stratum.open) for family in found.families[:2]]
+        >>> [(family.stratum.equalities, family.stratum.inequalities) for family in found.families[:2]]
         [((s5,), ()), ((s3*a3 + c3*d4,), (s5,))]
     """
     if chain.task.rows != (0, 1, 2, 3, 4, 5) or chain.n < 6:

@@ -536,7 +536,7 @@ def rescale_equation(equation: Equation, slides: Sequence[int], power: int) -> E
     Example:
         >>> from rankdrop.formula.equation import Term
         >>> slide = Equation((Term(1.0, "cos", (0, 0), (0, 1)), Term(-0.3, "cos", (2, 0), (0, 0))))
-        >>> print(slide, "|", rescaled(slide, [1], 3))
+        >>> print(slide, "|", rescale_equation(slide, [1], 3))
         q2 − 0.3 cos θ1 | 0.003333 q2 − cos θ1
     """
     lengths = [sum(term.powers[i] for i in slides) for term in equation.terms]

@@ -68,10 +68,11 @@ def jog_out(here: Configuration, options: ExplainOptions) -> Jog:
         The jog. Where none ends regular: the jog to full rank after which the slowest motion is fastest, or nothing.
 
     Example:
-        >>> from rankdrop.configuration import at
+        >>> from rankdrop.configuration import configuration_at
         >>> from rankdrop.robot.open import open_robot
-        >>> found = jog_out(at(open_robot("puma560"), [0.3, 0.5, 0.4, 0.2, 0.0, 0.6]), ExplainOptions())
-        >>> [(number, round(float(np.degrees(step)), 1)) for number, step in found.moves], found.regular
+        >>> here = configuration_at(open_robot("puma560"), [0.3, 0.5, 0.4, 0.2, 0.0, 0.6])
+        >>> jog = jog_out(here, ExplainOptions())
+        >>> [(number, round(float(np.degrees(step)), 1)) for number, step in jog.moves], jog.regular
         ([(5, -4.0)], True)
     """
     trial = _Trial(here, options)

@@ -59,7 +59,7 @@ def slowed_down(path: Curve, rates: Array, accelerations: Array) -> tuple[Trajec
         >>> path = Trajectory("", np.array([0.0, 1.0, 1.1, 2.1]), rows, True, ()).curve("linear")
         >>> made, parts = slowed_down(path, np.array([2.0]), np.array([np.inf]))
         >>> round(float(np.abs(np.diff(made.q[:, 0]) / np.diff(made.times)).max()), 5), round(parts[0].longer, 3)
-        (2.0, 0.3)
+        (2.0, 0.24)
     """
     if path.degree != 1 or path.times is None or path.rates is None:
         return None

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rankdrop.families import posed
+from rankdrop.families import pose_witness
 from rankdrop.families.pictured import TALL, height, upright, upright_start
 from rankdrop.local import fault, singular_values
 from rankdrop.results.known import shipped
@@ -19,7 +19,7 @@ def test_an_arm_is_drawn_upright(name: str) -> None:
     """Both lay on the floor (0.18 and 0.22 of the reach)."""
     found = shipped(name)
     robot, task = found.robot, found.task
-    before = [posed(robot, task, family, found.families) for family in found.families]
+    before = [pose_witness(robot, task, family, found.families) for family in found.families]
     after = [upright(robot, task, family, found.families) for family in found.families]
     assert min(height(robot, np.array([one.witness for one in before]))) < 0.25
     for family, usual in zip(after, before, strict=True):
@@ -49,7 +49,7 @@ def test_a_member_inside_the_limits_is_drawn_where_round_starts_lead_to_none() -
     )
     arm = replace(found.robot, joints=joints)
     away = replace(family, witness=tuple(corner + 1.0))
-    usual, drawn = (np.array(choose(arm, found.task, away).witness) for choose in (posed, upright))
+    usual, drawn = (np.array(choose(arm, found.task, away).witness) for choose in (pose_witness, upright))
     assert ((usual < arm.lower) | (usual > arm.upper)).any()
     assert ((drawn >= arm.lower) & (drawn <= arm.upper)).all()
 

@@ -20,7 +20,7 @@ from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.verbs.conditions import conditions
 from rankdrop.verbs.explain import explain
-from rankdrop.verbs.ideal_vs_actual import here, idealised, nearby
+from rankdrop.verbs.ideal_vs_actual import ideal_vs_actual_at, idealised, nearby
 
 CALIBRATED = Path(__file__).parents[1] / "data" / "ur5_calibrated.toml"
 
@@ -135,13 +135,13 @@ def test_what_is_shipped_is_not_taken_for_an_ideal_or_a_calibrated_arm(made: Ide
 
 def test_at_one_configuration_the_ideal_singularity_and_the_arm_there(made: Idealised) -> None:
     q = [0.1, -2.0, 1.5, 1.0, 0.005, 0.0]
-    found = here(made, explain(made.ideal, q))
+    found = ideal_vs_actual_at(made, explain(made.ideal, q))
     assert found.number == 6
     assert found.distance is not None
     assert found.distance < 0.01
     assert found.q is not None
     assert found.there == pytest.approx(sigma_of(made.real, np.array(found.q))[5], rel=0.01)
     assert found.sigma == pytest.approx(sigma_of(made.real, np.array(q))[5], rel=0.01)
-    at = here(made, explain(made.ideal, [0.1, -2.0, 1.5, 1.0, 0.0, 0.0]))
+    at = ideal_vs_actual_at(made, explain(made.ideal, [0.1, -2.0, 1.5, 1.0, 0.0, 0.0]))
     assert at.distance == 0.0
     assert at.there == at.sigma > 1e-6

@@ -10,7 +10,7 @@ import pytest
 
 import rankdrop
 from rankdrop.families import pictured
-from rankdrop.families.pictured import _turned_share, posed
+from rankdrop.families.pictured import _turned_share, pose_witness
 from rankdrop.families.record import Family
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_directions
@@ -70,7 +70,7 @@ def worst(found: Analysis, family: Family) -> Family:
 def test_a_posed_family_is_the_same_family_at_a_better_place(name: str) -> None:
     found = shipped(name)
     for family in map(partial(worst, found), found.families):
-        after = posed(found.robot, found.task, family)
+        after = pose_witness(found.robot, found.task, family)
         before, there = fault(found.robot, [family.witness])[0], fault(found.robot, [after.witness])[0]
         assert there <= before - 0.15 or after is family
         assert (after.id, after.equations, after.pinned) == (family.id, family.equations, family.pinned)
@@ -84,7 +84,7 @@ def test_a_posed_family_is_the_same_family_at_a_better_place(name: str) -> None:
 def test_a_posed_family_tells_what_is_lost_where_it_stands() -> None:
     found = shipped("ur5")
     before = worst(found, found.families[0])
-    family = posed(found.robot, found.task, before)
+    family = pose_witness(found.robot, found.task, before)
     assert family.witness != before.witness
     lost = lost_directions(found.robot, np.array(family.witness), found.task, 1)
     assert abs(float((lost @ family.lost_directions.T).item())) == pytest.approx(1.0)
@@ -96,7 +96,7 @@ def test_an_example_of_two_families_is_given_up_for_one_of_its_own() -> None:
     found = shipped("pa10")
     family = next(one for one in found.families if one.id == "k1.f2")
     both = replace(family, witness=tuple(0.0 if i == 3 else x for i, x in enumerate(family.witness)))
-    after = posed(found.robot, found.task, both, found.families)
+    after = pose_witness(found.robot, found.task, both, found.families)
     assert abs(np.sin(after.witness[3])) > 0.1
     assert family.system.zero(np.array([after.witness])).all()
 
@@ -114,7 +114,7 @@ def test_a_family_of_rank_zero_is_posed_too(monkeypatch: pytest.MonkeyPatch) -> 
     family = found.families[0]
     assert found.generic_rank == family.corank == 1
     monkeypatch.setattr(pictured, "_WORTH", -10.0)  # wherever it goes
-    after = posed(found.robot, found.task, replace(family, witness=(9.0, 9.0)))
+    after = pose_witness(found.robot, found.task, replace(family, witness=(9.0, 9.0)))
     assert after.witness != (9.0, 9.0)
     assert singular_values(found.robot, after.witness, found.task)[0] <= 1e-9
 
@@ -122,12 +122,12 @@ def test_a_family_of_rank_zero_is_posed_too(monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", ["ur5", "puma560", "kr16"])
 def test_what_is_printed_is_what_is_drawn(name: str) -> None:
-    """Witnesses of shipped analyses and conditions stand where `posed` would put them, so that pictures keep them."""
+    """Witnesses of shipped analyses and conditions stand where `pose_witness` would put them: pictures keep them."""
     found = shipped(name)
     exactly = known_conditions(found.robot, found.task)
     assert exactly is not None
     for family in found.families:
-        assert posed(found.robot, found.task, family, found.families) == family
+        assert pose_witness(found.robot, found.task, family, found.families) == family
     again = posed_exactly(found.robot, found.task, exactly.families)
     assert [one.witness for one in again] == [one.witness for one in exactly.families]
     good = fault(found.robot, [family.witness for family in found.families]) < 0.5
@@ -139,7 +139,7 @@ def test_an_analysis_made_now_has_its_witnesses_in_good_postures(monkeypatch: py
     arm = open_robot("puma560")
     found = rankdrop.analyze(arm, starts=300, exact="off")
     good = fault(arm, [family.witness for family in found.families])
-    monkeypatch.setattr("rankdrop.verbs.analyze.posed", lambda robot, task, family, others: family)
+    monkeypatch.setattr("rankdrop.verbs.analyze.pose_witness", lambda robot, task, family, others: family)
     plain = rankdrop.analyze(arm, starts=300, exact="off")
     assert (good < 0.5).sum() > (fault(arm, [family.witness for family in plain.families]) < 0.5).sum()
     assert found.residual().holds(found.settings.tolerances)

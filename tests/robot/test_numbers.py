@@ -14,7 +14,7 @@ from rankdrop.exact.arm.geometry import sections
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Mimic, Robot
-from rankdrop.robot.numbers import Numbers, axis_lines, extent, meeting, numbers_of, squared
+from rankdrop.robot.numbers import Numbers, axis_lines, extent, meeting, numbers_of, square_up
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.transform import frame_on_axis
 from rankdrop.robot.urdf import from_urdf
@@ -60,7 +60,7 @@ def carried_screw(transform: Array, screw: Array) -> Array:
 @pytest.mark.parametrize("name", robot_names())
 def test_an_exact_arm_is_left_alone(name: str) -> None:
     arm = open_robot(name)
-    found, changes = squared(arm)
+    found, changes = square_up(arm)
     assert found is arm
     assert changes == ()
 
@@ -70,9 +70,9 @@ def test_an_exact_arm_is_left_alone(name: str) -> None:
 @pytest.mark.parametrize("name", KINDS)
 def test_noise_is_taken_away_again(name: str, rng: np.random.Generator) -> None:
     arm = open_robot(name)
-    found, changes = squared(noisy(arm, rng))
+    found, changes = square_up(noisy(arm, rng))
     assert changes
-    assert squared(found)[0] is found
+    assert square_up(found)[0] is found
     for mine, true in zip(read(found), read(arm), strict=True):
         assert same_turn(mine.twist, true.twist, exact=is_fine(true.twist))
         assert same_turn(mine.phase, true.phase, exact=is_fine(true.phase))
@@ -98,7 +98,7 @@ def same_turn(one: float, other: float, *, exact: bool) -> bool:
 @pytest.mark.parametrize("name", KINDS)
 def test_the_arm_moves_by_no_more_than_its_noise_allows(name: str, rng: np.random.Generator) -> None:
     given = noisy(open_robot(name), rng)
-    found, changes = squared(given)
+    found, changes = square_up(given)
     limit = len(given.joints) * (2 * SQUARE * extent(given) + 3 * MEETING)
     for q in rng.uniform(-2, 2, (5, given.n)):
         assert np.abs(pose(found, q) - pose(given, q)).max() <= limit
@@ -109,7 +109,7 @@ def test_all_else_is_kept(rng: np.random.Generator) -> None:
     arm = open_robot("panda")
     joints = (*arm.joints[:-1], replace(arm.joints[-1], mimic=Mimic("panda_joint5", 2.0, 0.1)))
     arm = replace(arm, joints=joints, notes=("a note",), lengths=(("b", 0.088),))
-    found, changes = squared(noisy(arm, rng))
+    found, changes = square_up(noisy(arm, rng))
     assert changes
     for one, other in zip(found.joints, arm.joints, strict=True):
         assert [getattr(one, key) for key in KEPT] == [getattr(other, key) for key in KEPT]
@@ -121,7 +121,7 @@ KEPT = ("name", "kind", "lower", "upper", "velocity", "mimic")
 
 
 def test_axes_parallel_but_for_noise_are_parallel_to_the_bit(rng: np.random.Generator) -> None:
-    found, _ = squared(noisy(open_robot("ur5e"), rng))
+    found, _ = square_up(noisy(open_robot("ur5e"), rng))
     assert np.array_equal(found.joints[1].screw[3:], found.joints[2].screw[3:])
     assert np.array_equal(found.joints[1].screw[3:], found.joints[3].screw[3:])
 
@@ -145,7 +145,7 @@ def table(**changed: float) -> Robot:
 )  # fmt: skip
 def test_the_tolerances_are_2e_5_rad_and_2_micrometres(changed: dict[str, float], inside: bool) -> None:
     arm = table(**changed)
-    found, changes = squared(arm)
+    found, changes = square_up(arm)
     assert (found is not arm) is inside
     if inside:
         (key, value), (change,) = *changed.items(), changes
@@ -158,14 +158,14 @@ def test_the_tolerances_are_2e_5_rad_and_2_micrometres(changed: dict[str, float]
 
 def test_wider_tolerances_are_the_callers() -> None:
     arm = table(alpha1=pi / 2 + 0.004, a1=8e-4)
-    assert squared(arm)[0] is arm
-    assert [change.kind for change in squared(arm, angle=0.005, length=1e-3)[1]] == ["distance", "twist"]
+    assert square_up(arm)[0] is arm
+    assert [change.kind for change in square_up(arm, angle=0.005, length=1e-3)[1]] == ["distance", "twist"]
 
 
 def test_axes_that_part_slowly_do_not_carry_the_tool_away() -> None:
     """Axes 1e-5 rad from parallel meet 40 km away: the normal stands where the links are."""
     arm = table(alpha2=1e-5)
-    found, _ = squared(arm)
+    found, _ = square_up(arm)
     assert np.abs(found.home - arm.home).max() < 1e-5
     assert found.joints[2].screw == pytest.approx(arm.joints[2].screw, abs=1e-5)
 
@@ -175,7 +175,7 @@ def test_lengths_are_worked_out_about_the_axes_that_were_squared() -> None:
     inside = '<origin xyz="0 0.4 0" rpy="-1.57080632679 0 0.00001"/><axis xyz="0 0 1"/>'
     arm = from_urdf(robot([joint("j1", "a", "b"), joint("j2", "b", "c", "continuous", inside)]), as_written=True)
     assert abs(numbers_of(arm, angle=1e-6, length=1e-9)[0].a) == pytest.approx(4e-6, rel=1e-3)
-    found, changes = squared(arm)
+    found, changes = square_up(arm)
     assert numbers_of(found, angle=1e-6, length=1e-9)[0].a == 0.0
     assert {change.kind for change in changes} == {"distance", "twist"}
     assert found.joints[1].frame[:3, 3].tolist() == [0, 0.4, 0]
@@ -183,7 +183,7 @@ def test_lengths_are_worked_out_about_the_axes_that_were_squared() -> None:
 
 def test_offsets_that_cancel_along_parallel_axes_cancel_exactly() -> None:
     rows = [(0, pi / 2, 0.3, 0), (0.4, 0, 0.1, 0), (0.3, 0, -0.0999995, 0), (0, pi / 2, 0, 0), (0, 0, 0.2, 0)]
-    found, (change,) = squared(from_dh(rows, convention="standard"))
+    found, (change,) = square_up(from_dh(rows, convention="standard"))
     assert (change.kind, change.joints, change.name) == ("offset", (2, 3, 4), "d2 + d3 + d4")
     assert (change.before, change.after) == (pytest.approx(5e-7), 0.0)
     given = numbers_of(found, angle=1e-6, length=1e-9)
@@ -194,7 +194,7 @@ def test_offsets_that_cancel_along_parallel_axes_cancel_exactly() -> None:
 def test_lengths_lose_their_last_digits_of_noise() -> None:
     rows = [(0.240000000000178, "pi/2", 0, 0), (0.1234567891, 0, -1e-12, 0), (0.1, 0, 0, 0)]
     arm = from_dh(rows, convention="standard")
-    found, changes = squared(arm)
+    found, changes = square_up(arm)
     assert changes == ()  # nothing to tell: less than a nanometre
     one, two, _ = numbers_of(found, angle=1e-6, length=1e-9)
     assert (one.a, two.a, two.d) == (0.24, pytest.approx(0.1234567891, abs=1e-16), 0.0)
@@ -207,20 +207,20 @@ def test_two_micrometres_are_the_same_in_any_unit(unit: float, size: float) -> N
         rows = [(0, pi / 2, 0.3 * size, 0), (0.4 * size, 0, noise, 0), (0.2 * size, 0, 0, 0)]
         arm = from_dh([(a * unit, alpha, d * unit, 0) for a, alpha, d, _ in rows], convention="standard")
         assert meeting(arm) == pytest.approx(MEETING * unit)
-        assert (squared(arm)[0] is not arm) is inside
+        assert (square_up(arm)[0] is not arm) is inside
 
 
 @pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3, 1e6], ids=["km", "m", "mm", "µm"])
 def test_noise_of_less_than_a_nanometre_goes_in_any_unit(unit: float) -> None:
     rows = [(0.4 + 4e-10, pi / 2, 0, 0), (0.3, 0, 0, 0), (0.1, 0, 0, 0)]
     arm = from_dh([(a * unit, alpha, d * unit, 0) for a, alpha, d, _ in rows], convention="standard")
-    assert numbers_of(squared(arm)[0], angle=1e-6, length=1e-9 * unit)[0].a == 0.4 * unit
+    assert numbers_of(square_up(arm)[0], angle=1e-6, length=1e-9 * unit)[0].a == 0.4 * unit
 
 
 def test_an_arm_without_structure_is_left_alone(rng: np.random.Generator) -> None:
     rows = [(a, alpha, d, theta) for a, alpha, d, theta in rng.uniform(0.3, 0.4, (6, 4))]
     arm = from_dh(rows, convention="standard")
-    assert squared(arm)[0] is arm
+    assert square_up(arm)[0] is arm
 
 
 def test_slides_and_screws_of_any_pitch_are_squared_too(rng: np.random.Generator) -> None:
@@ -228,7 +228,7 @@ def test_slides_and_screws_of_any_pitch_are_squared_too(rng: np.random.Generator
     nut = from_dh([{"a": 0.1, "alpha": "pi/2", "kind": "helical", "pitch": 0.01}, *rows[1:]], convention="standard")
     slide = from_dh(rows, kinds="RPR", convention="standard")
     for arm, place in ((nut, 0), (slide, 1)):
-        found, changes = squared(noisy(arm, rng))
+        found, changes = square_up(noisy(arm, rng))
         one, other = found.joints[place].screw, arm.joints[place].screw
         assert changes
         assert one == pytest.approx(other, abs=1e-5)
@@ -269,7 +269,7 @@ def test_a_file_with_rounded_angles_is_recognised_as_the_arm_of_the_catalogue(na
 
 
 def test_the_exact_side_sees_the_same_arm(rng: np.random.Generator) -> None:
-    arm, _ = squared(noisy(open_robot("iiwa14"), rng))
+    arm, _ = square_up(noisy(open_robot("iiwa14"), rng))
     found, remarks = sections(arm)
     assert all(abs(one.miss) < 1e-12 for one in remarks)  # lengths that are no short decimals
     assert all(abs(turn.error) < 1e-15 for one in found for turn in (one.twist, one.phase))
@@ -287,7 +287,7 @@ def test_frames_far_away_are_carried_along_as_they_are() -> None:
     """300 m along axes that are 1e-5 rad from parallel, and back: squared about frames there, 3 mm would be lost."""
     rows = [(0, pi / 2, 0.3, 0), (0.4, 1e-5, 300.0, 0), (0.3, 0, -300.0, 0), (0, pi / 2, 0, 0), (0, 0, 0.2, 0)]
     arm = from_dh(rows, convention="standard")
-    found, changes = squared(arm)
+    found, changes = square_up(arm)
     assert max(change.by for change in changes if not change.turns) < 1e-6
     assert [change.name for change in changes if change.turns] == ["α2"]
     assert found.home[:3, 3] == pytest.approx(arm.home[:3, 3], abs=1e-4)
@@ -304,13 +304,13 @@ def test_offsets_cancel_only_between_two_normals(kinds: str, twists: tuple[float
     offsets = (0.0, 0.1, -0.0999995, 0.0)
     rows = [(a, twist, d, 0) for a, twist, d in zip(lengths, twists, offsets, strict=True)]
     arm = from_dh([*rows, (0.1, 0, 0, 0)], kinds=kinds, convention="standard")
-    assert squared(arm)[0] is arm
+    assert square_up(arm)[0] is arm
 
 
 def test_an_axis_that_leans_along_the_normal_is_told_as_a_twist() -> None:
     inside = '<origin xyz="0.4 0 0" rpy="0 0.0000123 0"/><axis xyz="0 0 1"/>'
     arm = from_urdf(robot([joint("j1", "a", "b"), joint("j2", "b", "c", "continuous", inside)]), as_written=True)
-    found, (change,) = squared(arm)
+    found, (change,) = square_up(arm)
     assert (change.name, change.by) == ("α1", pytest.approx(1.23e-5))
     assert found.joints[1].screw[3:].tolist() == [0, 0, 1]
 
@@ -321,7 +321,7 @@ def test_the_tip_is_straightened_of_noise_alone(lean: float, kept: bool) -> None
     tool = np.eye(4)
     tool[:3, :3] = exponential(np.array([0, 0, 0, 1.0, 0, 0]), lean)[:3, :3]
     arm = from_dh([(0, pi / 2, 0.3, 0), (0.4, 0, 0, 0)], convention="standard", tool=tool)
-    found, changes = squared(arm, angle=0.01)
+    found, changes = square_up(arm, angle=0.01)
     assert (found is arm) is kept
     assert [(change.kind, change.joints) for change in changes] == ([] if kept else [("tip", (2,))])
     if not kept:

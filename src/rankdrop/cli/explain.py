@@ -145,7 +145,7 @@ def _of_configuration(
     """The explanation; with options also the ideal arm here, the certificate and the Lie procedure."""
     here = proven = procedure = None
     if made is not None:
-        here = verbs.here(made, explanation)
+        here = verbs.ideal_vs_actual_at(made, explanation)
     if output.certificate is not None or near is not None:
         proven = of_place(explanation, near, options.evaluations)
     if output.lie:

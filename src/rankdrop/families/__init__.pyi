@@ -5,7 +5,7 @@ from .name import FamilyName as FamilyName
 from .pictured import TALL as TALL
 from .pictured import VIEW as VIEW
 from .pictured import height as height
-from .pictured import posed as posed
+from .pictured import pose_witness as pose_witness
 from .pictured import upright as upright
 from .pictured import upright_start as upright_start
 from .points import Walk as Walk

@@ -2,9 +2,9 @@
 
 `witness` is a readable configuration: zeros where nothing depends on a joint, round numbers elsewhere.
 
-`posed` chooses the witness of a table: a member that nothing speaks against (`rankdrop.local.fault`). In a picture that
-is not enough: an arm that lies along the floor is a thin line in a wide frame. `upright` draws the member that stands
-up, among those that are no worse in `fault`, and searches longer for one inside the joint limits.
+`pose_witness` chooses the witness of a table: a member that nothing speaks against (`rankdrop.local.fault`). In a
+picture that is not enough: an arm that lies along the floor is a thin line in a wide frame. `upright` draws the member
+that stands up, among those that are no worse in `fault`, and searches longer for one inside the joint limits.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ def _wrap_without_rounding(problem: Problem, q: Array) -> Array:
     return np.where(np.abs(q) < 1e-15, 0.0, q)
 
 
-def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = ()) -> Family:
+def pose_witness(robot: Robot, task: Task, family: Family, others: Sequence[Family] = ()) -> Family:
     """The family with its witness in a good posture: inside the limits, above the base, not self-folded.
 
     The equations are solved from round configurations inside the limits; of the members found, each checked in the
@@ -132,7 +132,7 @@ def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = (
         >>> from rankdrop.local import fault
         >>> found = shipped("ur5")
         >>> before = found.families[0]
-        >>> after = posed(found.robot, found.task, before)
+        >>> after = pose_witness(found.robot, found.task, before)
         >>> bool(fault(found.robot, [after.witness])[0] <= fault(found.robot, [before.witness])[0])
         True
     """
@@ -151,7 +151,7 @@ def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = (
 
 
 def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] = ()) -> Family:
-    """The family as `posed` gives it, with its witness upright where a member is, not worse in any other way.
+    """The family as `pose_witness` gives it, with its witness upright where a member is, not worse in any other way.
 
     A witness outside the joint limits is drawn only where 2,256 starts lead to no member inside them.
 
@@ -163,7 +163,7 @@ def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] =
     Returns:
         The family with its witness and the directions lost there.
     """
-    family = posed(robot, task, family, others)
+    family = pose_witness(robot, task, family, others)
     choice = _Choice(robot, task, family, others)
     arm, present = choice.problem.robot, choice.own[None]
     poor, outside = _poor(arm, present)[0], _count_joints_beyond_limits(arm, present)[0]

@@ -3,7 +3,7 @@ from .running import Engine as Engine
 from .running import Folder as Folder
 from .running import Job as Job
 from .running import Progress as Progress
-from .running import alone as alone
 from .running import check_engine as check_engine
 from .running import finish as finish
+from .running import hold_lock as hold_lock
 from .running import progress_of as progress_of

@@ -104,7 +104,7 @@ def error_from_dict(record: dict[str, Any]) -> RankdropError:
 
 
 @contextmanager
-def alone(path: str | Path, inside: str = "") -> Iterator[None]:
+def hold_lock(path: str | Path, inside: str = "") -> Iterator[None]:
     """Work on a file or a folder as the only process.
 
     Args:
@@ -397,7 +397,7 @@ def finish(
     with contextlib.ExitStack() as held:
         done = store.finished()
         if isinstance(store, Folder) and len(done) < job.chunks:
-            held.enter_context(alone(store.path, JOB))
+            held.enter_context(hold_lock(store.path, JOB))
             # another process may have begun another job, or finished chunks, since
             store = Folder.open(store.path, job)
             done = store.finished()

@@ -1,7 +1,7 @@
 """Ideal arms: the nearest one to a tolerance that the user names, and whether there is one to name.
 
-`ideal` is `rankdrop.robot.numbers.squared` with other tolerances; `near_ideal` finds the smallest of them with which an
-arm gains structure, and `what_holds` says what that is.
+`ideal` is `rankdrop.robot.numbers.square_up` with other tolerances; `near_ideal` finds the smallest of them with which
+an arm gains structure, and `what_holds` says what that is.
 """
 
 from __future__ import annotations
@@ -17,7 +17,17 @@ from typing import NamedTuple
 from rankdrop.errors import OptionError
 from rankdrop.robot.files import LONGEST_TEXT
 from rankdrop.robot.model import Robot, once
-from rankdrop.robot.numbers import Change, Numbers, along, extent, meeting, numbers_of, parallel, parallel_runs, squared
+from rankdrop.robot.numbers import (
+    Change,
+    Numbers,
+    extent,
+    meeting,
+    numbers_of,
+    offsets_along,
+    parallel,
+    parallel_runs,
+    square_up,
+)
 from rankdrop.tolerances import NOTHING, SQUARE
 
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6}
@@ -59,7 +69,7 @@ class Tolerance:
     """How far an arm may be from an ideal one.
 
     Attributes:
-        length: [m]; None is what files are read with, `squared`.
+        length: [m]; None is what files are read with, see `square_up`.
         angle: [rad]; None is 2e-5.
     """
 
@@ -132,7 +142,7 @@ def ideal(
 
     Axes that are parallel, or at a multiple of 15°, to `angle` are exactly so; those that come within `length` meet,
     three of them in one point where the offset between is as small; offsets along parallel axes that cancel to `length`
-    cancel. It is `squared` with other tolerances: everything else is kept, and the result is `robot` itself where
+    cancel. It is `square_up` with other tolerances: everything else is kept, and the result is `robot` itself where
     nothing changes. A length changes by more than `length` where an axis is turned about a frame that is far from it.
 
     Args:
@@ -150,7 +160,7 @@ def ideal(
             "the length is too large for this arm: it would be another one", where="ideal", got=f"{length:g} m",
             allowed=f"up to {_LONGEST * size:.2g} m, a tenth of its size",
         )  # fmt: skip
-    return squared(robot, angle=SQUARE if angle is None else angle, length=length)
+    return square_up(robot, angle=SQUARE if angle is None else angle, length=length)
 
 
 INTENDED = 3e-4
@@ -182,7 +192,7 @@ def near_ideal(robot: Robot) -> Near | None:
 
     Its tolerance is the smallest of two digits that finds all of it.
     """
-    found, changes = squared(robot, angle=NEAR, length=NEAR * extent(robot))
+    found, changes = square_up(robot, angle=NEAR, length=NEAR * extent(robot))
     gained = what_holds(found, robot)
     if not gained:
         return None
@@ -213,7 +223,7 @@ def _wide(given: Tolerance, factor: float) -> Tolerance:
 def _found_with(robot: Robot, tolerance: Tolerance, gained: tuple[AxesHold, ...]) -> Near | None:
     if tolerance.angle is not None and tolerance.angle > _WIDEST:
         return None
-    made, moved = squared(robot, angle=tolerance.angle or SQUARE, length=tolerance.length)
+    made, moved = square_up(robot, angle=tolerance.angle or SQUARE, length=tolerance.length)
     if what_holds(made, robot) != gained:
         return None
     length, angle = (max((x.by for x in moved if x.turns is turns), default=0.0) for turns in (False, True))
@@ -278,7 +288,7 @@ def _parallels(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[A
     for run in parallel_runs(numbers):
         yield from (AxesHold(Hold.PARALLEL, (i + 1, j + 1)) for i, j in pairwise(run))
         inside = run[0] > 0 and run[-1] < len(numbers) - 1 and not any(slides[k] for k in run)
-        if inside and abs(sum(along(numbers, run))) < NOTHING:
+        if inside and abs(sum(offsets_along(numbers, run))) < NOTHING:
             yield AxesHold(Hold.FLUSH, tuple(k + 1 for k in run))
 
 

@@ -6,11 +6,11 @@ axes that are nearly parallel are: tables of calibrated arms have offsets of 300
 follow either convention of Denavit and Hartenberg, the normals are directed as theirs.
 
 From the normals follow the numbers, in floating point. A file's numbers carry the noise of the program that wrote them:
-twists of 90.0004°, axes that miss each other by a fraction of a micrometre. `squared` rebuilds an arm without it, axes
-exactly parallel, at right angles or meeting where they nearly are, from the base on: first the pose of every link in
-the one before, exact angles and tidy lengths; then, where the links' own frames say nothing, Denavit and Hartenberg's
-numbers between consecutive axes. Lengths are worked out about the axes that were squared, so that a twist that is
-mended leaves no offset behind. `as_intended` is the last step of every reader.
+twists of 90.0004°, axes that miss each other by a fraction of a micrometre. `square_up` rebuilds an arm without it,
+axes exactly parallel, at right angles or meeting where they nearly are, from the base on: first the pose of every link
+in the one before, exact angles and tidy lengths; then, where the links' own frames say nothing, Denavit and
+Hartenberg's numbers between consecutive axes. Lengths are worked out about the axes that were squared, so that a twist
+that is mended leaves no offset behind. `as_intended` is the last step of every reader.
 
 Last the one length that stands for the whole arm: its reach, the sum of its links.
 """
@@ -224,10 +224,10 @@ def numbers_of(robot: Robot, *, angle: float, length: float) -> list[Numbers]:
         length: axes this near meet [m].
     """
     lines = axis_lines(robot, length=length)
-    return between(lines, common_normals(robot, lines, angle=angle, length=length))
+    return section_numbers(lines, common_normals(robot, lines, angle=angle, length=length))
 
 
-def between(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Numbers]:
+def section_numbers(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Numbers]:
     """The numbers of n axes with their n + 1 normals."""
     found = []
     for i, line in enumerate(lines):
@@ -253,7 +253,7 @@ def parallel_runs(numbers: Sequence[Numbers]) -> list[list[int]]:
     return runs
 
 
-def along(numbers: Sequence[Numbers], run: Sequence[int]) -> list[float]:
+def offsets_along(numbers: Sequence[Numbers], run: Sequence[int]) -> list[float]:
     """The offsets of axes that are parallel, all in the direction of the first [m]; only their sum moves axes."""
     sign, found = 1.0, []
     for k in run:
@@ -356,7 +356,7 @@ def changes_between(old: Robot, new: Robot, *, angle: float, length: float) -> t
     """
     before = numbers_of(old, angle=angle, length=length)
     after = numbers_of(new, angle=angle, length=length)
-    first, last = (apart(x, y) for x, y in zip(_ends(old), _ends(new), strict=True))
+    first, last = (angle_between(x, y) for x, y in zip(_ends(old), _ends(new), strict=True))
     found = [*_differences(before, after), Change("base", (1,), first, 0.0), Change("tip", (len(before),), last, 0.0)]
     return tuple(change for change in found if change.by > NOTHING)
 
@@ -366,7 +366,8 @@ def _differences(before: Sequence[Numbers], after: Sequence[Numbers]) -> Iterato
         for i in run:
             one, other, pair = before[i], after[i], (i + 1, i + 2)
             if i == run[0]:
-                yield Change("offset", tuple(k + 1 for k in run), sum(along(before, run)), sum(along(after, run)))
+                joints = tuple(k + 1 for k in run)
+                yield Change("offset", joints, sum(offsets_along(before, run)), sum(offsets_along(after, run)))
             yield Change("angle", (i + 1,), one.phase, other.phase)
             yield Change("distance", pair, one.a, other.a)
             lean = abs(one.tilt) > NOTHING
@@ -379,7 +380,7 @@ def _ends(robot: Robot) -> tuple[Array, Array]:
     return robot.joints[0].axis, times(robot.joints[-1].frame[:3, :3].T, robot.home[:3, :3])
 
 
-def apart(one: Array, two: Array) -> float:
+def angle_between(one: Array, two: Array) -> float:
     """Angle between two directions or two rotations that are near [rad]: ‖A − B‖ = 2 √2 sin(angle / 2)."""
     return norm(one - two) / (sqrt(2.0) if one.ndim == 2 else 1.0)
 
@@ -421,7 +422,7 @@ def exact_rotation(turn: Array, angle: float) -> Array:
     found = np.zeros((3, 3))
     found[row, column] = sign
     found[np.ix_(rows, columns)] = [[c, -sign * s], [s, sign * c]]
-    if apart(found, turn) <= angle:
+    if angle_between(found, turn) <= angle:
         return found
     return nearest_rotation(turn)
 
@@ -459,7 +460,7 @@ ORDINARY = (0.03, 30.0)
 """Sizes of arms [m]: three decades, so that every arm is of this size in just one of km, m, mm and µm."""
 
 
-def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None) -> tuple[Robot, tuple[Change, ...]]:
+def square_up(robot: Robot, *, angle: float = SQUARE, length: float | None = None) -> tuple[Robot, tuple[Change, ...]]:
     """The arm whose structure holds exactly where it holds to small tolerances.
 
     Twists and the angles between common normals become multiples of 15° (with a wider tolerance for angles than that of
@@ -478,7 +479,7 @@ def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None)
     Example:
         >>> from rankdrop.robot.dh import from_dh
         >>> noisy = from_dh([(0.4, 1.5708, 0, 0), (0.4, 0, 1e-6, 0), (0.2, 0, 0, 0)], convention="standard")
-        >>> arm, changes = squared(noisy)
+        >>> arm, changes = square_up(noisy)
         >>> arm.joints[2].screw[3:], [change.kind for change in changes]
         (array([ 0., -1.,  0.]), ['twist', 'offset'])
     """
@@ -568,7 +569,7 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     unit = _unit(robot)
     lines = axis_lines(robot, length=length)
     normals = common_normals(robot, lines, angle=angle, length=length)
-    made = [_exact(one, unit, angle, length) for one in between(lines, normals)]
+    made = [_exact(one, unit, angle, length) for one in section_numbers(lines, normals)]
     made = _cancel_offsets(made, [joint.slides for joint in robot.joints], length)
     pose = _pose_squared(frame_at(normals[0][0], lines[0][0], normals[0][2]), unit, angle)
     joints = []
@@ -599,7 +600,7 @@ def _cancel_offsets(made: Sequence[Numbers], slides: Sequence[bool], length: flo
     for run in parallel_runs(found):
         if run[0] == 0 or run[-1] == len(found) - 1 or any(slides[k] for k in run):
             continue  # no normal before the first axis and after the last; the offset of a slide is a variable
-        offsets = along(found, run)
+        offsets = offsets_along(found, run)
         if 0.0 < abs(sum(offsets)) <= length:
             last = max(i for i, d in enumerate(offsets) if d != 0.0)
             place = run[last]
@@ -627,7 +628,7 @@ def as_intended(robot: Robot, angles: Angles) -> Robot:
         robot = replace(robot, notes=(*robot.notes, turns))
     if angles.as_written:
         return robot
-    found, changes = squared(robot)
+    found, changes = square_up(robot)
     rounded = [abs(change) for change in angles.changes if abs(change) > NOTHING]
     if not rounded and not changes:
         return found

@@ -14,7 +14,7 @@ from rankdrop.exact.family import derived_in_units
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.inspection import DIGITS, FOLLOWED
 from rankdrop.families.not_derived import NotDerived, NotDerivedKind
-from rankdrop.families.pictured import posed
+from rankdrop.families.pictured import pose_witness
 from rankdrop.families.record import (
     AGREES,
     DIFFERS,
@@ -307,7 +307,7 @@ def _list_families(robot: Robot, task: Task, tables: Sequence[CorankFamilies]) -
     """All families as the analysis lists them, in the arm's own unit of length."""
     found = flat_map(lambda table: table.families, tables)
     rows = tuple(family_out_of_units(family, robot) for family in found)
-    return tuple(posed(robot, task, row, rows) for row in rows)
+    return tuple(pose_witness(robot, task, row, rows) for row in rows)
 
 
 def _aspects(robot: Robot, task: Task, *, asked: bool) -> AspectSummary | None:

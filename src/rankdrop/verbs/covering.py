@@ -34,7 +34,7 @@ from rankdrop.cover.covering import (
 )
 from rankdrop.errors import OptionError
 from rankdrop.families.record import Family
-from rankdrop.jobs import Engine, Job, alone, check_engine, finish, progress_of
+from rankdrop.jobs import Engine, Job, check_engine, finish, hold_lock, progress_of
 from rankdrop.kinematics import check_robot
 from rankdrop.local.block import joint_scale
 from rankdrop.options import takes
@@ -110,7 +110,7 @@ def cover(
     tell = report or (lambda label, done, total: None)
     plan = plan_of(robot, how.width, resolved, corank=how.corank, limits=how.limits)
     file = None if out is None else Path(out)
-    with nullcontext() if file is None else alone(file):
+    with nullcontext() if file is None else hold_lock(file):
         found = _read_or_make(robot, resolved, plan, file, how.budget, engine, tell)
     if not found.complete or not how.explain:
         return Covered(robot, resolved, found, None)

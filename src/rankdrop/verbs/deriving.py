@@ -51,7 +51,7 @@ from rankdrop.exact.tree import Drop, OpenCase, Tree, rank_tree
 from rankdrop.exact.undivided import UndividedSet, cases_in_whole_angles, undivided_sets
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.inspection import FOLLOWED, descents, near_misses
-from rankdrop.families.pictured import posed
+from rankdrop.families.pictured import pose_witness
 from rankdrop.families.points import Cloud, cloud, count_explained
 from rankdrop.families.record import Check, Family, exact_of
 from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
@@ -214,8 +214,8 @@ def _not_holding(assumptions: Sequence[Assumption]) -> list[Unfinished]:
 
 
 def posed_exactly(robot: Robot, task: Task, families: Sequence[Family]) -> tuple[Family, ...]:
-    """Families with the witnesses that `analyze` shows: in good postures, see `rankdrop.families.posed`."""
-    return tuple(posed(robot, task, family, families) for family in families)
+    """Families with the witnesses that `analyze` shows: in good postures, see `rankdrop.families.pose_witness`."""
+    return tuple(pose_witness(robot, task, family, families) for family in families)
 
 
 def _broken(chain: Chain, work: Work) -> tuple[DerivationRemark, ...]:

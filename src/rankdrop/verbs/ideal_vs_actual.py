@@ -114,7 +114,7 @@ def _spread(values: ArrayLike) -> Spread:
     return Spread(float(x.min()), float(np.median(x)), float(x.max()))
 
 
-def here(arm: Idealised, explanation: Explanation) -> Here:
+def ideal_vs_actual_at(arm: Idealised, explanation: Explanation) -> Here:
     """The arm itself at the configuration explained, and where the ideal arm is singular next to it.
 
     Args:

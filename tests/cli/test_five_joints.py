@@ -176,3 +176,35 @@ def test_help_lists_every_task(run) -> None:
     for command in ("path", "compare"):
         text = one_line(run(command, "--help").out)
         assert ", ".join(task_names()) in text
+
+
+@pytest.mark.parametrize(("q", "singular"), [("-0.5,0.4,0", True), ("-0.5,-0.6,1.2", True), ("-0.5,0.4,0.8", False)])
+def test_three_joints_that_place_a_tool_are_asked_about_its_position(
+    run, tmp_path: Path, q: str, *, singular: bool
+) -> None:
+    """The pose has rank 3 of 6 even where the arm is stretched, or its tip on axis 1. Lengths of ikpy issue 164."""
+    path = tmp_path / "three.toml"
+    path.write_text("""convention = "standard"
+[[joints]]
+alpha = "-pi/2"
+d = 0.1138
+[[joints]]
+a = 0.12
+theta = "-pi/2"
+[[joints]]
+a = 0.12
+""")
+    arm = open_robot(path)
+    sigma = np.linalg.svd(jacobian(arm, np.array([float(x) for x in q.split(",")]))[:3], compute_uv=False)
+    assert (sigma[-1] < 1e-12) == singular
+    done = run("explain", str(path), "--q", q)
+    assert (done.code, " is singular" in done.out.splitlines()[0]) == (4 if singular else 0, singular)
+    assert "It is checked for position." in one_line(done.out)
+    assert "rank 3 of 3" in one_line(run("explain", str(path), "--q", q, "--task", "pose").out)
+
+
+def test_poses_for_three_joints_name_the_task_that_fits(run, tmp_path: Path) -> None:
+    path = tmp_path / "three.toml"
+    path.write_text('convention = "standard"\n[[joints]]\nalpha = "-pi/2"\n' + "[[joints]]\na = 0.12\n" * 2)
+    done = run("explain", str(path), "--pose", "0.1,0.05,0.1,0,0,0")
+    assert "--task position leaves free what they cannot do" in one_line(done.out)

@@ -16,7 +16,7 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.text.special import family_label, family_title, place_parts
+from rankdrop.text.special import family_label, family_title, place_parts, place_words
 from rankdrop.text.verdict import summary_lines
 from rankdrop.verbs.explain import explain
 
@@ -100,6 +100,32 @@ def test_a_slide_that_brings_the_wrist_onto_axis_2_is_named() -> None:
                            ([0.3, 0.0, 0.5, 0.2, 0.5, 0.1], Shape.ABOVE_AXIS, 1)):  # fmt: skip
         (one,) = specials_at(robot, task, np.array(q), 1)
         assert (one.part, one.shape, one.joint) == (Part.SHOULDER, shape, axis)
+
+
+@pytest.mark.parametrize(("q", "corank", "words"), [
+    ([-0.5, 0.4, 0.0], 1, "elbow: arm stretched"),
+    ([-0.5, -0.6, 1.2], 1, "shoulder: tip above axis 1"),
+    ([-0.5, 0.0, 0.0], 2, "shoulder and elbow: tip above axis 1, arm stretched"),
+    ([-0.5, 0.3, np.pi], 2, "shoulder and elbow: tip on axis 2, arm folded"),
+])  # fmt: skip
+def test_the_parts_of_three_joints_that_place_a_tip(q: list[float], corank: int, words: str) -> None:
+    """The lengths of the arm of ikpy issue 164."""
+    arm = from_dh([(0, -np.pi / 2, 0.1138, 0), (0.12, 0, 0, -np.pi / 2), (0.12, 0, 0, 0)], convention="standard")
+    sigma = singular_values(arm, np.array(q), resolve_task("position", arm))
+    assert int((sigma <= 1e-9).sum()) == corank
+    assert place_words(arm, resolve_task("position", arm), np.array(q), corank) == words
+
+
+def test_slides_that_carry_an_arm_leave_it_no_shoulder_and_no_elbow() -> None:
+    """PPRRRR, the table of IKBT issue 39: it is singular where 50 c4 + 7 s4 = 0 or √3 c4 s5 + 2 c5 s4 = 0."""
+    half = np.pi / 2
+    arm = from_dh([(0, -half, 0, 0), (0, half, 0, -half), (0, half, 0.1, 0), (0.25, np.pi / 6, 0.01, 0),
+                   (0, 4 * np.pi / 3, 0.07, 0), (0.05, 0, -0.05831, 0)],
+                  kinds="PPRRRR", convention="standard")  # fmt: skip
+    task = resolve_task(None, arm)
+    for q in (np.zeros(6), np.array([0.1, 0.2, 0.5, 0.4, np.arctan2(-2 * np.sin(0.4), np.sqrt(3) * np.cos(0.4)), 0.3])):
+        assert singular_values(arm, q, task)[5] < 1e-12
+        assert specials_at(arm, task, q, 1) == ()
 
 
 def test_a_condition_that_is_nearly_satisfied_is_not_exact() -> None:

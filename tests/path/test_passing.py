@@ -21,6 +21,7 @@ from rankdrop.path.check.check import PathQuestion, check_file, check_poses
 from rankdrop.path.check.follow import Followed, _Walk, follow
 from rankdrop.path.check.passing import Departure, Move, departures, internal_turn
 from rankdrop.path.check.solution_curve import follow_curve
+from rankdrop.path.check.tool_line import poses_at
 from rankdrop.poses.inverse import Aim, rotation, solutions
 from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Robot
@@ -473,3 +474,37 @@ def test_zeros_of_a_quadratic_form(form: list[list[float]], count: int) -> None:
         assert x @ np.array(form) @ x == pytest.approx(0.0, abs=1e-12)
         assert np.linalg.norm(way) == pytest.approx(1.0)
         assert way[-1] >= 0.0
+
+
+@pytest.mark.parametrize("poses", [2, 3])
+@pytest.mark.parametrize("missed", [1e-10, 1e-8, 1e-6])
+def test_a_line_that_misses_a_wrist_by_rounding_goes_straight_on(poses: int, missed: float) -> None:
+    """Meca500 along Y through θ = (0, 0, 0, −90°, 0, 90°), the tool tilted by as little as printed digits.
+
+    The configuration is that of Mecademic's programming manual (firmware 9.2), figure 8. The exact solutions turn joint
+    4 by 180° within a nanometre; the joints that go straight on keep the tip within its tolerance.
+    """
+    arm = open_robot("meca500")
+    line = np.tile(np.eye(4), (poses, 1, 1))
+    line[:, 0, 2], line[:, 2, 0] = missed, -missed
+    line[:, :3, 3] = np.stack([np.full(poses, 0.2025), np.linspace(0.05, -0.05, poses), np.full(poses, 0.308)], axis=1)
+    start = np.radians([22.62, 4.30, -4.48, -89.56, 22.62, 89.53])
+    found = follow(arm, line, start, through=True, tolerance=(1e-4, 1e-4))
+    assert found.complete
+    assert [one.rest for one in found.passed] == [False]
+    assert set(range(1, poses + 1)) <= set(found.place.tolist())
+    assert np.degrees(np.abs(np.diff(found.q[:, 3]))).max() < 0.2
+    targets = poses_at(line, found.place - 1.0)
+    reached = pose(arm, found.q)
+    assert np.abs(reached - targets).max() <= 2.0 * max(missed, 1e-9)
+
+
+def test_a_line_that_ends_next_to_a_wrist_singularity_reaches_its_end() -> None:
+    arm = open_robot("meca500")
+    line = np.tile(np.eye(4), (2, 1, 1))
+    line[:, :3, 3] = [[0.2025, 0.05, 0.308], [0.2025, 0.0, 0.308]]  # the last pose is 1e-10 rad from singular
+    start = np.radians([22.62, 4.30, -4.48, -89.56, 22.62, 89.53])
+    found = follow(arm, line, start, through=True, tolerance=(1e-4, 1e-4))
+    assert found.complete
+    assert not found.passed
+    assert abs(np.degrees(found.q[-1, 3]) + 90.0) < 0.01

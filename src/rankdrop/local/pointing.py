@@ -1,4 +1,4 @@
-"""The task of arms with too few joints for a pose: position and tool axis, or position and yaw.
+"""The task of arms with too few joints for a pose: position and tool axis, position and yaw, or position.
 
 With five independent joints the six rows of a pose have rank 5 at best, and lose it only where five columns become
 dependent. But the row that nobody can choose is the turn about the tool's axis (the z axis of the tip): a machine with
@@ -7,6 +7,9 @@ do, and elsewhere as well, such as at A5 = 0 of a KUKA without its joint 6.
 
 With four joints a palletiser holds its tool level: a parallelogram, or joints that follow others, cancel every tilt.
 It is programmed by position and yaw (`scara`).
+
+Three joints that place the tool in space leave none to turn it: such an arm is programmed by position. The six rows of
+a pose have rank 3 there even where the arm is stretched, since the columns still turn the tool.
 """
 
 from __future__ import annotations
@@ -24,8 +27,11 @@ POINTING = "tool-axis-free"
 """The task of a tool whose turn about its own axis is free."""
 LEVEL = "scara"
 """The task of a tool that no joint tilts."""
+PLACED = "position"
+"""The task of three joints that place the tool."""
 _ROWS = 5
 _LEVEL_ROWS = 4
+_PLACE_ROWS = 3
 _SAMPLES = 8  # configurations at which the tool must not tilt
 TILTED = 1e-3  # of a pose for a tool that no joint tilts: more is no rounding [rad]
 _TILT = 1e-12  # of a joint, below which it is rounding [rad/rad]
@@ -79,13 +85,32 @@ def level_task(robot: Robot, task: Task) -> Task | None:
     return None
 
 
+def position_task(robot: Robot, task: Task) -> Task | None:
+    """Position in place of a pose, for an arm of three joints that place its tool in space; None for other arms.
+
+    Args:
+        robot: the arm.
+        task: what it is asked for.
+
+    Returns:
+        The task `position` at the same point and on the same length scale, where the arm has three variables, and pose
+        and position have rank 3 almost everywhere.
+    """
+    if robot.n != _PLACE_ROWS or task.m != _ROWS + 1:
+        return None
+    found = replace(resolve_task(PLACED, robot, frame=task.frame), length_scale=task.length_scale)
+    if generic_rank(robot, task) == _PLACE_ROWS == generic_rank(robot, found):
+        return found
+    return None
+
+
 def fitting_task(robot: Robot, task: Task) -> Task | None:
     """The task that an arm with too few joints for a pose can do in full; None where there is none, or no need."""
-    return pointing_task(robot, task) or level_task(robot, task)
+    return pointing_task(robot, task) or level_task(robot, task) or position_task(robot, task)
 
 
 def asked_task(robot: Robot, task: Task) -> Task:
-    """The task asked in place of a pose of an arm with four or five joints, else the task itself."""
+    """The task asked in place of a pose of an arm with three to five joints, else the task itself."""
     return fitting_task(robot, task) or task
 
 
@@ -123,6 +148,13 @@ def tilt_is_fixed(robot: Robot, task: Task) -> bool:
 def tool_stays_level(robot: Robot, task: Task) -> bool:
     """Whether position and yaw stand for the pose of an arm of four joints that never tilts its tool."""
     return robot.task != task.name and tilt_is_fixed(robot, task)
+
+
+def place_alone(robot: Robot, task: Task) -> bool:
+    """Whether position stands for the pose of an arm of three joints that place its tool."""
+    pose = Task("pose", (0, 1, 2, 3, 4, 5), length_scale=task.length_scale)
+    other = position_task(robot, pose)
+    return other is not None and robot.task != task.name and task.rows == other.rows
 
 
 def turn_follows(robot: Robot, task: Task) -> bool:

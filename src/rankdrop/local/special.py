@@ -26,7 +26,7 @@ import numpy as np
 
 from rankdrop.local.axes import Scene
 from rankdrop.local.block import generic_rank, singular_values
-from rankdrop.robot.model import Array, Robot, once
+from rankdrop.robot.model import Array, JointKind, Robot, once
 from rankdrop.robot.numbers import wrap_angle
 from rankdrop.task import Task
 
@@ -43,13 +43,15 @@ class Part(StrEnum):
 
 class Shape(StrEnum):
     """What is special about a part: a joint at a value, the arm stretched or folded, the wrist in the plane through
-    axis 1 along axis 2, or on axis 2."""
+    axis 1 along axis 2, or on axis 2; the tip in its place for a task without rotation."""
 
     JOINT = "joint"
     STRETCHED = "stretched"
     FOLDED = "folded"
     ABOVE_AXIS = "above-axis"
     ON_AXIS = "on-axis"
+    TIP_ABOVE_AXIS = "tip-above-axis"
+    TIP_ON_AXIS = "tip-on-axis"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +60,7 @@ class Special:
 
     Attributes:
         part, shape: the part, and its condition.
-        joint: from 1, the joint that measures the condition; the axis of `ABOVE_AXIS` and `ON_AXIS`.
+        joint: from 1, the joint that measures the condition; the axis of shapes that name one.
         value: of that joint where the condition holds exactly, the nearest one [rad].
         off: how far the configuration is from the condition, in [0, π/2] [rad].
         exact: `off` is 0 to 1e-6.
@@ -106,9 +108,7 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
         >>> [(one.part.value, one.joint, one.exact) for one in found]
         [('wrist', 5, True)]
     """
-    turns, moves = bool({3, 4, 5} & set(task.rows)), bool({0, 1, 2} & set(task.rows))
-    always = _always(robot, turns, moves)
-    found = [one for one in _candidates(robot, q, turns, moves) if (one.part, one.joint) not in always]
+    found = _measured(robot, task, q)
     exact = [one for one in found if one.exact]
     if len(exact) > max(corank, 1):
         free = _without_cost(robot, task)
@@ -118,6 +118,18 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
     chosen = exact or sorted(found, key=lambda one: one.off)[: max(corank, 1)]
     order = [*Part]
     return tuple(sorted(chosen, key=lambda one: order.index(one.part)))
+
+
+def _measured(robot: Robot, task: Task, q: Array) -> list[Special]:
+    """Conditions of the arm, measured at q (n,), but for those that hold everywhere, and those that slides make up for.
+    """
+    turns, moves = bool({3, 4, 5} & set(task.rows)), bool({0, 1, 2} & set(task.rows))
+    left_out = _always(robot, turns, moves)
+    found = [one for one in _candidates(robot, q, turns, moves) if (one.part, one.joint) not in left_out]
+    if not any(joint.kind is JointKind.PRISMATIC for joint in robot.variables):
+        return found
+    free = _without_cost(robot, task)
+    return [one for one in found if one.shape is Shape.JOINT or (one.part, one.joint) not in free]
 
 
 @once
@@ -136,7 +148,7 @@ def _without_cost(robot: Robot, task: Task) -> frozenset[tuple[Part, int]]:
     found: set[tuple[Part, int]] = set()
     for q in np.random.default_rng(4).uniform(-2.0, 2.0, (_STRUCTURE, robot.n)):
         for special in _candidates(robot, q, turns, moves):
-            if special.shape is Shape.ABOVE_AXIS:
+            if special.shape in (Shape.ABOVE_AXIS, Shape.TIP_ABOVE_AXIS):
                 place = _moved_above_axis(robot, q, turns)
             else:
                 place = q.copy()
@@ -203,7 +215,8 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
         turn = arm.turn(middle)
         if turn is not None:
             yield _condition_missed_by(part, Shape.JOINT, joints[middle], values[middle], turn)
-    if moves and 4 <= len(axes) <= 6 and not _parallel(arm.z[0], arm.z[1]):
+    least = 4 if turns or len(axes) < robot.n else 3  # three joints place a tip, and turn nothing on purpose
+    if moves and least <= len(axes) <= 6 and not _parallel(arm.z[0], arm.z[1]):
         yield _shoulder(arm, joints, tip)
 
 
@@ -226,13 +239,17 @@ def _elbow(arm: _Axes, joint: int, value: float, tip: Vector, turns: bool, moves
 
 def _shoulder(arm: _Axes, joints: list[int], tip: Vector) -> Special:
     """The condition of the shoulder: the wrist in the plane through axis 1 along axis 2, or on axis 2."""
+    if arm.tip is None:
+        above, on = Shape.ABOVE_AXIS, Shape.ON_AXIS
+    else:
+        above, on = Shape.TIP_ABOVE_AXIS, Shape.TIP_ON_AXIS
     signed, lever = arm.from_shoulder_plane(tip)
     gap = abs(signed)
     exact = gap <= EXACT * arm.reach
     if exact and lever <= EXACT * arm.reach:
-        return Special(Part.SHOULDER, Shape.ON_AXIS, joints[1], 0.0, 0.0, exact)
+        return Special(Part.SHOULDER, on, joints[1], 0.0, 0.0, exact)
     off = atan2(gap, max(lever, _FLAT * arm.reach))
-    return Special(Part.SHOULDER, Shape.ABOVE_AXIS, joints[0], 0.0, off, exact)
+    return Special(Part.SHOULDER, above, joints[0], 0.0, off, exact)
 
 
 def _condition_missed_by(part: Part, shape: Shape, joint: int, value: float, turn: float) -> Special:
@@ -259,10 +276,12 @@ class _Axes:
 
     @property
     def elbow(self) -> int:
-        """Number from 0 of the elbow among the axes: second in a planar arm, fourth of the last seven, else third."""
+        """Number from 0 of the elbow among the axes: second of two and in a planar arm, fourth of the last seven, else
+        third.
+        """
         if len(self.z) >= ARM_AXES:
             return len(self.z) - 4
-        if len(self.z) <= 3 or _parallel(self.z[0], self.z[1]):
+        if len(self.z) <= 2 or _parallel(self.z[0], self.z[1]):
             return 1
         return 2
 

@@ -21,7 +21,7 @@ from rankdrop.families.record import Incidence
 from rankdrop.kinematics import pose
 from rankdrop.lists import flat_map
 from rankdrop.local.ellipsoids import PartSet
-from rankdrop.local.pointing import pointing_task, tool_stays_level, turn_follows
+from rankdrop.local.pointing import place_alone, pointing_task, tool_stays_level, turn_follows
 from rankdrop.local.rates import DirectionRates
 from rankdrop.options import advise
 from rankdrop.results.explained import Blame
@@ -45,6 +45,7 @@ from rankdrop.text.words import (
     NEVER_HERE,
     NEVER_TILTS,
     NEVER_TURNS,
+    PLACES_ALONE,
     POINTING_HERE,
     degrees_hint,
     failures_table,
@@ -91,6 +92,9 @@ def _never_lines(explanation: Explanation) -> Iterator[str]:
         return
     if tool_stays_level(robot, task):
         yield f"{NEVER_TILTS}."
+        return
+    if place_alone(robot, task):
+        yield f"{PLACES_ALONE}."
         return
     other = pointing_task(robot, task)
     if other is not None:

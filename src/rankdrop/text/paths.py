@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.local.pointing import pointing_task, tool_stays_level, turn_follows
+from rankdrop.local.pointing import place_alone, pointing_task, tool_stays_level, turn_follows
 from rankdrop.options import advise
 from rankdrop.sections import Section
 from rankdrop.text.places import row_words, turn_far_words, when
@@ -43,6 +43,7 @@ from rankdrop.text.words import (
     CHECKED_POINTING,
     NEVER_TILTS,
     NEVER_TURNS,
+    PLACES_ALONE,
     above_limit,
     angle,
     minus,
@@ -213,6 +214,8 @@ def _never_lines(check: Any) -> Iterator[str]:
         yield f"{NEVER_TURNS.format(check.robot.n)}. {CHECKED_POINTING}."
     elif tool_stays_level(check.robot, check.task):
         yield f"{NEVER_TILTS}."
+    elif place_alone(check.robot, check.task):
+        yield f"{PLACES_ALONE}."
     elif pointing_task(check.robot, check.task) is not None:
         yield f"{NEVER_TURNS.format(check.robot.n)}. {advise('task', 'tool-axis-free')} checks position and tool axis."
 

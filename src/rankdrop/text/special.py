@@ -25,18 +25,22 @@ _WORDS = {
     Shape.FOLDED: "arm folded",
     Shape.ABOVE_AXIS: "wrist above axis {axis}",
     Shape.ON_AXIS: "wrist on axis {axis}",
+    Shape.TIP_ABOVE_AXIS: "tip above axis {axis}",
+    Shape.TIP_ON_AXIS: "tip on axis {axis}",
 }
 _NEARLY = {
     Shape.JOINT: "{joint} near {value}",
     Shape.STRETCHED: "arm nearly stretched",
     Shape.FOLDED: "arm nearly folded",
     Shape.ABOVE_AXIS: "wrist nearly above axis {axis}",
+    Shape.TIP_ABOVE_AXIS: "tip nearly above axis {axis}",
 }
 _FAR = {
     Shape.JOINT: "{joint} {off} from {value}",
     Shape.STRETCHED: "arm {off} from stretched",
     Shape.FOLDED: "arm {off} from folded",
     Shape.ABOVE_AXIS: "wrist {off} from above axis {axis}",
+    Shape.TIP_ABOVE_AXIS: "tip {off} from above axis {axis}",
 }
 
 

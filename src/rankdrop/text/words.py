@@ -171,6 +171,8 @@ CHECKED_POINTING = "It is checked for position and tool axis (task tool-axis-fre
 """The task that such an arm is checked for."""
 NEVER_TILTS = "This arm never tilts its tool. It is checked for position and yaw (task scara)"
 """The limit of an arm of four joints with a level tool, and the task that it is checked for."""
+PLACES_ALONE = "With 3 joints this arm places its tool and cannot choose how it is turned. It is checked for position"
+"""The limit of an arm of three joints, and the task that it is checked for."""
 POINTING_HERE = "For position and tool axis ({task}) it is {verdict} here, rank {rank} of {r}"
 """What the pose alone leaves out."""
 NEVER_HERE = "Never possible here: {motions}; the arm has rank {r} of the {m} rows of this task at best"

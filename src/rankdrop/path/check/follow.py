@@ -4,9 +4,10 @@ Between two poses of a tool path the tip goes straight and turns about one axis 
 a controller does. It is followed by steps from near (`Aim.solve`). A step counts only where the corrector has little
 left to correct, where no joint motion is long, and where no determinant changes its sign; otherwise it is halved, so
 that the branch is kept up to the singularity or the limit at which it stops. What the branch does at a singularity is
-decided by the local geometry (`path.check.passing`). Poses passed over by a step are filled in from a straight guess
-between its ends, all at once, and polished to rounding. With a tolerance rows are put in until the tip is proven to
-stay within it of its curve while the joints go straight from row to row (`Aim.deviation`).
+decided by the local geometry (`path.check.passing`). A singularity that poses miss by as little as they are rounded is
+stepped over: the joints go straight on, and the tip keeps its tolerance. Poses passed over by a step are filled in from
+a straight guess between its ends, all at once, and polished to rounding. With a tolerance rows are put in until the tip
+is proven to stay within it of its curve while the joints go straight from row to row (`Aim.deviation`).
 """
 
 from __future__ import annotations
@@ -46,6 +47,10 @@ _PUT_IN = 20_000  # rows of one step; a bound that does not fall with them would
 _SPARE = 1.1  # rows are put in for a bound so many times tighter
 _SMALL = 1e-2  # σ_r at the end of a branch above which no singularity is its reason
 _SINGULAR = 1e-6  # σ_r of a row below which the branch is at a singularity, and leaves it by its local geometry
+_ACROSS = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)  # σ_r of the row behind a singularity from which a step leads over it
+_ROUNDED = 2e-6  # of a pose: error of its printed digits [1]
+_NEXT_TO = 1e-12  # poses, from where a branch stops to the singularity that it steps over
+_TRUNCATED = 4  # steps of Newton's method without the weakest direction
 _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton leaves the lost joint motion alone [rad]
 _AT_END = 1e-5  # poses: a singularity so near to the end of the branch is the one at which it ends
 _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
@@ -196,7 +201,8 @@ def follow(
         through: go on where the branch leads through a singularity, or begins at one; False: end there.
 
     Returns:
-        What was reached. At every configuration the pose is right to 1e-11, translations divided by the length scale.
+        What was reached. At every configuration the pose is right to 1e-11, translations divided by the length scale;
+        at a pose that misses a singularity of the branch by rounding, to 2e-6.
 
     Raises:
         ConfigurationError: the start is not one configuration.
@@ -299,6 +305,7 @@ class _Walk:
     through: bool = False
     passed: list[Passed] = field(default_factory=list)
     growth: float = _GROWING  # of the next step, as the last one allows
+    missed: set[float] = field(default_factory=set)  # places of poses at singularities that are missed by rounding
 
     def run(self, start: Array) -> Followed:
         """From the first pose on."""
@@ -449,6 +456,10 @@ class _Walk:
         sigma = singular_values(self.aim.robot, now, self.aim.task)[self.aim.rank - 1]
         if not self.decides or sigma > _SMALL:
             return None, None
+        if sigma > _SINGULAR:
+            across = self._step_across_miss(progress)
+            if across is not None:
+                return across, None
         if self.aim.square and (sigma > _SINGULAR or progress.heading is not None):
             move = Move(self.aim, self.poses, place)
             move.seen_from(now)
@@ -458,6 +469,106 @@ class _Walk:
             if sigma > _SINGULAR:
                 return None, None
         return self._step_by_geometry(progress, sigma), None
+
+    def _step_across_miss(self, progress: _Progress) -> tuple[Array, Array] | None:
+        """Straight on over a singularity that lies on the branch, or next to it by as little as poses are rounded.
+
+        Where the branch misses it, the exact solutions turn by up to half a turn within next to no way of the tool. The
+        joints that go straight on instead keep the tip within the tolerance of its curve.
+
+        Returns:
+            Places and configurations of the rows ahead; None where no row ahead is straight on.
+        """
+        if self.tolerance is None or not self.aim.square:
+            return None
+        rows, places = np.concatenate(progress.rows), np.concatenate(progress.places)
+        sigma = singular_values(self.aim.robot, rows, self.aim.task)[:, self.aim.rank - 1]
+        for clear in _ACROSS:
+            far, farther = np.flatnonzero(sigma >= clear), np.flatnonzero(sigma >= 2.0 * clear)
+            if not len(farther) or farther[-1] == far[-1]:
+                continue
+            base = int(far[-1])
+            share = float(sigma[base] / (sigma[farther[-1]] - sigma[base]))
+            met = rows[base] + share * (rows[base] - rows[farther[-1]])
+            end = self._end_across(progress, rows[base], met)
+            if end is None:
+                continue
+            if int(places[base]) + 1.0 < progress.place:  # the row at a pose is kept
+                base = len(rows) - 1
+            over = self._straight_rows(np.append(places[base], end[0]), np.stack([rows[base], end[1]]))
+            if over is not None:
+                progress.rows, progress.places = [rows[: base + 1]], [places[: base + 1]]
+                if end[0] not in self.missed:
+                    self.passed.append(Passed(progress.place + _NEXT_TO + 1.0, rest=False))
+                return over
+        return None
+
+    def _end_across(self, progress: _Progress, behind: Array, met: Array) -> tuple[float, Array] | None:
+        """Place and configuration (n,) as far ahead of a singularity as a row is behind it.
+
+        None where no solution is straight on, or the singularity that the joints going straight meet, about `met` (n,),
+        is farther from the path than poses are rounded.
+        """
+        aim = self.aim
+        here = poses_at(self.poses, np.array([progress.place]))
+        if np.linalg.norm(aim.error(here, self._without_weakest(here, met)[None])) > _ROUNDED:
+            return None
+        place = self._as_far_ahead(progress.place, behind, met)
+        if place is None:
+            return self._end_at_miss(met)
+        guess = 2.0 * met - behind
+        found, arrived = aim.solve(poses_at(self.poses, np.array([place])), guess[None])
+        off = float(np.linalg.norm((found[0] - guess) / aim.joints))
+        straight = arrived[0] and off <= _BENT * float(np.linalg.norm((met - behind) / aim.joints))
+        if not straight or aim.side(found[0]) == aim.side(behind):
+            return None
+        return place, found[0]
+
+    def _end_at_miss(self, met: Array) -> tuple[float, Array] | None:
+        """As `_end_across`, where the path ends at the singularity."""
+        last = self._without_weakest(self.poses[-1:], met)
+        if np.linalg.norm(self.aim.error(self.poses[-1:], last[None])) > _ROUNDED:
+            return None
+        self.missed.add(len(self.poses) - 1.0)
+        return len(self.poses) - 1.0, last
+
+    def _without_weakest(self, target: Array, q: Array) -> Array:
+        """(n,) Newton's method from q towards a pose (1, 4, 4), the weakest direction left alone."""
+        for _ in range(_TRUNCATED):
+            u, sigma, vt = np.linalg.svd(self.aim.jacobian(q[None])[0])
+            strong = self.aim.rank - 1
+            part = u[:, :strong].T @ self.aim.error(target, q[None])[0] / sigma[:strong]
+            q = q + vt[:strong].T @ part * self.aim.joints
+        return q
+
+    def _as_far_ahead(self, place: float, behind: Array, now: Array) -> float | None:
+        """The place as far ahead of a place as that of a configuration is behind it; None beyond the last pose."""
+        way = float(np.linalg.norm(self.aim.error(poses_at(self.poses, np.array([place])), behind[None])))
+        while place < len(self.poses) - 1.0:
+            move = Move(self.aim, self.poses, place)
+            move.seen_from(now)
+            if move.size > 0.0 and way <= move.room:
+                return move.place_at(way)
+            way -= move.room
+            place = move.k + 1.0
+        return None
+
+    def _straight_rows(self, at: Array, ends: Array) -> tuple[Array, Array] | None:
+        """Places and configurations after the first of two, with those at the poses between them, of joints that go
+        straight; None where the tip leaves its tolerance, or a joint its range.
+        """
+        between = np.arange(np.floor(at[0]) + 1.0, np.ceil(at[1]))
+        at = np.concatenate([at[:1], between, at[1:]])
+        targets = poses_at(self.poses, at)
+        q = ends[0] + ((at - at[0]) / (at[-1] - at[0]))[:, None] * (ends[1] - ends[0])
+        for k in range(1, len(at) - 1):
+            q[k] = self._without_weakest(targets[k : k + 1], q[k])
+        away, turned = self.aim.deviation(q, targets)
+        wide = np.maximum(away / self.tolerance[0], turned / self.tolerance[1]) if self.tolerance else np.zeros(1)
+        if (wide > 1.0).any() or self._joint_beyond_limit(q) >= 0:
+            return None
+        self.missed.update(between.tolist())
+        return at[1:], q[1:]
 
     def _step_by_geometry(self, progress: _Progress, sigma: float) -> tuple[Array, Array] | None:
         """As `_step_from_singularity`, by the local geometry of a singular configuration."""
@@ -586,6 +697,7 @@ class _Walk:
     def _cut_at_miss(self, found: Followed) -> Followed:
         """The rows up to the first one whose forward kinematics misses its pose; else all of them."""
         good = self.aim.confirms(poses_at(self.poses, found.place - 1.0), found.q)
+        good |= np.isin(found.place - 1.0, list(self.missed))
         if good.all():
             return found
         count = int(good.argmin())

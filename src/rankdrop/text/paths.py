@@ -14,7 +14,9 @@ import numpy as np
 
 from rankdrop.local.pointing import pointing_task, tool_stays_level, turn_follows
 from rankdrop.options import advise
+from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
+from rankdrop.text.inverse import missed_words
 from rankdrop.text.places import row_words, turn_far_words, when
 from rankdrop.text.remedies import local_lines
 from rankdrop.text.stretches import (
@@ -314,7 +316,7 @@ def free_words(check: Any) -> str:
 
 def notes(check: Any) -> tuple[str, ...]:
     """Remarks; of a tool path its branch and the poses of its crossings."""
-    lines = [_remark(kind, values) for kind, values in check.remarks]
+    lines = [_remark(kind, values, check.robot) for kind, values in check.remarks]
     if check.tool is not None:
         places = [crossing.closest.place for crossing in check.crossings][:MOST_NAMED]
         poses = np.interp([place.position for place in places], np.arange(1, check.rows + 1), check.tool.place)
@@ -330,7 +332,7 @@ def notes(check: Any) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _remark(kind: str, values: Any) -> str:
+def _remark(kind: str, values: Any, robot: Robot) -> str:
     """What a reader should know besides the verdict."""
     if kind == "jump":
         joint, row, before, after = values
@@ -341,6 +343,8 @@ def _remark(kind: str, values: Any) -> str:
             f"joint {joint} turns by {turn} from row {row - 1} to row {row} ({ends}), as the rows say; if these angles "
             f"start anew after a whole turn, it went {other}: add whole turns to the rows"
         )
+    if kind == "missed":
+        return missed_words(robot, *values)
     return _REMARKS[kind].format(values)
 
 

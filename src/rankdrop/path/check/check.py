@@ -347,7 +347,9 @@ def check_poses(
     first, solutions, moved = configuration_at(robot, wanted[0], resolved, start)
     tolerance = tip_tolerance(how, robot)
     branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
-    away, turned = tip_apart(Aim(robot, resolved), branch.q, poses_at(wanted, branch.place - 1.0))
+    aim, targets = Aim(robot, resolved), poses_at(wanted, branch.place - 1.0)
+    away, turned = tip_apart(aim, branch.q, targets)
+    missed = aim.missed(targets, branch.q)
     ahead = wanted[min(ceil(branch.place[-1] - 1.0 + 1e-9), len(wanted) - 1)]
     isolated, self_motions = 0, 0
     if start is None:
@@ -374,7 +376,11 @@ def check_poses(
     if branches and robot.n == resolved.m and len(wanted) <= MOST_POSES:
         tool = replace(tool, branches=_branches(
             robot, wanted, solutions, first, resolved, asked, tolerance, tool, check, tolerances))  # fmt: skip
-    return replace(check, rows=len(branch.q), tool=tool, verdict=worst, poses=GivenPoses(wanted, times, resolved))
+    remarks = check.remarks
+    if missed is not None:
+        remarks += (("missed", missed),)
+    return replace(check, rows=len(branch.q), tool=tool, verdict=worst, remarks=remarks,
+                   poses=GivenPoses(wanted, times, resolved))  # fmt: skip
 
 
 def tip_tolerance(options: PathOptions, robot: Robot) -> tuple[float, float]:

@@ -196,7 +196,8 @@ def follow(
         through: go on where the branch leads through a singularity, or begins at one; False: end there.
 
     Returns:
-        What was reached. At every configuration the pose is right to 1e-11, translations divided by the length scale.
+        What was reached. At every configuration the pose is right to 1e-11, translations divided by the length scale;
+        of an arm of lower rank than rows to `tolerances.MISSED`.
 
     Raises:
         ConfigurationError: the start is not one configuration.

@@ -49,7 +49,8 @@ CROSSING, TOUCHING, NOT_FOLLOWED, OUTSIDE, TOO_FAST, TOO_NEAR, UNDECIDED, FREE =
 Evidence = Literal["covered", "determinant", "condition", "singular throughout", "small sigma", "no enclosure",
                    "unfinished"]
 """How the verdict of a stretch is known."""
-Remark = Literal["degrees", "velocities", "jump", "lost", "distances", "no distance", "distance open"]
+Remark = Literal["degrees", "velocities", "jump", "lost", "distances", "no distance", "distance open",
+                 "missed"]  # fmt: skip
 """What a reader should know besides the verdict; its values follow it in `PathCheck.remarks`."""
 
 

@@ -101,7 +101,8 @@ class InverseSolutions(Result):
     @property
     def missed(self) -> tuple[float, float] | None:
         """By how much the tool misses the pose at most [m, rad], where it takes the nearest one in reach; else None."""
-        q = np.array([solution.q for solution in (*self.branches, *self.continua)]).reshape(-1, self.robot.n)
+        found = [branch.q for branch in self.branches] + [continuum.q for continuum in self.continua]
+        q = np.array(found).reshape(-1, self.robot.n)
         return Aim(self.robot, self.task).missed(np.broadcast_to(self.pose, (len(q), 4, 4)), q)
 
     @property

@@ -17,7 +17,7 @@ from rankdrop.options import advise
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.text.inverse import missed_words
-from rankdrop.text.places import row_words, turn_far_words, when
+from rankdrop.text.places import fastest_words, overrun_words, row_words, turn_far_words, when
 from rankdrop.text.remedies import local_lines
 from rankdrop.text.stretches import (
     REACHED,
@@ -166,6 +166,7 @@ def summary(check: Any, mending: Any = None, *, listed: bool = False, target: st
     lines = [sentence(check), _path_line(check), *_never_lines(check)]
     if check.tool is not None and len(check.tool.branches) > 1:
         lines.append(f"Branch: {branches_words(check)}.")
+    lines += _rate_lines(check)
     if not check.holds:
         lines.append(f"Next: {_next_step(check, mending, listed=listed, target=target)}.")
         if mending is not None and not listed:
@@ -175,6 +176,16 @@ def summary(check: Any, mending: Any = None, *, listed: bool = False, target: st
     if near is not None:
         lines.append(f"Nearest singularity: {stretch_place(check, near)}, {nearest_place_words(near)}.")
     return (*lines, _verified_line(check))
+
+
+def _rate_lines(check: Any) -> Iterator[str]:
+    """Joints above their rate limits; of a path that keeps them and passes near a singularity, its fastest joint."""
+    if check.overruns:
+        yield f"Too fast: {overrun_words(check.overruns, check.robot)}."
+        return
+    near = min((stretch.closest.distance for stretch in check.stretches), default=inf)
+    if near < NEAR and check.holds and check.fastest is not None:
+        yield f"Fastest: {fastest_words(check.fastest, check.robot)}."
 
 
 def _path_line(check: Any) -> str:

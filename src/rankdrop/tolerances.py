@@ -103,3 +103,6 @@ EVALUATIONS = 5_000
 """Enclosures spent on the certified radius: some 8 ms."""
 MOST_EVALUATIONS = 100_000_000
 """Enclosures that may be spent on it; more is a slip of the hand."""
+MISSED = (5e-5, 5e-5)
+"""By how much an arm of lower rank than the task has rows may miss a pose that is rounded [m, rad]: half of the
+tolerances of a tool path. Poses of two digits of a millimetre and three of a degree are within it."""

@@ -69,18 +69,60 @@ def test_poses_are_reached_as_poses_and_checked_as_position_and_axis() -> None:
     assert (free.tool.complete, free.verdict) == (True, "free")
 
 
+ROUNDED = {
+    "px150": np.array([[0.1, -0.3, 0.5, 0.2, 0.3], [0.1, -0.2, 0.6, 0.2, 0.3]]),
+    KUKA: np.radians([[10, -60, 90, 0, 20], [10, -50, 80, 0, 25]]),
+}
+
+
+def rounded_poses(name: str, digits: int) -> np.ndarray:
+    """Poses of the arm as another program prints them: so many digits, made orthonormal again."""
+    made = np.round(pose(open_robot(name), ROUNDED[name]), digits)
+    made[:, :3, :3] = [nearest_rotation(nearest_rotation(turn)) for turn in made[:, :3, :3]]
+    return made
+
+
 @pytest.mark.slow
-def test_a_pose_rounded_in_its_file_is_answered_with_the_task_to_ask_for(tmp_path: Path) -> None:
-    """With six digits no pose is exactly one of an arm of five joints; it was called out of reach."""
+@pytest.mark.parametrize("name", ROUNDED, ids=["px150", "kuka"])
+@pytest.mark.parametrize("digits", [6, 9])
+def test_rounded_poses_are_reached_and_the_miss_is_printed(name: str, digits: int) -> None:
+    """No pose of six digits is exactly one of five joints; such poses were refused."""
+    arm, poses = open_robot(name), rounded_poses(name, digits)
+    found = inverse(arm, poses[0])
+    assert found.missed is not None
+    nearest = min(found.branches, key=lambda branch: np.abs(branch.q - ROUNDED[name][0]).max())
+    np.testing.assert_allclose(nearest.q, ROUNDED[name][0], atol=10.0 ** (1 - digits))
+    assert found.missed[0] < 10.0**-digits
+    assert found.missed[1] < 2 * 10.0**-digits
+    said = one_line("\n".join(str(section) for section in found.sections()))
+    assert "5 joints take the nearest pose in reach: the tool misses the pose by up to " in said
+    assert "(at most 0.05 mm and 0.0029°, for rounded poses)" in said
+    check = check_poses(arm, poses, start=ROUNDED[name][0], branches=False)
+    assert (check.verdict, check.tool.complete) == ("free", True)
+    assert check.tool.off <= 1e-4
+    assert "5 joints take the nearest pose in reach: the tool misses the pose by up to" in one_line(str(check))
+    assert check_poses(arm, poses).verdict == "free"
+
+
+@pytest.mark.slow
+def test_exact_poses_are_reached_without_a_word_of_a_miss() -> None:
+    arm = open_robot("px150")
+    poses = pose(arm, ROUNDED["px150"])
+    assert inverse(arm, poses[0]).missed is None
+    assert "nearest pose in reach" not in one_line(str(check_poses(arm, poses)))
+
+
+@pytest.mark.slow
+def test_a_pose_farther_off_than_rounding_is_answered_with_the_task_to_ask_for() -> None:
     arm, there = open_robot("px150"), [0.1, -0.3, 0.5, 0.2, 0.3]
-    rounded = np.round(pose(arm, there), 6)
-    rounded[:3, :3] = nearest_rotation(rounded[:3, :3])
+    turned = pose(arm, there)
+    turned[:3, :3] = turned[:3, :3] @ rotation("z", 1e-3)[:3, :3]
     with pytest.raises(ConfigurationError, match=r"5 joints cannot take pose 1 in full.*'tool-axis-free' leaves free"):
-        check_poses(arm, [rounded, rounded])
-    found = inverse(arm, rounded, starts=64)
+        check_poses(arm, [turned, turned])
+    found = inverse(arm, turned, starts=64)
     assert found.unreached is not None
     assert "tool-axis-free leaves free what they cannot do" in one_line(found.sentence).replace("'", "")
-    other = inverse(arm, rounded, "tool-axis-free", starts=64)
+    other = inverse(arm, turned, "tool-axis-free", starts=64)
     assert min(np.abs(one.q - np.array(there)).max() for one in other.branches) < 1e-5
 
 

@@ -187,7 +187,7 @@ def test_a_first_pose_out_of_reach_and_bad_starts_are_errors() -> None:
         check_poses(ARM, away, start=Q[0])
     with pytest.raises(ConfigurationError, match=r"start: the start is one configuration; got shape \(2,\)"):
         check_poses(ARM, POSES, start=[0, 0])
-    with pytest.raises(ConfigurationError, match=r"poses, pose 2: the pose is no rotation"):
+    with pytest.raises(ConfigurationError, match=r"poses, pose 2: the last row of the matrix is not 0 0 0 1; got"):
         check_poses(ARM, POSES * np.array([1, 2, 1])[:, None, None])
     with pytest.raises(ConfigurationError, match=r"t, pose 3: time does not go on"):
         check_poses(ARM, POSES, [0, 1, 1])

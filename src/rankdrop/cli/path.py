@@ -210,8 +210,9 @@ def path(
     Args:
         files: CSV (joints by name or q1 ... qn, a time column if there is one), .npy, .npz, JSON or YAML of a
             JointTrajectory, or ROS bags (.bag, .db3, .mcap, the folder of a recording); or folders of these. Poses of
-            the tip, joined by straight moves: CSV with x, y, z and qx, qy, qz, qw or roll, pitch, yaw, or JSON or YAML
-            with poses. Robot programs with literal targets: .src (KUKA KRL), .mod (ABB RAPID), .script (URScript), .ls
+            the tip, joined by straight moves: CSV with x, y, z and qx, qy, qz, qw or roll, pitch, yaw, or with
+            matrices (m00 ... m23 or m00 ... m33); JSON or YAML with poses; .npy or .npz of shape (N, 4, 4) or
+            (N, 3, 4). Robot programs with literal targets: .src (KUKA KRL), .mod (ABB RAPID), .script (URScript), .ls
             (FANUC TP listing), .jbi (Yaskawa INFORM); the lines that are not read are listed.
     """
     if many.status is not None:

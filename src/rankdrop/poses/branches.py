@@ -99,6 +99,13 @@ class InverseSolutions(Result):
         return max(every, default=0.0)
 
     @property
+    def missed(self) -> tuple[float, float] | None:
+        """By how much the tool misses the pose at most [m, rad], where it takes the nearest one in reach; else None."""
+        found = [branch.q for branch in self.branches] + [continuum.q for continuum in self.continua]
+        q = np.array(found).reshape(-1, self.robot.n)
+        return Aim(self.robot, self.task).missed(np.broadcast_to(self.pose, (len(q), 4, 4)), q)
+
+    @property
     def sentence(self) -> str:
         """How many solutions there are, or why there is none."""
         return inverse_sentence(self)
@@ -171,8 +178,9 @@ def inverse(
     """Find the configurations of an arm at a pose of the tip: all branches, or why there is none.
 
     Newton's method runs from random starts until several batches of them find nothing new. Each solution is confirmed
-    by forward kinematics to 1e-9. That every solution is found is not proven. Joint limits do not restrict the search:
-    each solution says which joints exceed theirs.
+    by forward kinematics to 1e-9; of an arm of five joints to 0.05 mm and 5e-5 rad, since poses are rounded. That every
+    solution is found is not proven. Joint limits do not restrict the search: each solution says which joints exceed
+    theirs.
 
     Args:
         robot: the arm.

@@ -6,6 +6,9 @@
     from far   q ← q + Jᵀ(J Jᵀ + λ)⁻¹ e,  λ = |e|²
 
 A solution that no start leads to is missed: a list is what was found. What is found is a solution, to rounding.
+
+An arm of lower rank than the task has rows (five joints, six rows) reaches a thin set of poses. A pose of six digits is
+next to it: the nearest reachable pose within `tolerances.MISSED` is taken. There the steps J⁺ e end, and e is missing.
 """
 
 from __future__ import annotations
@@ -26,6 +29,8 @@ from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.numbers import anchors
 from rankdrop.robot.transform import hat
 from rankdrop.task import BASE, TIP, WORLD_ALIGNED, Frame, Task, link_index
+from rankdrop.tolerances import MISSED
+from rankdrop.units import counted_length
 
 _ACCEPTED = 1e-11  # of an error that is taken for none
 _ROUNDS, _ITERATIONS = 10, 60  # from near, and from far
@@ -33,6 +38,8 @@ _SAME = 1e-6  # solutions nearer than this are one [rad]
 _REGULAR = 1e-5  # σ_r of a solution that counts: nearer to the singular set pairs of solutions cannot be separated
 _CONFIRMED = 1e-9  # by which forward kinematics may miss the pose of a solution [m and chord]
 _FULL = (0, 1, 2, 3, 4, 5)
+_NOTED = 1e-10  # a miss below it is rounding of doubles [m and chord]
+_AT_REST = 1e-9  # a step J⁺ e so short ends next to such a pose [rad; slides scaled]
 _ROUNDED = 1e-12  # share of the links' length that rounding may add
 
 
@@ -88,6 +95,8 @@ class Aim:
         )  # fmt: skip
         self.square = robot.n == task.m == rank
         self.task, self.rank = plain, rank
+        self.may_miss = rank < task.m
+        self._missed = (MISSED[0] * counted_length(robot), MISSED[1])
 
     def error(self, poses: Array, q: Array) -> Array:
         """(N, m) what is missing from the poses at q (N, n) to `poses` (N, 4, 4) or (4, 4): e, lengths divided by ℓ."""
@@ -120,12 +129,33 @@ class Aim:
         return away, np.linalg.norm(apart[:, :, self.free] if self.with_tip else apart[:, self.free], axis=1)
 
     def confirms(self, poses: Array, q: Array) -> Mask:
-        """(N,) whether forward kinematics at q (N, n) gives the poses (N, 4, 4), to 1e-9 of the length scale and 1e-9.
+        """(N,) whether forward kinematics at q (N, n) gives the poses (N, 4, 4), to 1e-9 of the length scale and 1e-9;
+        of an arm of lower rank than rows to `MISSED`.
         """
         away, chord = self.missing(poses, q)
         if self.heading is not None:  # the tilt does not count
             chord = np.abs(self.error(poses, q)[:, -1])
-        return np.asarray((away <= _CONFIRMED * max(self.length, 1.0)) & (chord <= _CONFIRMED))
+        most_away, most_turned = _CONFIRMED * max(self.length, 1.0), _CONFIRMED
+        if self.may_miss:
+            most_away, most_turned = self._missed
+        return np.asarray((away <= most_away) & (chord <= most_turned))
+
+    def missed(self, poses: Array, q: Array) -> tuple[float, float] | None:
+        """By how much the tool misses the poses (N, 4, 4) at q (N, n) at most [m, rad], where an arm of lower rank than
+        rows takes the nearest poses; None where it takes them to rounding.
+        """
+        if not self.may_miss or not len(q):
+            return None
+        away, chord = (float(values.max()) for values in self.missing(poses, q))
+        if away <= _NOTED * max(self.length, 1.0) and chord <= _NOTED:
+            return None
+        return away, 2.0 * float(np.arcsin(min(1.0, chord / 2.0)))
+
+    def _is_nearest(self, poses: Array, q: Array) -> Mask:
+        """(N,) whether an arm of lower rank than rows is at the reachable pose nearest to `poses` (N, 4, 4)."""
+        steps = self.step(q, self.error(poses, q))
+        still = np.linalg.norm(steps / self.joints, axis=1) <= _AT_REST
+        return np.asarray(still & self.confirms(_each(poses, len(q)), q))
 
     def jacobian(self, q: Array) -> Array:
         """(N, m, n) of scaled joints."""
@@ -146,9 +176,12 @@ class Aim:
         return self.step(q, twist)
 
     def solve(self, poses: Array, q: Array) -> tuple[Array, Mask]:
-        """From near: configurations (N, n), and which are within 1e-11 of their poses (N, 4, 4)."""
+        """From near: configurations (N, n), and which are within 1e-11 of their poses (N, 4, 4), or next to them."""
         now, when = self._newton(poses, q, _ACCEPTED, _ROUNDS, far=False)
-        return now, when >= 0
+        arrived = when >= 0
+        if self.may_miss and not arrived.all():
+            arrived |= self._is_nearest(poses, now)
+        return now, arrived
 
     def descend(
         self, goals: Array, starts: Array, *, close: float = _ACCEPTED, rounds: int = _ITERATIONS
@@ -168,7 +201,13 @@ class Aim:
 
     def solve_from(self, goal: Array, starts: Array) -> Array:
         """(k, n) from far: solutions for the pose (4, 4) from the starts (N, n), in the order of their steps."""
-        q, arrived = self.descend(goal, starts)
+        if self.may_miss:
+            close = float(np.hypot(self._missed[0] / self.length, self._missed[1]))
+            q, arrived = self.descend(goal, starts, close=close)
+            q, solved = self.solve(np.broadcast_to(goal, (len(q), 4, 4)), q)
+            arrived = np.where(solved, arrived, -1)
+        else:
+            q, arrived = self.descend(goal, starts)
         order = np.argsort(arrived, kind="stable")
         candidates = q[order[arrived[order] >= 0]]
         return np.asarray(candidates[self.confirms(np.broadcast_to(goal, (len(candidates), 4, 4)), candidates)])

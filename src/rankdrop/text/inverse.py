@@ -16,7 +16,8 @@ from rankdrop.robot.numbers import reach
 from rankdrop.sections import Section
 from rankdrop.task import BASE, Task
 from rankdrop.text.words import joint_word, minus, motion, plural, power, short
-from rankdrop.units import counted_exponent
+from rankdrop.tolerances import MISSED
+from rankdrop.units import counted_exponent, counted_length
 
 _SHAPES = {1: "curve", 2: "surface"}
 _AXIS = 1e-3  # components below it are not shown
@@ -64,6 +65,21 @@ def _length_unit(robot: Robot) -> str:
 
 def _fixed_point(value: float, digits: int = 1) -> str:
     return minus(f"{round(float(value), digits) + 0.0:.{digits}f}")
+
+
+def missed_words(robot: Robot, away: float, turned: float) -> str:
+    """By how much an arm with too few joints misses poses that are rounded.
+
+    Args:
+        robot: the arm.
+        away: of its tip [m].
+        turned: of its axes [rad].
+    """
+    allowed = f"{_length(counted_length(robot) * MISSED[0], robot)} and {short(degrees(MISSED[1]), 2)}°"
+    return (
+        f"{robot.n} joints take the nearest pose in reach: the tool misses the pose by up to {_length(away, robot)} "
+        f"and {short(degrees(turned), 2)}° (at most {allowed}, for rounded poses)"
+    )
 
 
 def inverse_sentence(inverse: Any) -> str:
@@ -331,5 +347,7 @@ def _search_lines(inverse: Any) -> Iterator[str]:
         return
     yield f"found from {inverse.starts:,} {how}, of which {inverse.arrived:,} ended on a solution; not proven to be all"
     yield f"substituted back into forward kinematics: off by at most {power(max(inverse.residual, 1e-17))} (m, rad)"
+    if inverse.missed is not None:
+        yield missed_words(inverse.robot, *inverse.missed)
     if inverse.most is not None and len(inverse.branches) > inverse.most:
         yield f"more than {inverse.most} solutions: a fault of this package, please report it"

@@ -23,7 +23,27 @@ COLUMNS = {
     "speed_factor": "largest, at most 1, that keeps the velocity limits on its stretch",
 }
 """Meanings of the columns of a checked path row by row."""
-MILLIMETRES = "positions up to {0:.4g} look like millimetres and are read as metres; write x [mm], y [mm], z [mm]"
+MILLIMETRES = "positions up to {0:.4g} look like millimetres and are read as metres; {1}"
+MILLIMETRES_STATED = {
+    "columns": "write x [mm], y [mm], z [mm]",
+    "matrix columns": "write m03 [mm], m13 [mm], m23 [mm]",
+    "objects": 'write "length": "mm" next to "poses"',
+    "arrays": "divide poses[:, :3, 3] by 1000",
+}
+"""How each form of poses states millimetres."""
+POSE_COLUMNS = "x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone; or matrices, m00 … m23 or m00 … m33"
+"""Columns of a table of poses."""
+TRANSPOSED = "the matrices are transposed: write poses.transpose(0, 2, 1)"
+LAST_AXIS = "the poses are along the last axis: write numpy.moveaxis(poses, -1, 0)"
+ROTATIONS_ALONE = "these are rotations alone: add the translation as the fourth column"
+MATRIX_SHAPE = "matrices of the tip have the shape (N, {0}, 4)"
+MATRIX_HEAD = "a first line m00,m01, … m{0}3 makes them matrices of the tip"
+"""What mends arrays and tables of matrices."""
+ROTATIONS_MENDED = (
+    "rotations of {0} poses are replaced by the nearest ones: RᵀR differs from 1 by up to {1:.2g} (pose {2}, which "
+    "turns by {3:.2g}°)"
+)
+"""A note on rotations of few digits."""
 BAG_NOTES = {
     "others": "{0} of {1} messages have none of this arm's joints and are passed over",
     "recording": "headers have no times: those of the recording are taken",

@@ -14,8 +14,10 @@ import numpy as np
 
 from rankdrop.local.pointing import place_alone, pointing_task, tool_stays_level, turn_follows
 from rankdrop.options import advise
+from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
-from rankdrop.text.places import row_words, turn_far_words, when
+from rankdrop.text.inverse import missed_words
+from rankdrop.text.places import fastest_words, overrun_words, row_words, turn_far_words, when
 from rankdrop.text.remedies import local_lines
 from rankdrop.text.stretches import (
     REACHED,
@@ -165,6 +167,7 @@ def summary(check: Any, mending: Any = None, *, listed: bool = False, target: st
     lines = [sentence(check), _path_line(check), *_never_lines(check)]
     if check.tool is not None and len(check.tool.branches) > 1:
         lines.append(f"Branch: {branches_words(check)}.")
+    lines += _rate_lines(check)
     if not check.holds:
         lines.append(f"Next: {_next_step(check, mending, listed=listed, target=target)}.")
         if mending is not None and not listed:
@@ -174,6 +177,16 @@ def summary(check: Any, mending: Any = None, *, listed: bool = False, target: st
     if near is not None:
         lines.append(f"Nearest singularity: {stretch_place(check, near)}, {nearest_place_words(near)}.")
     return (*lines, _verified_line(check))
+
+
+def _rate_lines(check: Any) -> Iterator[str]:
+    """Joints above their rate limits; of a path that keeps them and passes near a singularity, its fastest joint."""
+    if check.overruns:
+        yield f"Too fast: {overrun_words(check.overruns, check.robot)}."
+        return
+    near = min((stretch.closest.distance for stretch in check.stretches), default=inf)
+    if near < NEAR and check.holds and check.fastest is not None:
+        yield f"Fastest: {fastest_words(check.fastest, check.robot)}."
 
 
 def _path_line(check: Any) -> str:
@@ -317,7 +330,7 @@ def free_words(check: Any) -> str:
 
 def notes(check: Any) -> tuple[str, ...]:
     """Remarks; of a tool path its branch and the poses of its crossings."""
-    lines = [_remark(kind, values) for kind, values in check.remarks]
+    lines = [_remark(kind, values, check.robot) for kind, values in check.remarks]
     if check.tool is not None:
         places = [crossing.closest.place for crossing in check.crossings][:MOST_NAMED]
         poses = np.interp([place.position for place in places], np.arange(1, check.rows + 1), check.tool.place)
@@ -333,7 +346,7 @@ def notes(check: Any) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _remark(kind: str, values: Any) -> str:
+def _remark(kind: str, values: Any, robot: Robot) -> str:
     """What a reader should know besides the verdict."""
     if kind == "jump":
         joint, row, before, after = values
@@ -344,6 +357,8 @@ def _remark(kind: str, values: Any) -> str:
             f"joint {joint} turns by {turn} from row {row - 1} to row {row} ({ends}), as the rows say; if these angles "
             f"start anew after a whole turn, it went {other}: add whole turns to the rows"
         )
+    if kind == "missed":
+        return missed_words(robot, *values)
     return _REMARKS[kind].format(values)
 
 

@@ -1,14 +1,16 @@
-"""Places of a path, joint values and how far joints turn, in words."""
+"""Places of a path, joint values, how far joints turn and how fast, in words."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from math import degrees
+from collections.abc import Iterator, Sequence
+from math import degrees, isfinite
 from typing import Any
 
 from rankdrop.robot.model import Array, Robot
 from rankdrop.text.words import minus, short
 
+_NAMED = 3  # joints above their rate limits that are described
+_LARGE = 999.5  # an amount that is printed with commas, from here on
 _AT_ROW = 1e-6  # share of the way between two rows that is reported as the row
 
 
@@ -48,3 +50,61 @@ def joint_cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:
     """Joint values (n,) as cells of a table."""
     for joint, value in zip(robot.variables, q.tolist(), strict=True):
         yield minus(f"{degrees(value):.2f}" if deg and joint.unit == "rad" else f"{value:.4f}")
+
+
+def overrun_words(overruns: Sequence[Any], robot: Robot, *, where: bool = True) -> str:
+    """Joints above their rate limits: "joint 4 needs up to 5,250°/s (limit 381°/s): above it for 0.079 s …".
+
+    Args:
+        overruns: of a path or of a move, the worst first.
+        robot: the arm.
+        where: name the times between which a joint is above its limit.
+    """
+    words = [_one_overrun(overrun, robot, where=where) for overrun in overruns[:_NAMED]]
+    if len(overruns) > _NAMED:
+        words.append(f"and {len(overruns) - _NAMED} more joints")
+    return "; ".join(words)
+
+
+def _one_overrun(overrun: Any, robot: Robot, *, where: bool) -> str:
+    """One joint above its limit: its rate, how long it is above it, and how far it moves meanwhile."""
+    unit = robot.variables[overrun.joint - 1].unit
+    between = ""
+    if where:
+        between = f", {interval_words(overrun.start, overrun.end)}"
+    return (
+        f"joint {overrun.joint} needs up to {_rate(overrun.rate, unit)} (limit {_rate(overrun.limit, unit)}): above it "
+        f"for {short(overrun.seconds, 2)} s{between}, while it {_moves(unit)} {_amount(overrun.travel, unit)}"
+    )
+
+
+def fastest_words(fastest: Any, robot: Robot) -> str:
+    """The joint that comes nearest to its rate limit: "joint 4 turns at up to 66°/s, 37 % of its limit, at 1 s"."""
+    unit = robot.variables[fastest.joint - 1].unit
+    if isfinite(fastest.limit):
+        limit = f"{short(100.0 * fastest.rate / fastest.limit, 2)} % of its limit"
+    else:
+        limit = "no limit is known"
+    return f"joint {fastest.joint} {_moves(unit)} at up to {_rate(fastest.rate, unit)}, {limit}, {when(fastest.place)}"
+
+
+def _rate(rate: float, unit: str) -> str:
+    """A rate: "360°/s", "0.25 m/s"."""
+    return f"{_amount(rate, unit)}/s"
+
+
+def _moves(unit: str) -> str:
+    """The verb of a joint: it turns, or moves along its axis."""
+    if unit == "rad":
+        return "turns"
+    return "moves"
+
+
+def _amount(value: float, unit: str) -> str:
+    """An angle in degrees, or a length."""
+    size, sign = value, f" {unit}"
+    if unit == "rad":
+        size, sign = degrees(value), "°"
+    if size >= _LARGE:
+        return f"{float(f'{size:.3g}'):,.0f}{sign}"
+    return f"{short(size, 3)}{sign}"

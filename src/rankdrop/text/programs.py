@@ -11,6 +11,7 @@ from rankdrop.options import advise
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.text.paths import free_words, times
+from rankdrop.text.places import overrun_words
 from rankdrop.text.remedies import joint_moves, tool_off_words
 from rankdrop.text.stretches import REACHED, crossing_lines, how_reached, joints_words, stretch_place
 from rankdrop.text.tool_paths import turn_words
@@ -49,6 +50,7 @@ _ENDS = {
     "budget": "the steps and rows that one tool path may have are used up", "start": "its beginning is not reached",
     "turn": "the arm needs an internal turn first, with the tool held still",
 }  # fmt: skip
+_FAST = 3  # lines of which joints above their rate limits are described
 _SLOW = 0.1  # of the programmed speed, below which a joint move is the better advice
 _KINDS = {"joint": "joint move", "line": "straight line"}
 
@@ -137,7 +139,7 @@ def _broken(check: Any) -> Iterator[str]:
             where = _in_line(move.line, move.text)
             if violation.what == "rate" and violation.proven:
                 times = f"{above_limit(violation.amount)} limit of {joint}"
-                yield f"not possible at the programmed speed: {times} {where}"
+                yield f"not possible at the programmed speed: {times} {where}{_other_fast_lines(part, move)}"
             elif violation.what == "rate":
                 yield f"the rate of {joint} could not be proven to keep its limit {where}"
             elif violation.proven:
@@ -145,6 +147,14 @@ def _broken(check: Any) -> Iterator[str]:
                 yield f"{joint} is outside its limits by {excess} {where}"
             else:
                 yield f"{joint} could not be proven to keep its limits {where}"
+
+
+def _other_fast_lines(part: Any, worst: Any) -> str:
+    """The other lines of a part in which a joint exceeds its rate limit."""
+    others = [line for line, _ in _overruns_of_part(part) if line != worst.line]
+    if not others:
+        return ""
+    return f" (and less in {_lines_words(others)})"
 
 
 def _open(check: Any) -> Iterator[str]:
@@ -167,7 +177,7 @@ def _open(check: Any) -> Iterator[str]:
 def summary(check: Any) -> tuple[str, ...]:
     """The verdict, what was read, corners, frames, where parts begin, turns, the nearest singularity, how it is known.
     """
-    parts = (_next_lines, _read_lines, _begin_lines, _turn_lines, _near_lines, _verified_lines)
+    parts = (_next_lines, _read_lines, _begin_lines, _fast_lines, _turn_lines, _near_lines, _verified_lines)
     return (sentence(check), *flat_map(lambda part: part(check), parts))
 
 
@@ -222,16 +232,48 @@ def _begin_lines(check: Any) -> Iterator[str]:
             yield f"{posed} The solution nearest to the configuration before it is taken."
 
 
+def _overruns_of_part(part: Any) -> Iterator[tuple[int, Sequence[Any]]]:
+    """The lines of a part in which joints exceed their rate limits, each with these joints, the worst first."""
+    for index, move in enumerate(part.moves):
+        overruns = part.overruns(index)
+        if overruns:
+            yield move.line, overruns
+
+
+def _fast_lines(check: Any) -> Iterator[str]:
+    """Joints above their rate limits, and for how long, in the lines that exceed a limit most."""
+    found = sorted(flat_map(_overruns_of_part, check.parts), key=lambda fast: -fast[1][0].rate / fast[1][0].limit)
+    for line, overruns in found[:_FAST]:
+        yield f"Too fast in line {line}: {overrun_words(overruns, check.robot, where=False)}."
+    if len(found) > _FAST:
+        yield f"Too fast as well: {_lines_words([line for line, _ in found[_FAST:]])}."
+
+
 def _turn_lines(check: Any) -> Iterator[str]:
     """The linear move in which a joint turns far, and by how much."""
     lines = [move for move in check.moves if move.kind == "line" and degrees(move.turn) >= _FAR_TURN]
     if lines:
         most = max(lines, key=lambda move: move.turn)
+        turn = _far_turn(check, most)
+        if turn is not None:
+            lasts = f" within {turn.end.time - turn.start.time:.3g} s"
+            yield f"Turns: joint {turn.joint} turns {abs(degrees(turn.angle)):.0f}°{lasts} in line {most.line}."
+            return
         if most.seconds is None:
             lasts = ""
         else:
             lasts = f" in {most.seconds:.3g} s"
         yield f"Turns: joint {most.joint} turns {degrees(most.turn):.0f}°{lasts} in line {most.line}."
+
+
+def _far_turn(check: Any, move: Any) -> Any | None:
+    """The largest turn within a short part of a move whose time is known; None where there is none."""
+    for part in check.parts:
+        for index, other in enumerate(part.moves):
+            turns = part.turns(index) if other.line == move.line and move.seconds is not None else ()
+            if turns:
+                return max(turns, key=lambda turn: abs(turn.angle))
+    return None
 
 
 def _near_lines(check: Any) -> Iterator[str]:

@@ -52,6 +52,7 @@ from rankdrop.path.check.tool_line import half_turns, poses_at
 from rankdrop.path.check.turns import jump
 from rankdrop.path.curve import Curve, Place, curve
 from rankdrop.path.read.files import read_trajectory
+from rankdrop.path.read.matrices import REPORTED, poses_of
 from rankdrop.path.read.poses import Poses, holds_poses, length_hint, read_poses
 from rankdrop.path.read.trajectory import Trajectory, check_times, check_values, refuse_degrees, rows_of, unit_hint
 from rankdrop.poses.inverse import Aim, distinct, joint_difference, near_and_within
@@ -346,7 +347,9 @@ def check_poses(
     first, solutions, moved = configuration_at(robot, wanted[0], resolved, start)
     tolerance = tip_tolerance(how, robot)
     branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
-    away, turned = tip_apart(Aim(robot, resolved), branch.q, poses_at(wanted, branch.place - 1.0))
+    aim, targets = Aim(robot, resolved), poses_at(wanted, branch.place - 1.0)
+    away, turned = tip_apart(aim, branch.q, targets)
+    missed = aim.missed(targets, branch.q)
     ahead = wanted[min(ceil(branch.place[-1] - 1.0 + 1e-9), len(wanted) - 1)]
     isolated, self_motions = 0, 0
     if start is None:
@@ -373,7 +376,11 @@ def check_poses(
     if branches and robot.n == resolved.m and len(wanted) <= MOST_POSES:
         tool = replace(tool, branches=_branches(
             robot, wanted, solutions, first, resolved, asked, tolerance, tool, check, tolerances))  # fmt: skip
-    return replace(check, rows=len(branch.q), tool=tool, verdict=worst, poses=GivenPoses(wanted, times, resolved))
+    remarks = check.remarks
+    if missed is not None:
+        remarks += (("missed", missed),)
+    return replace(check, rows=len(branch.q), tool=tool, verdict=worst, remarks=remarks,
+                   poses=GivenPoses(wanted, times, resolved))  # fmt: skip
 
 
 def tip_tolerance(options: PathOptions, robot: Robot) -> tuple[float, float]:
@@ -488,15 +495,7 @@ def _validate_poses(poses: ArrayLike) -> Array:
     if wanted.ndim != 3 or wanted.shape[1:] != (4, 4) or not len(wanted):
         raise ConfigurationError("a tool path has one matrix for each pose", where="poses",
                                  got=f"shape {wanted.shape}", allowed="shape (P, 4, 4), P ≥ 1")  # fmt: skip
-    finite = np.asarray(np.isfinite(wanted).all(axis=(1, 2)))
-    turn = np.where(finite[:, None, None], wanted[:, :3, :3], 0.0)
-    right = np.abs(turn @ turn.swapaxes(1, 2) - np.eye(3)).max(axis=(1, 2)) <= 1e-6
-    right &= np.linalg.det(turn) > 0.0
-    for i in np.flatnonzero(~(finite & right))[:1]:
-        if not finite[i]:
-            raise ConfigurationError("the pose is not finite", where=f"poses, pose {i + 1}")
-        raise ConfigurationError("the pose is no rotation with a translation", where=f"poses, pose {i + 1}")
-    return wanted
+    return poses_of(wanted, lambda row: f"poses, pose {row + 1}", most=REPORTED)[0]
 
 
 def within_limits(robot: Robot, goal: Array, task: Task) -> Array:

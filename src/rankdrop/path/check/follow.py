@@ -202,7 +202,8 @@ def follow(
 
     Returns:
         What was reached. At every configuration the pose is right to 1e-11, translations divided by the length scale;
-        at a pose that misses a singularity of the branch by rounding, to 2e-6.
+        at a pose that misses a singularity of the branch by rounding, to 2e-6; of an arm of lower rank than rows to
+        `tolerances.MISSED`.
 
     Raises:
         ConfigurationError: the start is not one configuration.

@@ -21,6 +21,7 @@ from rankdrop.errors import OptionError
 from rankdrop.local.pointing import followed_task
 from rankdrop.path.check.check import PathQuestion, asked_for, check_curve, check_file
 from rankdrop.path.check.moves import ON_AXIS, STILL, Ended, FollowedMoves, MoveFollower
+from rankdrop.path.check.overrun import Overrun, overruns
 from rankdrop.path.check.record import (
     FREE,
     NOT_FOLLOWED,
@@ -35,6 +36,7 @@ from rankdrop.path.check.record import (
     Verdict,
     Violation,
 )
+from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve, Index, Place, curve
 from rankdrop.path.read.program_file import read_program
 from rankdrop.path.read.program_record import BREAKS, Move, Program, Skipped, is_program
@@ -107,6 +109,28 @@ class Part:
             return 0
         return int(self.owner[min(self.check.curve.spot(place)[0], len(self.owner) - 1)])
 
+    def overruns(self, index: int) -> tuple[Overrun, ...]:
+        """Joints that exceed their rate limits in a move."""
+        first, last = self._rows(index)
+        if self.check is None or first == last:
+            return ()
+        return overruns(self.check.robot, self.check.curve, first, last)
+
+    def turns(self, index: int) -> tuple[FarTurn, ...]:
+        """Joints that turn far within a short part of a move."""
+        first, last = self._rows(index)
+        if self.check is None or first == last:
+            return ()
+        curve, times = self.check.curve, self.check.curve.times
+        if times is not None:
+            times = times[first : last + 1]
+        return far_turns(self.check.robot, replace(curve, control=curve.control[first:last], times=times, speeds=None))
+
+    def _rows(self, index: int) -> tuple[int, int]:
+        """Rows between which a move goes, from 0; twice the same for a move that has none."""
+        first, last = np.searchsorted(self.owner, [index, index + 1]).tolist()
+        return first, last
+
     def checked_moves(self) -> Iterator[MoveCheck]:
         """Every move, checked; those that follow the end are left out."""
         if self.check is None:
@@ -135,6 +159,8 @@ class Part:
     def _verdict(self, index: int, stretches: Sequence[Stretch], violations: Sequence[Violation]) -> Verdict:
         """The worst of a move."""
         kinds = [FREE, *(stretch.verdict for stretch in stretches), *map(_broken, violations)]
+        if self.overruns(index):
+            kinds.append(TOO_FAST)
         if index in self.passed:
             kinds.append(TOUCHING)
         if self.ended is not None and self.ended.move is self.moves[index]:

@@ -16,6 +16,7 @@ import numpy as np
 
 from rankdrop.codec import Result
 from rankdrop.path.check.follow import Followed
+from rankdrop.path.check.overrun import Fastest, Overrun, fastest, overruns
 from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve, Index, Place
 from rankdrop.questions import PathOptions
@@ -49,7 +50,8 @@ CROSSING, TOUCHING, NOT_FOLLOWED, OUTSIDE, TOO_FAST, TOO_NEAR, UNDECIDED, FREE =
 Evidence = Literal["covered", "determinant", "condition", "singular throughout", "small sigma", "no enclosure",
                    "unfinished"]
 """How the verdict of a stretch is known."""
-Remark = Literal["degrees", "velocities", "jump", "lost", "distances", "no distance", "distance open"]
+Remark = Literal["degrees", "velocities", "jump", "lost", "distances", "no distance", "distance open",
+                 "missed"]  # fmt: skip
 """What a reader should know besides the verdict; its values follow it in `PathCheck.remarks`."""
 
 
@@ -259,6 +261,18 @@ class PathCheck(Result):
     def turns(self) -> tuple[FarTurn, ...]:
         """Joints that turn far within a short part of it."""
         return far_turns(self.robot, self.curve)
+
+    @property
+    def overruns(self) -> tuple[Overrun, ...]:
+        """Joints that exceed their rate limits: how fast, how far and how long; none where that is not proven."""
+        if not any(violation.what == "rate" and violation.proven for violation in self.violations):
+            return ()
+        return overruns(self.robot, self.curve)
+
+    @property
+    def fastest(self) -> Fastest | None:
+        """The joint that comes nearest to its rate limit; None without times."""
+        return fastest(self.robot, self.curve)
 
     @property
     def sentence(self) -> str:

@@ -1,4 +1,4 @@
-"""Trajectories in NumPy's files: one array of samples, or an archive with times, velocities and names.
+"""Trajectories in NumPy's files: one array of samples, or an archive with times, velocities and names; and poses.
 
 Headers are judged before any array is unpacked.
 """
@@ -9,11 +9,11 @@ import io
 import warnings
 import zlib
 from collections import Counter
-from collections.abc import Container
+from collections.abc import Callable, Container
 from math import prod
 from pathlib import Path
 from tokenize import TokenError
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, TypeVar
 from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo, is_zipfile
 
 import numpy as np
@@ -25,11 +25,16 @@ from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, increasin
 from rankdrop.robot.files import LARGEST_ARRAY, LONGEST_HEAD, MOST_MEMBERS, MOST_ROWS, MOST_STEPS
 from rankdrop.robot.model import Array, Robot
 
+ARRAY_ENDINGS = (".npy", ".npz")
 ARRAYS = (
     ("q", "positions", "position"), ("t", "time", "times"), ("qd", "velocities", "velocity"),
     ("qdd", "accelerations", "acceleration"), ("joint_names", "names", "joints"),
 )  # fmt: skip
 """Names that each array may have in an archive."""
+POSES = ("poses", "pose", "matrices", "transforms", "T")
+"""Names that an array of poses may have in an archive without joint values; another one is read where it is the only
+array of three dimensions.
+"""
 _DAMAGED = (ValueError, TypeError, EOFError, BadZipFile, NotImplementedError, MemoryError, OverflowError, SyntaxError,
             RecursionError, RuntimeError, TokenError, zlib.error)  # fmt: skip
 """What NumPy raises over a file that is none: its headers are parsed as Python's literals."""
@@ -73,8 +78,94 @@ def _texts(names: NDArray[Any]) -> list[str]:
     return [name.decode("utf-8", "replace") if isinstance(name, bytes) else name for name in listed]
 
 
-def _load(path: Path) -> Array | dict[str, Array]:
-    """The array, or those of the archive that are read. Headers are judged before any array is unpacked."""
+def pose_shape(path: Path) -> tuple[int, ...] | None:
+    """The shape of the array of poses in a file, by its header alone; None where there is none.
+
+    Raises:
+        TrajectoryError: the file cannot be read.
+    """
+
+    def of_array(_: BinaryIO, begin: bytes) -> tuple[int, ...] | None:
+        return _header(begin)[0]
+
+    def of_archive(archive: ZipFile) -> tuple[int, ...] | None:
+        name = _pose_name(archive, str(path))
+        if name is None:
+            return None
+        return _shape_in(archive, name)
+
+    return _opened(path, of_array, of_archive)
+
+
+def read_pose_array(path: Path) -> tuple[Array, Array | None, str]:
+    """The array of poses in a file, the times of an archive that has them, and where the poses are, for errors.
+
+    Raises:
+        TrajectoryError: the file cannot be read, or holds no poses.
+    """
+    where = str(path)
+
+    def of_array(file: BinaryIO, begin: bytes) -> tuple[Array, Array | None, str]:
+        return _doubles(_whole_array(file, begin, where)), None, where
+
+    def of_archive(archive: ZipFile) -> tuple[Array, Array | None, str]:
+        name = _pose_name(archive, where)
+        infos = _infos(archive, where)
+        if name is None:
+            raise TrajectoryError("the archive has no poses", where=where, got=", ".join(infos) or "nothing",
+                                  allowed=" or ".join(POSES))  # fmt: skip
+        wanted = {"poses": name}
+        times = _arrays_wanted(infos).get("t")
+        if times is not None:
+            wanted["t"] = times
+        found = {key: _doubles(part) for key, part in _unpacked(archive, infos, wanted, where).items()}
+        return found["poses"], found.get("t"), f"{where}, {name}"
+
+    return _opened(path, of_array, of_archive)
+
+
+def _pose_name(archive: ZipFile, where: str) -> str | None:
+    """The name of the array of poses in an archive without joint values; None where there is none."""
+    infos = _infos(archive, where)
+    if "q" in _arrays_wanted(infos):
+        return None
+    named = [name for name in POSES if name in infos]
+    if named:
+        return named[0]
+    stacks = [name for name in infos if len(_shape_in(archive, name) or ()) == 3]
+    if len(stacks) == 1:
+        return stacks[0]
+    return None
+
+
+def _shape_in(archive: ZipFile, name: str) -> tuple[int, ...] | None:
+    """The shape of a member of an archive, by its header; None where it is none of NumPy's."""
+    info = _infos(archive, name)[name]
+    if info.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
+        return None
+    try:
+        with archive.open(info) as stream:
+            return _header(stream.read(_HEADER))[0]
+    except _DAMAGED:
+        return None
+
+
+Found = TypeVar("Found")
+
+
+def _opened(
+    path: Path, of_array: Callable[[BinaryIO, bytes], Found], of_archive: Callable[[ZipFile], Found]
+) -> Found:
+    """The result of a reader of one array, or of a reader of an archive, for a file.
+
+    Args:
+        path: the file.
+        of_array: called with the file and its first bytes.
+        of_archive: called with the archive; its list of members is short.
+
+    Raises:
+        TrajectoryError: the file cannot be read, is too large, or is none of NumPy's.
+    """
     try:
         if is_endless(path):
             raise TrajectoryError("this is not a file", where=str(path), got="a pipe or a device")
@@ -84,19 +175,36 @@ def _load(path: Path) -> Array | dict[str, Array]:
             warnings.simplefilter("ignore", UserWarning)  # a header of Python 2 is read as any other
             begin = file.read(_HEADER)
             if begin.startswith(MAGIC_PREFIX):  # an array may hold the bytes of an archive, too
-                _judge(begin, "q", str(path))
-                file.seek(0)
-                return np.asarray(read_array(file, allow_pickle=False))
+                return of_array(file, begin)
             if not is_zipfile(file):
                 raise TrajectoryError("this is not a file of NumPy's", where=str(path),
                                       got=repr(begin[: len(MAGIC_PREFIX)]))  # fmt: skip
             _check_directory(file, str(path))
             with ZipFile(file) as archive:
-                return _members(archive, str(path))
+                return of_archive(archive)
     except OSError as error:
         raise TrajectoryError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from None
     except _DAMAGED as error:
         raise TrajectoryError("this is not a file of NumPy's", where=str(path), got=str(error)[:80]) from None
+
+
+def _whole_array(file: BinaryIO, begin: bytes, where: str) -> NDArray[Any]:
+    """The array of a file. Its header is judged first."""
+    _judge(begin, "q", where)
+    file.seek(0)
+    return np.asarray(read_array(file, allow_pickle=False))
+
+
+def _load(path: Path) -> Array | dict[str, Array]:
+    """The array, or those of the archive that are read. Headers are judged before any array is unpacked."""
+
+    def of_array(file: BinaryIO, begin: bytes) -> Array | dict[str, Array]:
+        return _whole_array(file, begin, str(path))
+
+    def of_archive(archive: ZipFile) -> Array | dict[str, Array]:
+        return _members(archive, str(path))
+
+    return _opened(path, of_array, of_archive)
 
 
 def _check_directory(file: BinaryIO, where: str) -> None:
@@ -130,7 +238,16 @@ def _members(archive: ZipFile, where: str) -> dict[str, Array]:
     wanted = _arrays_wanted(infos)
     if "q" not in wanted:
         raise TrajectoryError("the archive has no positions", where=where, got=", ".join(infos) or "nothing",
-                              allowed=" or ".join(ARRAYS[0]))  # fmt: skip
+                              allowed=f"{' or '.join(ARRAYS[0])}; or {POSES[0]} for matrices of the tip")  # fmt: skip
+    return _unpacked(archive, infos, wanted, where)
+
+
+def _unpacked(archive: ZipFile, infos: dict[str, ZipInfo], wanted: dict[str, str], where: str) -> dict[str, Array]:
+    """The arrays of an archive by their kinds, as `wanted` names them; all headers are judged first.
+
+    Raises:
+        TrajectoryError: a header that is refused, or too many numbers.
+    """
     total = 0
     for key, name in wanted.items():
         place = f"{where}, {name}"
@@ -188,12 +305,7 @@ def _judge(begin: bytes, key: str, where: str) -> int:
         TrajectoryError: the type is none of numbers (of texts, for names), or the array is too large.
         ValueError: it is no header.
     """
-    stream = io.BytesIO(begin)
-    if read_magic(stream) == (1, 0):
-        read_header = read_array_header_1_0
-    else:
-        read_header = read_array_header_2_0
-    shape, _, dtype = read_header(stream)
+    shape, dtype = _header(begin)
     texts = key == "joint_names"
     if dtype.kind not in ("US" if texts else "fiu"):
         raise TrajectoryError("these are no names" if texts else "these are no numbers", where=where,
@@ -210,6 +322,21 @@ def _judge(begin: bytes, key: str, where: str) -> int:
     if shape and shape[0] > MOST_ROWS:
         raise TrajectoryError("there are too many rows", where=where, got=shape[0], allowed=f"at most {MOST_ROWS}")
     return size
+
+
+def _header(begin: bytes) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type of an array, by the first bytes of its file.
+
+    Raises:
+        ValueError: it is no header.
+    """
+    stream = io.BytesIO(begin)
+    if read_magic(stream) == (1, 0):
+        read_header = read_array_header_1_0
+    else:
+        read_header = read_array_header_2_0
+    shape, _, dtype = read_header(stream)
+    return shape, dtype
 
 
 def _fits_names(shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:

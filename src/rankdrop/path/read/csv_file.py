@@ -26,7 +26,7 @@ from rankdrop.path.read.trajectory import (
 from rankdrop.robot.files import LONGEST_HEAD, MOST_ROWS
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import quantity
-from rankdrop.text.path_files import DECIMAL_COMMAS
+from rankdrop.text.path_files import DECIMAL_COMMAS, MATRIX_HEAD
 
 _TIME = re.compile(r"(time|zeit|t|stamp|timestamp|seconds?)\s*([\[(_]?\s*(s|sec|seconds)\s*[\])]?)?", re.IGNORECASE)
 _FINE_TIME = re.compile(
@@ -444,6 +444,13 @@ def _names_of_numbers(table: Table, robot: Robot) -> list[str]:
         raise TrajectoryError(
             "the columns have no names", where=table.head_place, got=f"{len(table.head)} numbers",
             allowed=f"{robot.n} numbers, one for each joint, a rising time in front of them, or a first line of names: "
-            f"{joint_names(robot)}",
+            f"{joint_names(robot)}", mend=_named_matrices(len(table.head)),
         )  # fmt: skip
     return names
+
+
+def _named_matrices(columns: int) -> str:
+    """What names columns of matrices, where there are as many as the matrices of poses have."""
+    if columns in (12, 16):
+        return MATRIX_HEAD.format(columns // 4 - 1)
+    return ""

@@ -1,10 +1,14 @@
-"""Poses of the tip from files, what a Cartesian program says: columns of a table, or objects in JSON and YAML."""
+"""Poses of the tip from files, what a Cartesian program says.
+
+Columns of a table, objects in JSON and YAML, or matrices in NumPy's files.
+"""
 
 from __future__ import annotations
 
 import reprlib
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
+from enum import StrEnum
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -13,8 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import RankdropError
+from rankdrop.path.read.arrays import ARRAY_ENDINGS, pose_shape, read_pose_array
 from rankdrop.path.read.csv_file import (
     UNITS,
+    Known,
     Table,
     find_columns,
     gives_every_joint,
@@ -25,12 +31,13 @@ from rankdrop.path.read.csv_file import (
     read_table,
 )
 from rankdrop.path.read.files import text_of_file
+from rankdrop.path.read.matrices import ENTRIES, TRANSLATION, as_stack, matrix_entries, poses_of
 from rankdrop.path.read.messages import OBJECTS, all_or_none, documents, is_double
 from rankdrop.path.read.trajectory import BAGS, TrajectoryError, check_times
 from rankdrop.robot.files import MOST_ROWS, RANGE, allowed_range, read_text
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
-from rankdrop.text.path_files import MILLIMETRES
+from rankdrop.text.path_files import MILLIMETRES, MILLIMETRES_STATED, POSE_COLUMNS
 
 QUATERNION, ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
 _LENGTHS = {"x", "y", "z"}
@@ -44,6 +51,18 @@ _TURNS = {"orientation": QUATERNION, "rpy": ANGLES}
 _AXES = {"orientation": tuple("xyzw")}  # names of the numbers in an object
 _UNIT_LENGTH = 1e-3  # a quaternion's length may be off by this: digits of a file
 _FAR = 20.0  # reaches: positions beyond it look like millimetres
+_UPPER, _WHOLE = ENTRIES[:12], ENTRIES
+"""Columns of matrices without and with their last row."""
+_FEW = 9  # columns of entries by which a table is meant to hold matrices; it may lack some
+
+
+class PoseForm(StrEnum):
+    """How a file writes poses."""
+
+    COLUMNS = "columns"
+    MATRIX_COLUMNS = "matrix columns"
+    OBJECTS = "objects"
+    ARRAYS = "arrays"
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +76,7 @@ class Poses:
         turned: the file gives orientations; else only positions are meant.
         unused: columns that were passed over.
         notes: what a reader should know of how the file was read.
+        form: how the file writes them.
     """
 
     name: str
@@ -65,17 +85,21 @@ class Poses:
     turned: bool
     unused: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    form: PoseForm = PoseForm.COLUMNS
 
 
 def holds_poses(path: Path, robot: Robot) -> bool:
-    """Whether a file holds poses: columns x, y, z and not every joint, or an object with `poses`.
+    """Whether a file holds poses: columns x, y, z or of matrices and not every joint, an object with `poses`, or an
+    array of matrices.
 
     A file that cannot be read holds none; whoever reads it then says why.
     """
     ending = path.suffix.lower()
-    if not path.is_file() or ending in (".npy", ".npz", *BAGS):
+    if not path.is_file() or ending in BAGS:
         return False
     try:
+        if ending in ARRAY_ENDINGS:
+            return _is_pose_array(pose_shape(path), robot)
         text = read_text(path)
         if ending in OBJECTS:
             return list_in(loaded_poses(text, str(path), yaml=ending != ".json")) is not None
@@ -83,9 +107,18 @@ def holds_poses(path: Path, robot: Robot) -> bool:
     except RankdropError:
         return False
     joints = {joint.name for joint in robot.variables}
+    if len(_entries(words)) >= _FEW:
+        return not joints <= set(words) and not gives_every_joint(words, robot)
     if not {_column_name(word) for word in words} >= _LENGTHS or joints <= set(words):
         return False
     return _plain_lengths(words) or not gives_every_joint(words, robot)
+
+
+def _is_pose_array(shape: tuple[int, ...] | None, robot: Robot) -> bool:
+    """Whether an array is one of poses: never a table, but one matrix where no row of it can be joint values."""
+    if shape is None:
+        return False
+    return len(shape) == 3 or (shape in ((4, 4), (3, 4)) and robot.n not in (3, 4))
 
 
 def _plain_lengths(words: list[str]) -> bool:
@@ -96,10 +129,12 @@ def _plain_lengths(words: list[str]) -> bool:
 def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
     """Poses from a file.
 
-    CSV: a line of names, x, y, z, and either qx, qy, qz, qw or roll, pitch, yaw (R = Rz·Ry·Rx, as in URDF); a time
-    column if there is one; units behind a name ("x [mm]", "roll [deg]"), else metres and radians. JSON or YAML: a list,
-    or an object with `poses` (a PoseArray, a Path), of objects with `position` ([x, y, z], or by name), `orientation`
-    (the quaternion [x, y, z, w], or by name) or `rpy`, and `time`; `length`: "mm" and `angle`: "deg" beside `poses`.
+    CSV: a line of names, x, y, z, and either qx, qy, qz, qw or roll, pitch, yaw (R = Rz·Ry·Rx, as in URDF), or the
+    entries m00 … m23 or m00 … m33 of matrices; a time column if there is one; units behind a name ("x [mm]",
+    "roll [deg]", "m03 [mm]"), else metres and radians. JSON or YAML: a list, or an object with `poses` (a PoseArray, a
+    Path), of objects with `position` ([x, y, z], or by name), `orientation` (the quaternion [x, y, z, w], or by name)
+    or `rpy`, and `time`; `length`: "mm" and `angle`: "deg" beside `poses`. NumPy's files: matrices (N, 4, 4) or
+    (N, 3, 4) [m]; of an archive the array `poses` and, where there is one, `t` [s].
 
     Args:
         path: the file.
@@ -110,7 +145,10 @@ def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
         MissingExtraError: YAML, and PyYAML is not installed.
     """
     file, name = Path(path), str(path)
-    text, ending = text_of_file(file), file.suffix.lower()
+    ending = file.suffix.lower()
+    if ending in ARRAY_ENDINGS:
+        return _poses_of_arrays(file)
+    text = text_of_file(file)
     if ending in OBJECTS:
         return _poses_of_objects(loaded_poses(text, name, yaml=ending != ".json"), name, deg=deg)
     return _poses_of_rows(text, name, deg=deg)
@@ -121,7 +159,7 @@ def length_hint(poses: Poses, reach: float) -> str | None:
     most = float(np.abs(poses.matrices[:, :3, 3]).max())
     if most <= _FAR * reach:
         return None
-    return MILLIMETRES.format(most)
+    return MILLIMETRES.format(most, MILLIMETRES_STATED[poses.form])
 
 
 def turned_by(quaternion: Array, where: Callable[[int], str]) -> NDArray[np.float64]:
@@ -154,20 +192,37 @@ def _pose_key(name: str) -> str:
     return _OTHER.get(plain, plain)
 
 
-def _measure(name: str) -> tuple[str, str] | None:
-    """A column of a pose by its name without a unit, and what it measures."""
-    key = _pose_key(name)
+def _entries(words: list[str]) -> dict[str, str]:
+    """Which entry of a matrix each column is, by its name without the unit."""
+    return matrix_entries([name_and_unit(word.strip())[0] for word in words])
+
+
+def _measures(head: list[str]) -> Known:
+    """What a column of a pose is, by its name without a unit, and what it measures."""
+    entries = _entries(head)
+    if len(entries) < _FEW:
+        entries = {}
     kinds = {**dict.fromkeys(_LENGTHS, "length"), **dict.fromkeys(ANGLES, "angle"),
              **dict.fromkeys(QUATERNION, "number")}  # fmt: skip
-    if key in kinds:
-        return (key, kinds[key])
-    return None
+
+    def measure(name: str) -> tuple[str, str] | None:
+        if name.strip() in entries:
+            entry = entries[name.strip()]
+            return (entry, "length" if entry in TRANSLATION else "number")
+        key = _pose_key(name)
+        if not entries and key in kinds:
+            return (key, kinds[key])
+        return None
+
+    return measure
 
 
 def pose_table(
     text: str, name: str, *, deg: bool
 ) -> tuple[Table, dict[Hashable, tuple[int, float]], int | None, tuple[str, ...]]:
-    """A table of poses; place and factor (to rad and m) of each of its columns; that of the time; those that turn.
+    """A table of poses; place and factor (to rad and m) of each of its columns; that of the time; keys in their order.
+
+    The keys are x, y, z and what turns, or the entries of matrices.
 
     Raises:
         TrajectoryError: these are no columns of poses.
@@ -176,24 +231,58 @@ def pose_table(
     if all(map(is_number, table.head)):
         raise TrajectoryError("the columns have no names", where=table.head_place,
                               allowed="x, y, z and qx, qy, qz, qw or roll, pitch, yaw")  # fmt: skip
-    columns, time, _ = find_columns(table.head, table.head_place, _measure, deg=deg)
+    columns, time, _ = find_columns(table.head, table.head_place, _measures(table.head), deg=deg)
+    if columns.keys() & set(ENTRIES):
+        return table, columns, time, _matrix_keys(table, columns)
     turn = next((keys for keys in (QUATERNION, ANGLES) if columns.keys() >= set(keys)), ())
     if columns.keys() != {*_LENGTHS, *turn}:
-        raise TrajectoryError(
-            "poses need other columns", where=table.head_place, got=", ".join(table.head),
-            allowed="x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone",
-        )  # fmt: skip
-    return table, columns, time, turn
+        raise TrajectoryError("poses need other columns", where=table.head_place, got=", ".join(table.head),
+                              allowed=POSE_COLUMNS)  # fmt: skip
+    return table, columns, time, ("x", "y", "z", *turn)
+
+
+def _matrix_keys(table: Table, columns: dict[Hashable, tuple[int, float]]) -> tuple[str, ...]:
+    """The entries of matrices with or without their last row.
+
+    Raises:
+        TrajectoryError: some are missing.
+    """
+    keys = _WHOLE if columns.keys() & set(_WHOLE[12:]) else _UPPER
+    missing = [key for key in keys if key not in columns]
+    if missing:
+        raise TrajectoryError("entries of the matrices have no column", where=table.head_place,
+                              got=", ".join(table.head), allowed="m00 … m23 or m00 … m33, row by row",
+                              mend=f"add {', '.join(missing)}")  # fmt: skip
+    return keys
 
 
 def _poses_of_rows(text: str, name: str, *, deg: bool) -> Poses:
-    table, columns, time, turn = pose_table(text, name, deg=deg)
-    places, factors = zip(*(columns[key] for key in ("x", "y", "z", *turn)), strict=True)
+    table, columns, time, keys = pose_table(text, name, deg=deg)
+    places, factors = zip(*(columns[key] for key in keys), strict=True)
     values = table.block(places) * np.array(factors)
-    matrices = _matrices(values, turn, table.place)
     used = {place for place, _ in columns.values()} | {time}
     unused = tuple(word for place, word in enumerate(table.head) if place not in used)
-    return Poses(Path(name).name, matrices, table.times(time), bool(turn), unused, table.notes)
+    if keys[0] == ENTRIES[0]:
+        matrices, notes = poses_of(values.reshape(len(values), -1, 4), table.place)
+        return Poses(Path(name).name, matrices, table.times(time), True, unused, (*table.notes, *notes),
+                     PoseForm.MATRIX_COLUMNS)  # fmt: skip
+    matrices = _matrices(values, keys[3:], table.place)
+    return Poses(Path(name).name, matrices, table.times(time), len(keys) > 3, unused, table.notes)
+
+
+def _poses_of_arrays(file: Path) -> Poses:
+    values, times, place = read_pose_array(file)
+
+    def name(row: int) -> str:
+        return f"{place}, pose {row + 1}"
+
+    matrices, notes = poses_of(as_stack(values, place), name)
+    if times is not None:
+        if times.shape != (len(matrices),):
+            raise TrajectoryError("there is one time for each pose", where=str(file), got=f"shape {times.shape}",
+                                  allowed=f"shape ({len(matrices)},)")  # fmt: skip
+        check_times(times, name)
+    return Poses(file.name, matrices, times, True, (), notes, PoseForm.ARRAYS)
 
 
 def _matrices(values: Array, turn: tuple[str, ...], place: Callable[[int], str]) -> Array:
@@ -269,7 +358,7 @@ def _poses_of_objects(found: Any, name: str, *, deg: bool) -> Poses:
     else:
         when = check_times(times, place)
     keys = _TURNS.get(turn, ())
-    return Poses(Path(name).name, _matrices(values, keys, place), when, bool(turn), ())
+    return Poses(Path(name).name, _matrices(values, keys, place), when, bool(turn), (), form=PoseForm.OBJECTS)
 
 
 def _numbers_of_pose(entry: Any, turn: str, units: dict[str, float], where: str) -> list[float]:

@@ -14,7 +14,7 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.path.curve import Curve, curve
 from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, MOST_ROWS, allowed_range
 from rankdrop.robot.model import Array, Robot
-from rankdrop.text.path_files import radians_hint
+from rankdrop.text.path_files import MATRIX_SHAPE, radians_hint
 from rankdrop.text.words import MOST_TURNS, degrees_hint
 
 BAGS = (".bag", ".db3", ".mcap")
@@ -217,10 +217,18 @@ def _positions(where: str, robot: Robot, q: Array | None, width: int) -> Array:
     if q is None or q.ndim != 2 or not len(q) or q.shape[1] != width:
         raise TrajectoryError("the positions have another shape than the arm", where=where,
                               got="none" if q is None else f"shape {q.shape}",
-                              allowed=f"one row for each sample, {width} columns: {joint_names(robot)}")  # fmt: skip
+                              allowed=f"one row for each sample, {width} columns: {joint_names(robot)}",
+                              mend=_matrix_shape(q))  # fmt: skip
     if len(q) > MOST_ROWS:
         raise TrajectoryError("there are too many rows", where=where, got=len(q), allowed=f"at most {MOST_ROWS}")
     return q
+
+
+def _matrix_shape(q: Array | None) -> str:
+    """What makes rows of twelve or sixteen numbers matrices of poses; nothing for others."""
+    if q is None or q.ndim != 2 or q.shape[1] not in (12, 16):
+        return ""
+    return MATRIX_SHAPE.format(q.shape[1] // 4)
 
 
 def _order_of_joints(where: str, robot: Robot, names: list[str]) -> list[int]:

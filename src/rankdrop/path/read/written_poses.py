@@ -3,12 +3,14 @@
 Lines of a CSV file that stay are copied byte for byte, comments above them too; a line that is only at another time has
 another number in the column of the time. New rows have the columns, units, delimiter and decimal sign of the file, and
 their other columns are copied from the row of the file before them. Of JSON (and YAML, which is written as JSON)
-entries stay as they are, and new ones have the form of the entry before them.
+entries stay as they are, and new ones have the form of the entry before them. NumPy's files become archives with
+`poses` and, where the file has times, `t`.
 """
 
 from __future__ import annotations
 
 import copy
+import io
 import json
 import re
 from collections.abc import Sequence
@@ -21,7 +23,9 @@ import numpy as np
 
 from rankdrop.errors import OptionError
 from rankdrop.path.curve import Index
+from rankdrop.path.read.arrays import ARRAY_ENDINGS, read_pose_array
 from rankdrop.path.read.csv_file import UNITS, delimiter_of, per_second
+from rankdrop.path.read.matrices import ENTRIES, as_stack
 from rankdrop.path.read.messages import OBJECTS
 from rankdrop.path.read.poses import ANGLES, QUATERNION, list_in, loaded_poses, pose_in, pose_table, unit_of
 from rankdrop.robot.files import read_text
@@ -38,7 +42,13 @@ def check_pose_target(source: Path, target: str) -> None:
     Raises:
         OptionError: its ending is that of another kind.
     """
-    allowed = ".json" if source.suffix.lower() in OBJECTS else ".csv"
+    ending = source.suffix.lower()
+    if ending in ARRAY_ENDINGS:
+        allowed = ".npz"
+    elif ending in OBJECTS:
+        allowed = ".json"
+    else:
+        allowed = ".csv"
     if Path(target).suffix.lower() != allowed:
         raise OptionError("poses are written in the form in which they were read", where=target, got=source.name,
                           allowed=allowed, mend="fixed_as='joints' writes joint values",
@@ -49,13 +59,15 @@ def poses_bytes(source: Path, matrices: Array, times: Array | None, given: Index
     """The content of a file of poses with other rows.
 
     Args:
-        source: the file that the poses are from, .csv or .json, .yaml.
+        source: the file that the poses are from, .csv or .json, .yaml or .npy, .npz.
         matrices: (K, 4, 4) [m].
         times: (K,) [s]; None where the file has none.
         given: (K,) which row of the file each is, from 0; −1: a new one.
         deg: angles without a unit are in degrees.
     """
     before = np.maximum.accumulate(np.where(given >= 0, given, 0))  # the row of the file before each
+    if source.suffix.lower() in ARRAY_ENDINGS:
+        return _arrays(source, matrices, times, given)
     if source.suffix.lower() in OBJECTS:
         return _objects(source, matrices, times, given, before, deg=deg)
     return _table(source, matrices, times, given, before, deg=deg)
@@ -67,7 +79,7 @@ class _Columns:
 
     places: tuple[int, ...]
     factors: tuple[float, ...]
-    turn: tuple[str, ...]
+    keys: tuple[str, ...]
     time: int | None
     delimiter: str
     commas: bool
@@ -87,12 +99,12 @@ class _Columns:
 
 def _table(source: Path, matrices: Array, times: Array | None, given: Index, before: Index, *, deg: bool) -> bytes:
     text = read_text(source)
-    table, columns, time, turn = pose_table(text, str(source), deg=deg)
-    places, factors = zip(*(columns[key] for key in ("x", "y", "z", *turn)), strict=True)
+    table, columns, time, keys = pose_table(text, str(source), deg=deg)
+    places, factors = zip(*(columns[key] for key in keys), strict=True)
     lines = _LINE.findall(text)
     rows = [number - 1 for number in table.lines]
     head = lines[: rows[0]]
-    form = _Columns(places, factors, turn, time, delimiter_of(lines[table.line - 1]), DECIMAL_COMMAS in table.notes)
+    form = _Columns(places, factors, keys, time, delimiter_of(lines[table.line - 1]), DECIMAL_COMMAS in table.notes)
     end = "\r\n" if lines[0].endswith("\r\n") else lines[0][-1]
     known = None if time is None else table.times(time)
     values = table.block(places) * np.array(factors)
@@ -111,13 +123,34 @@ def _table(source: Path, matrices: Array, times: Array | None, given: Index, bef
             continue
         cells = form.cells(line.rstrip("\r\n"))
         if number < 0:
-            pose = _numbers(matrices[k], form.turn, values[last, 3:])
+            pose = _numbers_of_row(matrices[k], form.keys, values[last])
             for place, factor, value in zip(form.places, form.factors, pose, strict=True):
                 cells[place] = form.word(value / factor)
         if time is not None and when is not None:
             cells[time] = form.word(when[k] * per_second(table.head[time]))
         out.append(form.delimiter.join(cells) + end)
     return "".join([*out, *lines[rows[-1] + 1 :]]).encode()
+
+
+def _numbers_of_row(matrix: Array, keys: tuple[str, ...], near: Array) -> list[float]:
+    """The numbers of a row [m, rad] for a pose (4, 4): entries of the matrix, or x, y, z and what turns."""
+    if keys[0] == ENTRIES[0]:
+        return [float(x) for x in matrix.ravel()[: len(keys)]]
+    return _numbers(matrix, keys[3:], near[3:])
+
+
+def _arrays(source: Path, matrices: Array, times: Array | None, given: Index) -> bytes:
+    """An archive with `poses`, and `t` where the file has times; poses of the file are those of its array."""
+    values, _, place = read_pose_array(source)
+    old = as_stack(values, place)
+    poses = matrices[:, : old.shape[1]].copy()
+    poses[given >= 0] = old[given[given >= 0]]
+    buffer = io.BytesIO()
+    if times is None:
+        np.savez(buffer, poses=poses)
+    else:
+        np.savez(buffer, poses=poses, t=times)
+    return buffer.getvalue()
 
 
 def _objects(source: Path, matrices: Array, times: Array | None, given: Index, before: Index, *, deg: bool) -> bytes:

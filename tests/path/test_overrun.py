@@ -1,0 +1,120 @@
+"""Joints above their rate limits: by hand on a straight path, on a cubic, near a wrist, and in lines of a program."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rankdrop.kinematics import pose
+from rankdrop.local.rates import rate_limits
+from rankdrop.path.check.check import PathQuestion, check_path, check_poses
+from rankdrop.path.check.overrun import fastest, overruns
+from rankdrop.path.check.program import check_any_file
+from rankdrop.path.curve import curve
+from rankdrop.path.mend.programs import program_remedies
+from rankdrop.questions import PathOptions
+from rankdrop.robot.open import open_robot
+from rankdrop.text.places import fastest_words, overrun_words
+
+ARM = open_robot("ur5")  # 180°/s
+LIMIT = float(rate_limits(ARM)[3])
+WRIST = np.radians([0, -70, 90, -110, 1, 0])
+
+
+def one_line(text: object) -> str:
+    return " ".join(str(text).split())
+
+
+def test_rates_durations_and_turns_by_hand() -> None:
+    rows = np.zeros((5, 6))
+    rows[1:, 3] = LIMIT * np.array([0.5, 1.5, 2.0, 5.0])  # 0.5, 1, 0.5 and 3 times the limit
+    rows[1:, 4] = LIMIT * np.array([0.0, 1.2, 1.2, 1.2])
+    path = curve(rows, np.arange(5.0))
+    first, second = overruns(ARM, path)
+    assert (first.joint, second.joint) == (4, 5)
+    assert (first.rate, first.limit) == pytest.approx((3 * LIMIT, LIMIT))
+    assert (first.seconds, first.travel) == pytest.approx((1.0, 3 * LIMIT))
+    assert (first.start.time, first.end.time, first.place.time) == (3.0, 4.0, 3.5)
+    assert (second.seconds, second.travel) == pytest.approx((1.0, 1.2 * LIMIT))
+    assert [overrun.joint for overrun in overruns(ARM, path, 1, 3)] == [5]
+    assert overruns(ARM, path, 0, 1) == overruns(ARM, path, 2, 3) == ()
+    assert overruns(ARM, curve(rows, None)) == ()
+    assert overrun_words((first,), ARM) == (
+        "joint 4 needs up to 540°/s (limit 180°/s): above it for 1 s, between 3 and 4 s, while it turns 540°"
+    )
+
+
+def test_a_cubic_is_above_its_limit_for_a_part_of_a_stretch() -> None:
+    """q = 1.5 c (t²/2 − t³/3)·4 from rest to rest in 1 s has the rate 6 c t (1 − t): above c for 1/√3 of the time."""
+    rows = np.zeros((2, 6))
+    rows[1, 3] = LIMIT
+    path = curve(rows, np.array([0.0, 1.0]), np.zeros((2, 6)), None, "cubic")
+    (found,) = overruns(ARM, path)
+    assert found.rate == pytest.approx(1.5 * LIMIT, rel=0.01)
+    assert found.seconds == pytest.approx(1 / np.sqrt(3.0), abs=1 / 16)
+    assert found.travel == pytest.approx(LIMIT * (1.5 - 1 / 6) / np.sqrt(3.0), rel=0.1)
+    quickest = fastest(ARM, path)
+    assert quickest is not None
+    assert (quickest.joint, quickest.place.time) == (4, pytest.approx(0.5, abs=0.1))
+
+
+def near_wrist(speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """A line that passes the wrist singularity of a UR5 at 1°, 0.1 m each way, at a speed [m/s]."""
+    middle = pose(ARM, WRIST)
+    poses = np.stack([middle, middle, middle])
+    poses[[0, 2], 1, 3] += [-0.1, 0.1]
+    return poses, np.array([0.0, 0.1, 0.2]) / speed
+
+
+@pytest.mark.slow
+def test_a_line_past_a_wrist_says_which_joint_is_too_fast_and_how_long() -> None:
+    poses, times = near_wrist(0.1)
+    check = check_poses(ARM, poses, times, start=WRIST, branches=False)
+    assert check.verdict == "too fast"
+    assert [overrun.joint for overrun in check.overruns] == [4, 6]
+    worst = check.overruns[0]
+    assert worst.rate / worst.limit == pytest.approx(check.violations[0].amount)
+    rates = check.curve.rates[:, 3]
+    assert worst.seconds == pytest.approx(np.diff(check.curve.times)[rates > LIMIT].sum())
+    said = one_line("\n".join(check.summary))
+    assert "Too fast: joint 4 needs up to 663°/s (limit 180°/s): above it for 0.33 s, between 0.82" in said
+    assert "; joint 6 needs up to 539°/s (limit 180°/s): above it for 0.3 s" in said
+
+
+@pytest.mark.slow
+def test_a_free_line_near_a_wrist_names_its_fastest_joint() -> None:
+    poses, times = near_wrist(0.01)
+    check = check_poses(ARM, poses, times, start=WRIST, branches=False)
+    assert (check.verdict, check.overruns) == ("free", ())
+    assert "Fastest: joint 4 turns at up to 66.3°/s, 37 % of its limit, at 9.96" in one_line("\n".join(check.summary))
+    unlimited = replace(ARM, joints=tuple(replace(joint, velocity=np.inf) for joint in ARM.joints))
+    quickest = fastest(unlimited, check.curve)
+    assert fastest_words(quickest, unlimited).startswith("joint 4 turns at up to 66.3°/s, no limit is known, at 9.96")
+
+
+@pytest.mark.slow
+def test_a_free_path_far_from_singularities_has_no_such_line() -> None:
+    check = check_path(ARM, [[0, -1, 1.4, 0.3, 0.8, 0], [0.1, -1, 1.4, 0.3, 0.8, 0]], [0.0, 1.0])
+    assert check.verdict == "free"
+    assert "Fastest" not in "\n".join(check.summary)
+
+
+@pytest.mark.slow
+def test_every_line_of_a_program_that_is_too_fast_is_marked(tmp_path: Path) -> None:
+    """Only the worst line was: the others were free in the table, and had a remedy all the same."""
+    file = tmp_path / "fast.script"
+    lines = ["movej([0.1,-1.2,1.4,-0.6,0.4,0.2])", "movel([0.3,-1.2,1.4,-0.6,0.4,0.2], t=0.02)",
+             "movel([0.2,-1.2,1.4,-0.6,0.4,0.2], t=0.02)", "movel([0.1,-1.2,1.4,-0.6,0.4,0.2], t=9)"]  # fmt: skip
+    file.write_text("\n".join(lines))
+    check = check_any_file(open_robot("ur5e"), file, PathQuestion(None, None, PathOptions()))
+    assert [str(move.verdict) for move in check.moves[1:]] == ["too fast", "too fast", "free"]
+    assert [remedy.move.line for remedy in program_remedies(check)] == [2, 3]
+    said = one_line(check.sentence)
+    assert "in line 2: movel([0.3,-1.2,1.4,-0.6,0.4,0.2], t=0.02) (and less in line 3)" in said
+    text = one_line("\n".join(check.summary))
+    assert "Too fast in line 2: joint 1 needs up to" in text
+    assert "Too fast in line 3: joint 1 needs up to" in text
+    assert "Too fast in line 4" not in text

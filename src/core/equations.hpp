@@ -52,14 +52,12 @@ inline void bend_at(const Families& table, int count, const Pack* q, const Waves
             whole = whole + wave * monomial(-1, -1);
         }
     for (int v = nodes - 1; v >= 0; --v) {
-        const int before = table.node_before[v], last = table.phase_joint[table.node_phase[v]];
+        const int before = table.node_before[v], last = table.node_joint[v];
         if (before >= 0) amplitude[before] = amplitude[before] + amplitude[v];
         if (last < 0) continue;
-        const Pack part = amplitude[v] * -table.phase_m[table.node_phase[v]];
-        for (int u = v; u >= 0; u = table.node_before[u]) {
-            const int phase = table.node_phase[u];
-            if (table.phase_joint[phase] >= 0) add(last, table.phase_joint[phase], part * table.phase_m[phase]);
-        }
+        const Pack part = amplitude[v] * -table.node_m[v];
+        for (int u = v; u >= 0; u = table.node_before[u])
+            if (table.node_joint[u] >= 0) add(last, table.node_joint[u], part * table.node_m[u]);
     }
 }
 

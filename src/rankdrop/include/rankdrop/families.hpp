@@ -54,6 +54,8 @@ struct Families {
     std::vector<int> phase_joint{};                 // -1: a constant
     std::vector<double> phase_m{};                  // multiple of the joint, or the constant
     std::vector<int> node_before{}, node_phase{};   // a product: another one, or -1, times a phase
+    std::vector<int> node_joint{};                  // of the last phase of every product: its joint, or -1,
+    std::vector<double> node_m{};                   // and its multiple
     std::vector<int> node{};                        // of every term: e^(i angle)
     // products are numbered as terms meet them: so many of the first, and of the phases, are in the first e equations
     std::vector<int> nodes_of_first{}, phases_of_first{};
@@ -168,6 +170,11 @@ struct Families {
     }
 
     void count_products() {
+        node_joint.clear(), node_m.clear();
+        for (const int phase : node_phase) {
+            node_joint.push_back(phase_joint[(std::size_t)phase]);
+            node_m.push_back(phase_m[(std::size_t)phase]);
+        }
         nodes_of_first.assign(1, 0), phases_of_first.assign(1, 0);
         for (std::size_t e = 0; e + 1 < terms.size(); ++e) {
             int last_node = nodes_of_first.back() - 1, last_phase = phases_of_first.back() - 1;

@@ -13,12 +13,12 @@ namespace rankdrop::RANKDROP_ISA {
 // product gives the entries of its last joint with each joint before. `amplitude` has room for every product.
 inline void bend_at(const Families& table, int count, const Pack* q, const Waves<Pack>& waves, const Pack* weight,
                     Pack* amplitude, Pack* sum) {
-    const int n = table.variables;
+    const int n = table.variables, nodes = table.nodes_of_first[(std::size_t)count];
     const auto add = [&](int a, int b, Pack value) {
         Pack& entry = sum[(a > b ? a : b) * n + (a > b ? b : a)];
         entry = entry + value;
     };
-    for (int v = 0; v < table.nodes(); ++v) amplitude[v] = fill(0.0);
+    for (int v = 0; v < nodes; ++v) amplitude[v] = fill(0.0);
     for (int e = 0; e < count; ++e)
         for (int t = table.terms[e]; t < table.terms[e + 1]; ++t) {
             const int k = table.angle[t], first = table.turns[k], last = table.turns[k + 1];
@@ -51,15 +51,13 @@ inline void bend_at(const Families& table, int count, const Pack* q, const Waves
             }
             whole = whole + wave * monomial(-1, -1);
         }
-    for (int v = table.nodes() - 1; v >= 0; --v) {
-        const int before = table.node_before[v], last = table.phase_joint[table.node_phase[v]];
+    for (int v = nodes - 1; v >= 0; --v) {
+        const int before = table.node_before[v], last = table.node_joint[v];
         if (before >= 0) amplitude[before] = amplitude[before] + amplitude[v];
         if (last < 0) continue;
-        const Pack part = amplitude[v] * -table.phase_m[table.node_phase[v]];
-        for (int u = v; u >= 0; u = table.node_before[u]) {
-            const int phase = table.node_phase[u];
-            if (table.phase_joint[phase] >= 0) add(last, table.phase_joint[phase], part * table.phase_m[phase]);
-        }
+        const Pack part = amplitude[v] * -table.node_m[v];
+        for (int u = v; u >= 0; u = table.node_before[u])
+            if (table.node_joint[u] >= 0) add(last, table.node_joint[u], part * table.node_m[u]);
     }
 }
 
@@ -77,7 +75,7 @@ class Equations {
 
     // the first `count` of them
     void at(const Pack* q, int count) {
-        waves_at(table_, true, q, phase_, sine_, cosine_);
+        waves_of_first(table_, count, q, phase_, sine_, cosine_);
         const Waves<Pack> waves{sine_, cosine_};
         for (int e = 0; e < count; ++e) f[e] = equation_at(table_, e, q, waves, slopes + e * table_.variables);
     }

@@ -17,6 +17,7 @@ from enum import Enum
 from functools import cache, partial
 from importlib import import_module
 from math import isfinite
+from operator import attrgetter
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
@@ -194,7 +195,7 @@ def meanings(record: type) -> dict[str, str]:
 def encode(kind: type[Struct], record: Any) -> dict[str, Any]:
     """A record as plain data: every entry of its table."""
     data = {}
-    for name, value_of, encoded in _entries(kind):
+    for name, value_of, encoded in _entries(kind, isinstance(record, dict)):
         value = value_of(record)
         if value is not UNSET:
             data[name] = encoded(value)
@@ -202,23 +203,26 @@ def encode(kind: type[Struct], record: Any) -> dict[str, Any]:
 
 
 @cache
-def _entries(kind: type[Struct]) -> tuple[tuple[str, Callable[[Any], Any], Callable[[Any], Any]], ...]:
-    """(name, function of the record, function of its value) of every entry."""
+def _entries(
+    kind: type[Struct], of_dict: bool
+) -> tuple[tuple[str, Callable[[Any], Any], Callable[[Any], Any]], ...]:
+    """(name, function of the record, function of its value) of every entry; the record is a dict, or it is not."""
     getters = _GETTERS[kind]
-    return tuple(
-        (
-            field.encode_name,
-            getters.get(field.encode_name) or partial(_attribute, field.encode_name),
-            _encoder(field.type),
-        )
-        for field in msgspec.structs.fields(kind)
-    )
+    entries = []
+    for field in msgspec.structs.fields(kind):
+        name = field.encode_name
+        if name in getters:
+            value_of = getters[name]
+        elif of_dict:
+            value_of = partial(_item, name)
+        else:
+            value_of = attrgetter(name)
+        entries.append((name, value_of, _encoder(field.type)))
+    return tuple(entries)
 
 
-def _attribute(name: str, record: Any) -> Any:
-    if isinstance(record, dict):
-        return record.get(name, UNSET)
-    return getattr(record, name)
+def _item(name: str, record: dict[str, Any]) -> Any:
+    return record.get(name, UNSET)
 
 
 def _encoder(kind: Any) -> Callable[[Any], Any]:

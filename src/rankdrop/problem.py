@@ -16,7 +16,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.kinematics import handles_of
+from rankdrop import _core
+from rankdrop.kinematics import chain_of, handles_of, view_of
 from rankdrop.local.block import (
     Block,
     block,
@@ -140,8 +141,12 @@ class Problem:
         return known[key]
 
     def sigma(self, q: Array) -> Array:
-        """(..., min(m, n)) singular values of the task Jacobian at q (..., n), descending [1]."""
-        return singular_values(self.robot, q, self.task)
+        """(..., min(m, n)) singular values of the task Jacobian at q (..., n), finite, descending [1]."""
+        if q.ndim == 1:
+            return singular_values(self.robot, q, self.task)
+        rows = np.ascontiguousarray(q).reshape(-1, self.n)
+        sigma = _core.singular_values(chain_of(self.robot), view_of(self.robot, self.task), rows)
+        return sigma.reshape(*q.shape[:-1], sigma.shape[1])
 
     def block(self, q: Array) -> Block:
         """F and D at q (..., n), beyond the rank that is kept."""

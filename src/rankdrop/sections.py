@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 from importlib import import_module
 from types import ModuleType
@@ -89,7 +90,13 @@ def words_of(record: object) -> ModuleType:
         >>> words_of(shipped("planar2r").families[0]).__name__
         'rankdrop.text.family'
     """
-    return import_module(_WORDED[type(record).__name__])
+    return _words_of_class(type(record).__name__)
+
+
+@cache
+def _words_of_class(name: str) -> ModuleType:
+    """The module that words a class of records."""
+    return import_module(_WORDED[name])
 
 
 def text(sections: Iterable[Section]) -> str:

@@ -59,9 +59,10 @@ def _once(make: Callable[[Robot], _Made]) -> Callable[[Robot], _Made]:
 
     @wraps(make)
     def cached_for_robot(robot: Robot) -> _Made:
-        if robot not in known:
-            known[robot] = make(robot)
-        return known[robot]
+        made = known.get(robot)
+        if made is None:
+            made = known[robot] = make(robot)
+        return made
 
     return cached_for_robot
 

@@ -27,9 +27,9 @@ def test_solutions_solve(rng):
     assert (np.linalg.matrix_rank(system.jacobian(q[solved]), tol=1e-5) == 2).mean() > 0.95
 
 
-def feet(system, leading, q, target, columns, iterations, farthest=np.inf):
+def feet(system, leading, q, target, columns, iterations, farthest=np.inf, returns=2):
     settings = _core.FootSettings(
-        leading=leading, iterations=iterations, returns=2, still=1e-12, longest=0.7, cut=1e-7, flattest=1e-2,
+        leading=leading, iterations=iterations, returns=returns, still=1e-12, longest=0.7, cut=1e-7, flattest=1e-2,
         farthest=farthest, target=target.tolist(), scale=[1.0] * len(target), periodic=[0] * len(target),
         columns=columns, limits=None,
     )  # fmt: skip
@@ -64,6 +64,18 @@ def test_steps_to_the_nearest_point_converge_quadratically(arm, rng):
     slope, way = system.jacobian(end)[0], (target - end[0])
     across = np.linalg.lstsq(slope.T, way, rcond=1e-7)[0] @ slope
     np.testing.assert_allclose(across[columns], way[columns], atol=1e-8)
+
+
+@pytest.mark.parametrize("leading", [1, 2, 3])
+def test_steps_on_the_first_equations_do_not_know_the_others(leading, rng):
+    """Waves and second derivatives are worked out for the first equations alone, of which the longest is the last."""
+    family = next(one for one in shipped("sawyer").families if one.coupled and one.equations)
+    target, columns = np.array(family.witness), [1, 2, 3, 4, 5]
+    starts = target + 0.3 * rng.normal(size=(10, len(target)))
+    whole = feet(family.system, leading, starts, target, columns, 4, returns=0)
+    alone = feet(System(family.equations[:leading]), leading, starts, target, columns, 4, returns=0)
+    np.testing.assert_array_equal(whole, alone)
+    assert (np.abs(whole - starts).max(axis=1) > 1e-3).all()
 
 
 def test_a_system_goes_to_another_process():

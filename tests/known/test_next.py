@@ -9,11 +9,12 @@ from known.test_jog import FEW, singular_configurations
 from rankdrop.errors import OptionError
 from rankdrop.local.block import singular_values
 from rankdrop.local.nearest import nearest_singularity, other_sheets
+from rankdrop.local.special import Special
 from rankdrop.results import explanation
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import Task, resolve_task
 from rankdrop.verbs.explain import explain
 
 
@@ -118,3 +119,19 @@ def test_the_next_singularity_is_not_the_same_one_farther_off() -> None:
     here, there = ({(special.part, special.joint) for special in place} for place in places)
     assert found.summary.next_distance is not None
     assert here != there
+
+
+def test_the_special_parts_of_a_place_are_looked_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sheets of the same family are compared with the place of the answer, each of them, and so is the sentence."""
+    looked_at: list[tuple[bytes, int]] = []
+    specials_at = explanation.specials_at
+
+    def counted(robot: Robot, task: Task, q: np.ndarray, corank: int) -> tuple[Special, ...]:
+        looked_at.append((q.tobytes(), corank))
+        return specials_at(robot, task, q, corank)
+
+    monkeypatch.setattr(explanation, "specials_at", counted)
+    arm, q = next(iter(singular_configurations("gen3", 1, seed=3)))
+    explain(arm, q, evaluations=0).to_dict()
+    assert len(looked_at) > 1
+    assert len(looked_at) == len(set(looked_at))

@@ -12,6 +12,7 @@ from reference import arms
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import task_jacobian
+from rankdrop.local import circuits
 from rankdrop.local.circuits import LARGEST_CHAIN, MOST_LISTED, Circuit, blame, circuits_at, shared_circuits, to_blame
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.open import open_robot
@@ -314,3 +315,19 @@ def test_a_follower_is_part_of_its_leader(rng: np.random.Generator) -> None:
     assert robot.n == 6
     assert circuits_at(robot, q, resolve_task("pose", robot)) == ()
     assert [joint.kind for joint in robot.variables] == [JointKind.REVOLUTE] * 6
+
+
+def test_circuits_of_one_size_are_taken_apart_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    shapes: list[tuple[int, ...]] = []
+    svd = circuits.svd
+
+    def counted(matrices: Array) -> tuple[Array, Array, Array]:
+        shapes.append(matrices.shape)
+        return svd(matrices)
+
+    monkeypatch.setattr(circuits, "svd", counted)
+    arm = open_robot("pa10")
+    found = circuits_at(arm, [0.0] * 7, resolve_task(None, arm))
+    sizes = [len(circuit.numbers) for circuit in found]
+    assert [(count, size) for count, _, size in shapes] == [(sizes.count(size), size) for size in sorted(set(sizes))]
+    assert max(sizes.count(size) for size in sizes) > 1

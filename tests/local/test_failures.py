@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.kinematics import jacobian, task_jacobian
+from rankdrop.local import directions
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.local.directions import lost_without
 from rankdrop.local.failures import failure_model, failures_at, worst_case
@@ -97,3 +98,14 @@ def test_the_model_is_the_worst_case_and_its_derivative(name, relative):
         ahead, behind = (worst_case(robot, q + sign * 1e-6 * e * scale, task, relative=relative) for sign in (1, -1))
         slope = tensor[np.arange(6), worst[0], worst[1], worst[1], k]
         assert -slope == pytest.approx((ahead - behind) / 2e-6, abs=1e-6)
+
+
+def test_joints_that_cost_as_much_are_asked_together(monkeypatch):
+    """Where every joint's failure costs a freedom, the motions lost are made readable in one call."""
+    calls = []
+    readable_bases = directions.readable_bases
+    monkeypatch.setattr(directions, "readable_bases", lambda bases: calls.append(len(bases)) or readable_bases(bases))
+    arm = open_robot("pa10")
+    found = failures_at(arm, [0.3, 0.4, 0.5, 0.0, 0.2, 0.4, 1.0], resolve_task(None, arm))
+    lost = {len(one.lost) for one in found.single}
+    assert len(calls) == len(lost - {0}) < sum(len(one.lost) > 0 for one in found.single)

@@ -71,6 +71,12 @@ class Scene:
         return cross(columns[..., 3:], columns[..., :3])
 
     @cached_property
+    def _projected(self) -> tuple[Array, Array]:
+        """(n, N, 3, 3) projectors 1 − z zᵀ along the axes, and (n, N, 3, 1) what they make of the points p."""
+        normal = np.eye(3) - self.z[..., :, None] * self.z[..., None, :]
+        return normal, normal @ self.p[..., None]
+
+    @cached_property
     def tip(self) -> Array:
         """(N, 3) the tip [m]."""
         return pose(self.robot, self.q)[..., :3, 3]
@@ -126,10 +132,8 @@ class Scene:
 
     def common_point(self, axes: Sequence[int]) -> tuple[Array, Verdicts]:
         """(N, 3) the point nearest to some axes, Σ (1 − z zᵀ)(x − p) = 0, and whether it is on all of them."""
-        members = np.array(axes)
-        normal = np.eye(3) - self.z[members][..., :, None] * self.z[members][..., None, :]  # (a, N, 3, 3)
-        total = normal.sum(axis=0)
-        right = (normal @ self.p[members][..., None]).sum(axis=0)
+        members, (normal, foot) = np.array(axes), self._projected
+        total, right = normal[members].sum(axis=0), foot[members].sum(axis=0)
         regular = np.linalg.eigvalsh(total)[:, 0] > self.tolerance  # 0 where all are parallel
         point = np.linalg.solve(np.where(regular[:, None, None], total, np.eye(3)), right)[..., 0]
         return point, self.on_axis(point, members).all(axis=0) & regular

@@ -93,17 +93,18 @@ def circuits_at(
     usual = _unit_columns(task_jacobian(robot, structural_sample(robot, task, _REGULAR), task))
     scene = Scene(robot, configuration[None, :])
     generic = _dependent(usual, sets, tolerance)
+    dependencies, least = _dependencies(columns[0], sets)
     units = robot.units
     return tuple(
         Circuit(
             numbers=tuple(i + 1 for i in members),
-            coefficients=tuple(_dependency(columns[0], members)[list(members)].tolist()),
+            coefficients=tuple(dependency[list(members)].tolist()),
             units=tuple(units[i] for i in members),
             generic=held,
-            sigma=0.0 if len(members) > task.m else float(sigma_of(_unit_columns(columns[0])[:, members])[-1]),
+            sigma=sigma,
             words=describe(scene, members, task),
         )
-        for members, held in zip(sets, generic, strict=True)
+        for members, held, dependency, sigma in zip(sets, generic, dependencies, least, strict=True)
     )
 
 
@@ -271,11 +272,36 @@ def _dependent(unit: Array, sets: Sequence[tuple[int, ...]], tolerance: float) -
 
 def _dependency(columns: Array, members: tuple[int, ...]) -> Array:
     """(n,) c with Σ c_i J_i = 0 over a circuit, the largest entry 1 (the first of equals)."""
-    own = columns[:, list(members)]
-    rates = svd(_unit_columns(own))[2][:, -1] / _lengths(own)[0]
-    size, result = np.abs(rates), np.zeros(columns.shape[1])
-    result[list(members)] = rates / rates[int(np.argmax(size >= size.max() * (1 - _TIE)))]
-    return result
+    return _dependencies(columns, [members])[0][0]
+
+
+def _dependencies(columns: Array, sets: Sequence[tuple[int, ...]]) -> tuple[list[Array], list[float]]:
+    """Of each circuit, small ones first: (n,) c with Σ c_i J_i = 0, the largest entry 1 (the first of equals); and the
+    smallest singular value of its columns at length 1, 0 where there are more columns than rows.
+
+    Circuits of one size are taken apart together.
+
+    Args:
+        columns: (m, n) task Jacobian.
+        sets: indices from 0.
+    """
+    rows, n = columns.shape
+    dependencies: list[Array] = []
+    least: list[float] = []
+    for size, same_size in groupby(sets, key=len):
+        members = np.array(list(same_size), dtype=np.intp)  # (B, size)
+        own = columns[:, members].swapaxes(0, 1)  # (B, m, size)
+        lengths = _lengths(own)
+        _, sigma, v = svd(own / lengths)
+        rates = v[..., -1] / lengths[:, 0]
+        sizes = np.abs(rates)
+        first_largest = (sizes >= sizes.max(axis=1, keepdims=True) * (1 - _TIE)).argmax(axis=1)
+        each = np.arange(len(members))
+        found = np.zeros((len(members), n))
+        found[each[:, None], members] = rates / rates[each, first_largest][:, None]
+        dependencies += list(found)
+        least += [0.0] * len(members) if size > rows else sigma[:, -1].tolist()
+    return dependencies, least
 
 
 def _independent(known: list[Array], vectors: Iterable[Array], count: int) -> list[int]:

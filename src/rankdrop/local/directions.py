@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import hypot, inf, isinf
+from math import hypot, inf, isfinite, isinf
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -296,9 +296,10 @@ def parts_of_direction(direction: ArrayLike) -> tuple[Array, Array, float, float
         OptionError: not six finite numbers, or all of them zero.
     """
     values = np.asarray(direction, dtype=np.float64)
-    if values.shape != (6,) or not np.isfinite(values).all() or not values.any():
+    entries = values.tolist()
+    if values.shape != (6,) or not all(map(isfinite, entries)) or not any(entries):
         raise OptionError("a direction is six finite numbers, not all zero", got=np.asarray(direction).tolist())
-    return values[:3], values[3:], float(np.linalg.norm(values[:3])), float(np.linalg.norm(values[3:]))
+    return values[:3], values[3:], hypot(*entries[:3]), hypot(*entries[3:])
 
 
 def main_axis(vector: ArrayLike) -> tuple[int, bool]:
@@ -466,14 +467,22 @@ def lost_without(robot: Robot, q: ArrayLike, task: Task, coranks: Mapping[int, i
     if not coranks:
         return {}
     place, frames = one_configuration(robot, q), _candidates(task.frame, len(robot.joints))
-    parts = [_blocked_wrenches(robot, place, task, corank, joint) for joint, corank in coranks.items()]
-    every = [np.concatenate(both) for both in parts]
-    seen = seen_in_frames(np.concatenate(every), link_poses(robot, place), task.frame, frames, counted_as_radian(robot))
-    found, begin = {}, 0
-    for (joint, corank), (blocked, always) in zip(coranks.items(), parts, strict=True):
-        middle, end = begin + len(blocked), begin + len(blocked) + len(always)
-        found[joint] = _simplest_frame(robot, _readable(seen[:, begin:middle], seen[:, middle:end], corank), frames)
-        begin = end
+    links, length = link_poses(robot, place), counted_as_radian(robot)
+    always = _always_blocked(robot, place, task)
+    found: dict[int, FramedDirections] = {}
+    for corank in sorted(set(coranks.values())):
+        joints = [joint for joint, lost in coranks.items() if lost == corank]
+        blocked = _blocked_without(robot, place, task, corank, joints)  # (J, p, 6)
+        every = np.concatenate([blocked.reshape(-1, 6), always])
+        seen = seen_in_frames(every, links, task.frame, frames, length)  # (F, J p + N, 6)
+        many = len(joints) * blocked.shape[1]
+        own = seen[:, :many].reshape(len(frames), len(joints), -1, 6).swapaxes(0, 1)  # (J, F, p, 6)
+        around = np.broadcast_to(seen[:, many:], (len(joints), len(frames), len(always), 6))
+        together = len(joints) * len(frames)
+        basis = _readable(own.reshape(together, -1, 6), around.reshape(together, len(always), 6), corank)
+        directions = basis.reshape(len(joints), len(frames), corank, 6)
+        for joint, seen_by_frame in zip(joints, directions, strict=True):
+            found[joint] = _simplest_frame(robot, seen_by_frame, frames)
     return found
 
 
@@ -593,27 +602,44 @@ def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: Sequence[F
     return rewrite_wrench(wrenches, turns, offsets[:, None])
 
 
-def _blocked_wrenches(
-    robot: Robot, q: Array, task: Task, corank: int, without: int | None = None
-) -> tuple[Array, Array]:
+def _blocked_wrenches(robot: Robot, q: Array, task: Task, corank: int) -> tuple[Array, Array]:
     """(p, 6) all blocked wrenches at q, and (N, 6) those of regular configurations around it, one after the other."""
-    robot, task, q = in_metres(robot), task_in_metres(task, robot), into_metres(robot, q)
+    there, inside = in_metres(robot), task_in_metres(task, robot)
+    first = _first_blocked(there, inside, corank)
+    u = decompose(there, into_metres(robot, q), inside).u
+    return _wrenches(u[:, first:], there, inside), _always_blocked(robot, q, task)
+
+
+def _blocked_without(robot: Robot, q: Array, task: Task, corank: int, joints: Sequence[int]) -> Array:
+    """(J, p, 6) all blocked wrenches at q of the arm on which one joint stands still, for each of some (from 0)."""
+    there, inside = in_metres(robot), task_in_metres(task, robot)
+    first = _first_blocked(there, inside, corank)
+    if robot.n == 1:
+        u = np.eye(task.m)[None]
+    else:
+        jacobian = task_jacobian(there, into_metres(robot, q), inside)
+        u = svd(np.stack([np.delete(jacobian, joint, axis=1) for joint in joints]))[0]
+    return np.stack([_wrenches(lost[:, first:], there, inside) for lost in u])
+
+
+def _first_blocked(robot: Robot, task: Task, corank: int) -> int:
+    """Number (from 0) of the first left singular vector that counts as blocked."""
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
         raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
-    if without is None:
-        u = decompose(robot, q, task).u
-    elif robot.n == 1:
-        u = np.eye(task.m)
-    else:
-        u = svd(np.delete(task_jacobian(robot, q, task), without, axis=1))[0]
-    blocked = _wrenches(u[:, generic - corank :], robot, task)
-    if generic == task.m:
-        return blocked, np.zeros((0, 6))
-    steps = np.random.default_rng(0).uniform(-_STEP, _STEP, (_NEIGHBOURS, robot.n))
-    steps *= [reach(robot) if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables]
-    around = decompose(robot, q + steps, task).u[..., generic:]
-    return blocked, np.concatenate([_wrenches(u, robot, task) for u in around])
+    return generic - corank
+
+
+def _always_blocked(robot: Robot, q: Array, task: Task) -> Array:
+    """(N, 6) blocked wrenches of regular configurations around q, one after the other; none where all can be moved."""
+    there, inside = in_metres(robot), task_in_metres(task, robot)
+    generic = generic_rank(there, inside)
+    if generic == inside.m:
+        return np.zeros((0, 6))
+    steps = np.random.default_rng(0).uniform(-_STEP, _STEP, (_NEIGHBOURS, there.n))
+    steps *= [reach(there) if joint.kind is JointKind.PRISMATIC else 1.0 for joint in there.variables]
+    around = decompose(there, into_metres(robot, q) + steps, inside).u[..., generic:]
+    return np.concatenate([_wrenches(u, there, inside) for u in around])
 
 
 def _wrenches(u: Array, robot: Robot, task: Task) -> Array:

@@ -38,7 +38,7 @@ from rankdrop.errors import OptionError
 from rankdrop.kinematics import LARGEST_SEED, one_configuration, whole_number
 from rankdrop.local.block import read_only
 from rankdrop.options import Options, option, takes
-from rankdrop.problem import Problem, whole_turns
+from rankdrop.problem import Mask, Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import html, words_of
 from rankdrop.task import Task, resolve_task
@@ -545,17 +545,23 @@ class _Walk:
 
     def distinct(self, ends: Array) -> Array:
         """(C, n) ends without those that repeat another, nearest first."""
-        kept = np.empty((0, len(self.centre)))
-        for end in ends[self.problem.length(ends - self.centre).argsort(kind="stable")]:
-            if self.is_new(end, kept):
-                kept = np.concatenate([kept, end[None]])
-        return kept
+        nearest_first = ends[self.problem.length(ends - self.centre).argsort(kind="stable")]
+        same = ~self._apart(nearest_first[:, None], nearest_first)
+        kept: list[int] = []
+        for number in range(len(nearest_first)):
+            if not same[number, kept].any():
+                kept.append(number)
+        return nearest_first[kept]
 
     def is_new(self, end: Array, places: Array) -> bool:
         """Whether an end (n,) is none of some places (K, n), whole turns aside."""
-        ways = end - places
+        return bool(self._apart(end, places).all())
+
+    def _apart(self, ends: Array, places: Array) -> Mask:
+        """(...) whether ends (..., n) are other places than some (..., n), whole turns aside."""
+        ways = ends - places
         ways = ways - whole_turns(self.problem.robot, ways)
-        return bool((self.problem.length(ways) > _HERE).all())
+        return self.problem.length(ways) > _HERE
 
     def foot_from(self, q: Array, end: Array) -> Array:
         """(n,) the foot of q on the sheet of an end (n,): as near to it as walks come that do not leave the sheet.

@@ -31,7 +31,7 @@ from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank, joint_scale, read_only
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.inverses import Factored, factor, task_sigma
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, once
 from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import counted_as_radian
@@ -40,6 +40,7 @@ TINY = 1e-100
 """Its square is still a number."""
 
 
+@once
 def rate_limits(robot: Robot) -> Array:
     """(n,) largest rate of every variable [rad/s or m/s]; inf where the source gives none.
 
@@ -50,7 +51,7 @@ def rate_limits(robot: Robot) -> Array:
         if joint.mimic is not None and joint.mimic.multiplier != 0.0:
             shared = max(0.0, joint.velocity) / abs(joint.mimic.multiplier)
             limits[joint.mimic.leader] = min(limits[joint.mimic.leader], shared)
-    return np.array([limits[joint.name] for joint in robot.variables])
+    return read_only(np.array([limits[joint.name] for joint in robot.variables]))
 
 
 MOST = 200_000  # vertices that are listed at most; 8 joints need 70
@@ -340,6 +341,10 @@ def _choices(joints: tuple[int, ...], size: int) -> NDArray[np.intp]:
     return chosen
 
 
+_CROSSWISE = np.array([1.0, -1.0])
+"""(a, b) is normal to (b, a) times these."""
+
+
 def null_circuits(null: Array, bounded: NDArray[np.intp], most: int) -> Array | None:
     """(N, C, n) circuits of null spaces (N, p, n) among bounded joints; None where they are more than `most`."""
     count, spare, n = null.shape
@@ -351,10 +356,10 @@ def null_circuits(null: Array, bounded: NDArray[np.intp], most: int) -> Array | 
     if spare == 0:
         entries = np.ones((count, len(chosen), 1))
     elif spare == 1:
-        entries = np.stack([parts[..., 0, 1], -parts[..., 0, 0]], axis=-1)
+        entries = parts[..., 0, ::-1] * _CROSSWISE
     else:
         entries = np.linalg.svd(parts)[2][..., -1, :]
-    np.put_along_axis(circuits, np.broadcast_to(chosen, entries.shape), entries, axis=-1)
+    circuits[:, np.arange(len(chosen))[:, None], chosen] = entries
     return circuits
 
 

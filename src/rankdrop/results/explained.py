@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from rankdrop.configuration import Cause, Configuration
+from rankdrop.configuration import Cause
 from rankdrop.families.record import Family
 from rankdrop.local.circuits import Circuit
 from rankdrop.local.cofactors import Hunt
@@ -19,7 +19,7 @@ from rankdrop.local.directions import (
 from rankdrop.local.ordered import OrderedSubset
 from rankdrop.local.screw_systems import AlwaysSingular, ScrewSystem
 from rankdrop.local.slowest import StraightMotion
-from rankdrop.local.special import Special, specials_at
+from rankdrop.local.special import Special
 from rankdrop.robot.model import Array
 
 
@@ -171,9 +171,3 @@ class Next:
     distance: float | None
     searches: int
     q: Array | None = None
-
-    def place(self, here: Configuration) -> tuple[Special, ...]:
-        """The parts of the arm that are special there."""
-        if self.family is None or self.q is None:
-            return ()
-        return specials_at(here.robot, here.task, self.q, self.family.corank)

@@ -47,7 +47,7 @@ from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.relations import Relation, relations_at
 from rankdrop.local.screw_systems import always_singular_reason, systems_at
 from rankdrop.local.slowest import StraightMotion, slowest_motions
-from rankdrop.local.special import specials_at
+from rankdrop.local.special import Special, specials_at
 from rankdrop.local.ways_out import Escape, JointEscape, escape
 from rankdrop.problem import wrap
 from rankdrop.questions import ExplainOptions
@@ -392,8 +392,10 @@ class Explanation(Result):
         else:
             about = None
         family, distance, near, singular_q = slow or (about, self.distance, None, self.focus)
-        place = () if family is None else specials_at(here.robot, here.task, singular_q, family.corank)
-        next_place = self.next.place(here)
+        place = () if family is None else self._specials_at(singular_q, family.corank)
+        next_place: tuple[Special, ...] = ()
+        if self.next.family is not None and self.next.q is not None:
+            next_place = self._specials_at(self.next.q, self.next.family.corank)
         stated = {(special.part, special.joint) for special in place}
         added = tuple(special for special in next_place if (special.part, special.joint) not in stated)
         known = shipped_conditions_record(here.robot, here.task, any_tip=True)
@@ -496,8 +498,20 @@ class Explanation(Result):
 
     def _parts_at(self, q: Array, corank: int) -> set[tuple[str, str, int, int]]:
         """The parts special at a configuration: their condition, its joint, and which half turn of it [1]."""
-        specials = specials_at(self.here.robot, self.here.task, q, corank)
+        specials = self._specials_at(q, corank)
         return {(part.part, part.shape, part.joint, round(abs(part.value) / np.pi)) for part in specials}
+
+    def _specials_at(self, q: Array, corank: int) -> tuple[Special, ...]:
+        """The parts special at a configuration, looked for once at each."""
+        key = (q.tobytes(), corank)
+        if key not in self._specials:
+            self._specials[key] = specials_at(self.here.robot, self.here.task, q, corank)
+        return self._specials[key]
+
+    @cached_property
+    def _specials(self) -> dict[tuple[bytes, int], tuple[Special, ...]]:
+        """By configuration and corank: what `_specials_at` has found."""
+        return {}
 
     def _other_families(self) -> Iterator[tuple[Family, float, Array]]:
         """Known families that do not hold here, but for what the answer is about."""

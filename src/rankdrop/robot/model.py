@@ -316,7 +316,9 @@ def once(function: Callable[[Robot, *_Given], _Made]) -> Callable[[Robot, *_Give
 
     @wraps(function)
     def compute(robot: Robot, *given: *_Given) -> _Made:
-        values = known.setdefault(robot, {})
+        values = known.get(robot)
+        if values is None:
+            values = known[robot] = {}
         if given not in values:
             values[given] = function(robot, *given)
         return values[given]

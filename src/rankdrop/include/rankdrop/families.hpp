@@ -54,7 +54,11 @@ struct Families {
     std::vector<int> phase_joint{};                 // -1: a constant
     std::vector<double> phase_m{};                  // multiple of the joint, or the constant
     std::vector<int> node_before{}, node_phase{};   // a product: another one, or -1, times a phase
+    std::vector<int> node_joint{};                  // of the last phase of every product: its joint, or -1,
+    std::vector<double> node_m{};                   // and its multiple
     std::vector<int> node{};                        // of every term: e^(i angle)
+    // products are numbered as terms meet them: so many of the first, and of the phases, are in the first e equations
+    std::vector<int> nodes_of_first{}, phases_of_first{};
     // of every family: may Newton walk to it by its coupled equations, or are they so long that kinematics are quicker
     std::vector<char> walked{}, lengthy{};
     // what is walked by: these equations' phases and products; of a lengthy family those of `witness`, its shortest one
@@ -162,6 +166,25 @@ struct Families {
             leaf.push_back(product);
         }
         for (const int k : angle) node.push_back(leaf[static_cast<std::size_t>(k)]);
+        count_products();
+    }
+
+    void count_products() {
+        node_joint.clear(), node_m.clear();
+        for (const int phase : node_phase) {
+            node_joint.push_back(phase_joint[(std::size_t)phase]);
+            node_m.push_back(phase_m[(std::size_t)phase]);
+        }
+        nodes_of_first.assign(1, 0), phases_of_first.assign(1, 0);
+        for (std::size_t e = 0; e + 1 < terms.size(); ++e) {
+            int last_node = nodes_of_first.back() - 1, last_phase = phases_of_first.back() - 1;
+            for (int t = terms[e]; t < terms[e + 1]; ++t)
+                for (int k = node[(std::size_t)t]; k >= 0; k = node_before[(std::size_t)k]) {
+                    last_node = std::max(last_node, k);
+                    last_phase = std::max(last_phase, node_phase[(std::size_t)k]);
+                }
+            nodes_of_first.push_back(last_node + 1), phases_of_first.push_back(last_phase + 1);
+        }
     }
 };
 

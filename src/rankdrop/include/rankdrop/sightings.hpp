@@ -35,10 +35,10 @@ inline void multiply_one(const Families& table, int k, const T* phase, T* sine, 
     cosine[k] = before < 0 ? c : cosine[before] * c - sine[before] * s;
 }
 
-// `phase`: sines of all phases, then their cosines.
+// `phase`: sines of all phases, then their cosines. `nodes`: so many of the products.
 template <class T>
-inline void multiply(const Families& table, const T* phase, T* sine, T* cosine) {
-    for (int k = 0; k < table.nodes(); ++k) multiply_one(table, k, phase, sine, cosine);
+inline void multiply(const Families& table, int nodes, const T* phase, T* sine, T* cosine) {
+    for (int k = 0; k < nodes; ++k) multiply_one(table, k, phase, sine, cosine);
 }
 
 template <class T>
@@ -46,12 +46,20 @@ inline T phase_at(const Families& table, int k, const T* q) {
     return table.phase_joint[k] < 0 ? T{} + table.phase_m[k] : q[table.phase_joint[k]] * table.phase_m[k];
 }
 
+// One configuration in each lane: of the first `count` equations.
+inline void waves_of_first(const Families& table, int count, const Pack* q, Pack* phase, Pack* sine, Pack* cosine) {
+    const std::size_t equations = (std::size_t)count;
+    for (int k = 0; k < table.phases_of_first[equations]; ++k)
+        sincos(phase_at(table, k, q), phase[k], phase[table.phases() + k]);
+    multiply(table, table.nodes_of_first[equations], phase, sine, cosine);
+}
+
 // One configuration in each lane. `all`: lengthy families too.
 inline void waves_at(const Families& table, bool all, const Pack* q, Pack* phase, Pack* sine, Pack* cosine) {
     const auto turn = [&](int k) { sincos(phase_at(table, k, q), phase[k], phase[table.phases() + k]); };
     if (all) {
         for (int k = 0; k < table.phases(); ++k) turn(k);
-        multiply(table, phase, sine, cosine);
+        multiply(table, table.nodes(), phase, sine, cosine);
         return;
     }
     for (const int k : table.plain_phase) turn(k);
@@ -76,7 +84,7 @@ inline void phases_of_one(const Families& table, int count, Number number, const
 inline void waves_of_one(const Families& table, bool all, const double* q, double* phase, double* sine, double* cosine) {
     if (all) {
         phases_of_one(table, table.phases(), [](int i) { return i; }, q, phase);
-        multiply(table, phase, sine, cosine);
+        multiply(table, table.nodes(), phase, sine, cosine);
         return;
     }
     const int* plain = table.plain_phase.data();

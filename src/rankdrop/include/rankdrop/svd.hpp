@@ -163,6 +163,10 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Precision precisi
 inline void svd(Pack* w, int rows, int columns, Precision precision, Pack* sigma, Pack* basis) {
     if (columns == 6 && rows == 7) return one_sided_jacobi<7, 6>(w, rows, columns, precision, sigma, basis);
     if (columns == 6 && rows == 6) return one_sided_jacobi<6, 6>(w, rows, columns, precision, sigma, basis);
+    if (columns == 1) return one_sided_jacobi<0, 1>(w, rows, columns, precision, sigma, basis);
+    if (columns == 2) return one_sided_jacobi<0, 2>(w, rows, columns, precision, sigma, basis);
+    if (columns == 3) return one_sided_jacobi<0, 3>(w, rows, columns, precision, sigma, basis);
+    if (columns == 4) return one_sided_jacobi<0, 4>(w, rows, columns, precision, sigma, basis);
     return one_sided_jacobi<0, 0>(w, rows, columns, precision, sigma, basis);
 }
 

@@ -137,6 +137,12 @@ def test_a_condition_that_is_nearly_satisfied_is_not_exact() -> None:
         assert 0 < one.off < np.radians(45)
 
 
+def test_a_part_that_is_far_from_its_condition_is_not_named() -> None:
+    """At q = 0 of the RCRRRR arm joints 3 and 4 at 0° lose rank; its wrist is 90° from having two axes in one line."""
+    arm = open_robot("rcrrrr")
+    assert specials_at(arm, resolve_task(None, arm), np.zeros(arm.n), 1) == ()
+
+
 @pytest.mark.parametrize(("name", "q", "corank", "parts"), [
     ("five", [0.3, np.pi / 2, 0.0, 0.4, 0.2], 1, ["elbow"]),  # the wrist is above axis 1, which costs no rank
     ("puma560", "shoulder and elbow", 2, ["shoulder", "elbow"]),

@@ -78,6 +78,7 @@ EXACT = 1e-6
 """An angle up to this is 0 [rad]."""
 ARM_AXES = 7
 """Axes of an arm with three in the shoulder, one in the elbow and three in the wrist; more are of a base."""
+_TOO_FAR = np.radians(60.0)
 _STRUCTURE = 3  # random configurations; what holds at all of them says nothing about one
 _COSTS = 1e-7  # σ_r above it: no rank is lost
 _SAMPLES, _HALVED = 25, 60  # values of a joint between which the wrist passes above axis 1, and halvings of an interval
@@ -87,7 +88,8 @@ _FLAT = 1e-9  # shorter projections have no direction, as shares of the reach
 def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Special, ...]:
     """The parts of the arm that are special at a singular configuration.
 
-    They are all with an exact condition, else those nearest to their conditions, as many as rank is lost. Where more
+    They are all with an exact condition, else those nearest to their conditions, as many as rank is lost, but none that
+    is more than 60° from its own: it would name what is not so. Where more
     conditions hold than rank is lost, those that cost this arm no rank are left out: with five joints a wrist above
     axis 1 still has all its motions.
 
@@ -98,7 +100,7 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
         corank: at q.
 
     Returns:
-        From the base outwards; empty for an arm with fewer than two axes.
+        From the base outwards; empty for an arm with fewer than two axes, and where no part is near its condition.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
@@ -115,7 +117,8 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
         costly = [one for one in exact if (one.part, one.joint) not in free]
         if len(costly) >= max(corank, 1):
             exact = costly
-    chosen = exact or sorted(found, key=lambda one: one.off)[: max(corank, 1)]
+    near = sorted((one for one in found if one.off <= _TOO_FAR), key=lambda one: one.off)
+    chosen = exact or near[: max(corank, 1)]
     order = [*Part]
     return tuple(sorted(chosen, key=lambda one: order.index(one.part)))
 

@@ -25,6 +25,7 @@ _EXACT = 1e-12  # … and that is rounding of doubles: such rotations stay bit f
 _BOTTOM = 1e-6  # how far the last row may be from 0 0 0 1: a number of six digits
 _BOTTOM_ROW = (0.0, 0.0, 0.0, 1.0)
 _ENTRY = re.compile(r"m_?(\d)_?(\d)", re.IGNORECASE)
+_MATRICES = ((4, 4), (3, 4))
 _SHAPES = "shape (N, 4, 4) or (N, 3, 4)"
 
 
@@ -50,21 +51,22 @@ def as_stack(values: Array, where: str) -> Array:
     Raises:
         TrajectoryError: another shape; a transposed one, or poses along the last axis, are named as such.
     """
-    stack = values
-    if values.shape in ((4, 4), (3, 4)):
-        stack = values[None]
-    shape = stack.shape
-    if stack.ndim == 3 and len(stack) and shape[1:] in ((4, 4), (3, 4)):
+    stack = values[None] if values.ndim == 2 else values
+    if stack.ndim == 3 and len(stack) and stack.shape[1:] in _MATRICES:
         return stack
-    mend = ""
-    if stack.ndim == 3 and shape[:2] in ((4, 4), (3, 4)):
-        mend = LAST_AXIS
-    elif stack.ndim == 3 and shape[1:] == (4, 3):
-        mend = TRANSPOSED
-    elif stack.ndim == 3 and shape[1:] == (3, 3):
-        mend = ROTATIONS_ALONE
-    raise TrajectoryError("the array has another shape than matrices of poses", where=where,
-                          got=f"shape {values.shape}", allowed=_SHAPES, mend=mend)  # fmt: skip
+    raise TrajectoryError(
+        "the array has another shape than matrices of poses", where=where,
+        got=f"shape {values.shape}", allowed=_SHAPES, mend=_what_the_shape_is(values.shape),
+    )  # fmt: skip
+
+
+def _what_the_shape_is(shape: tuple[int, ...]) -> str:
+    """How to mend an array of another shape than (N, 4, 4) or (N, 3, 4); "" where its shape does not say."""
+    if len(shape) != 3:
+        return ""
+    if shape[:2] in _MATRICES:
+        return LAST_AXIS
+    return {(4, 3): TRANSPOSED, (3, 3): ROTATIONS_ALONE}.get(shape[1:], "")
 
 
 def poses_of(values: Array, where: Where, *, most: float = ORTHONORMAL) -> tuple[Array, tuple[str, ...]]:

@@ -540,7 +540,14 @@ def parse_pose(text: str, *, deg: bool, option: str = "--pose") -> list[float]:
     lengths = [value_of(word, "m", option, deg=deg) for word in words[:3]]
     if len(words) == 7:
         return lengths + [arms.quantity(word, "number", where=option) for word in words[3:]]
-    return lengths + [value_of(word, "rad", option, deg=deg) for word in words[3:]]
+    turns = [value_of(word, "rad", option, deg=deg) for word in words[3:]]
+    most = max((abs(turn) for turn in turns), default=0.0)
+    if not deg and most > _MOST_TURN:
+        say(f"note: {option}: angles up to {most:.4g} look like degrees and are read as radians; --deg reads degrees")
+    return lengths + turns
+
+
+_MOST_TURN = 4 * pi  # of a roll, pitch or yaw that is meant in rad
 
 
 def numbers_of(text: str, option: str) -> list[float]:

@@ -230,3 +230,17 @@ def test_a_roll_beside_the_tip_leaves_no_singularity_behind() -> None:
     assert found.verdict == "free"
     assert found.task.name == "pose"
     assert not turn_follows(arm, resolve_task("tool-axis-free", arm))
+
+
+@pytest.mark.parametrize(("last", "singular"), [(-0.5529290801934681, True), (-0.1, False)])
+def test_four_joints_say_where_the_position_alone_is_singular(
+    run, tmp_path: Path, last: float, *, singular: bool
+) -> None:
+    """With the tip on axis 1 the pose keeps rank 4: joint 1 still turns the tool."""
+    path = tmp_path / "four.toml"
+    path.write_text('convention = "standard"\n[[joints]]\nd = 0.1\nalpha = "-pi/2"\n[[joints]]\na = 0.13\n'
+                    'theta = "-pi/2"\n' + "[[joints]]\na = 0.12\n" * 2)  # fmt: skip
+    sigma = np.linalg.svd(jacobian(open_robot(path), np.array([0.3, -0.6, 1.2, last]))[:3], compute_uv=False)
+    assert (sigma[2] < 1e-12) == singular
+    text = one_line(run("explain", str(path), "--q", f"0.3,-0.6,1.2,{last!r}").out)
+    assert ("For position alone (--task position) it is singular here, rank 2 of 3." in text) == singular

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
-from math import pi
+from math import pi, radians
 from pathlib import Path
 
 import pytest
@@ -133,6 +133,32 @@ def test_configurations_as_people_write_them() -> None:
     for text in ("", "1,,0,0,1", "1,2,3", "0,5 0,1 0 0"):
         with pytest.raises(ConfigurationError, match="4 joint values"):
             parse_configuration(text, arm, deg=False)
+
+
+def test_configurations_of_programs_are_read_by_name() -> None:
+    """As KRL writes an axis target: names, or letters and number, in the order of the joints."""
+    arm = open_robot("kr16")
+    wanted = [radians(x) for x in (0, -90, 90, 0, 0.5, 0)]
+    for text in ("{A1 0, A2 -90, A3 90, A4 0, A5 0.5, A6 0}", "j1: 0; j2: −90; j3: 90; j4: 0; j5: 0.5; j6: 0;",
+                 "joint_a1=0, joint_a2=-pi/2 rad, joint_a3=90, joint_a4=0, joint_a5=0.5deg, joint_a6=0"):  # fmt: skip
+        assert parse_configuration(text, arm, deg=True) == pytest.approx(wanted)
+    for text in ("A2 0, A1 -90, A3 90, A4 0, A5 0, A6 0", "A1 0, A2 -90", "A1 0, 5, A3 90, A4 0, A5 0, A6 0"):
+        with pytest.raises(ConfigurationError, match="6 joint values"):
+            parse_configuration(text, arm, deg=True)
+
+
+def test_a_rise_has_digits_that_show_it_and_a_speed_that_is_not_checked_is_said(run, tmp_path: Path) -> None:
+    """The table of the AR3 in roboticstoolbox-python issue 199; it has no joint rates."""
+    path = tmp_path / "ar3.toml"
+    rows = ((0.0642, -90, 0.16977), (0.305, 0, 0), (0, 90, 0), (0, -90, -0.22263), (0, 90, 0), (0, 0, -0.03625))
+    joints = [f'[[joints]]\na = {a}\nalpha = "{turn} deg"\nd = {d}\n' for a, turn, d in rows]
+    path.write_text('convention = "standard"\n' + "".join(joints))
+    words = ("explain", str(path), "--deg", "--q", "180,0,0,0,90,0", "--evaluations", "0")
+    out = " ".join(run(*words).out.split())
+    assert "σ6 rises from 0.226 to 0.235." in out
+    assert "Lost: nothing. Get" in out
+    asked = " ".join(run(*words, "--speed", "250mm/s").out.split())
+    assert "Lost: nothing. Speed is not checked: the arm's file has no joint rates." in asked
 
 
 @pytest.mark.by_hand_at("140", "60")

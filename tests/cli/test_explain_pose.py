@@ -54,3 +54,20 @@ def test_explain_says_where_the_tool_is(run) -> None:
     assert tool_place(robot, matrix_of([0.1, -0.2, 0.3, 0.1, 0.2, 0.3])) == (
         "(100.0, −200.0, 300.0) mm, roll 5.73°, pitch 11.46°, yaw 17.19°"
     )
+
+
+def test_an_arm_without_limits_has_none_inside_them(run, tmp_path: Path) -> None:
+    """The table of the Rokae XB25 in roboticstoolbox-python issue 440: eight solutions, no limits."""
+    path = tmp_path / "xb25.toml"
+    rows = [(0, 0, 0.49, 0), (0.16, -90, 0, -90), (0.78, 0, 0, 0), (0.15, -90, 0.66, 0)]
+    rows += [(0, 90, 0, 0), (0, -90, 0.11, 180)]
+    joints = [f'[[joints]]\na = {a}\nalpha = "{b} deg"\nd = {d}\ntheta = "{t} deg"\n' for a, b, d, t in rows]
+    path.write_text('convention = "modified"\n' + "".join(joints))
+    out = " ".join(run("explain", str(path), "--deg", "--pose", "0.2834,0.2788,0.3,0,180,0").out.split())
+    assert "8 solutions; a 6R arm has at most 16. The arm has no joint limits." in out
+    assert "inside" not in out
+
+
+def test_degrees_that_are_read_as_radians_are_noted(run) -> None:
+    assert "angles up to 180 look like degrees" in run("explain", "irb120", "--pose", "0.35,0,0.4,180,0,0").err
+    assert "look like degrees" not in run("explain", "irb120", "--pose", "0.35,0,0.4,180deg,0,0").err

@@ -13,6 +13,7 @@ from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.pointing import level_task, pointing_task, tool_stays_level, turn_follows
 from rankdrop.path.check.check import check_path, check_poses
 from rankdrop.poses.branches import inverse
+from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.transform import nearest_rotation, rotation
 from rankdrop.task import BODY, resolve_task, task_names
@@ -250,3 +251,38 @@ def test_poses_for_three_joints_name_the_task_that_fits(run, tmp_path: Path) -> 
     path.write_text('convention = "standard"\n[[joints]]\nalpha = "-pi/2"\n' + "[[joints]]\na = 0.12\n" * 2)
     done = run("explain", str(path), "--pose", "0.1,0.05,0.1,0,0,0")
     assert "--task position leaves free what they cannot do" in one_line(done.out)
+
+
+@pytest.mark.parametrize(("beside", "rolls"), [(0.008, True), (0.25, False)])
+def test_a_tool_that_the_last_joint_rolls_is_asked_about_its_pose(beside: float, *, rolls: bool) -> None:
+    """Yaw, three parallel joints, and the roll of the tool, whose axis passes by the tip."""
+    half = np.pi / 2
+    joints = [(0, -half, 0.1, 0), (0.12, 0, 0, -half), (0.14, 0, 0, 0), (0, -half, 0, 0), (beside, 0, 0.1, 0)]
+    arm = from_dh(joints, convention="standard")
+    assert (pointing_task(arm, resolve_task("pose", arm)) is None) == rolls
+
+
+def test_a_roll_beside_the_tip_leaves_no_singularity_behind() -> None:
+    """SO-101, two configurations of lerobot pull request 1001: five columns of rank 5, 0.024 and more, on the way."""
+    arm = open_robot("so101")
+    ends = np.array([[-1.5708, -1.5708, 1.5708, 1.5708, -1.5708], [-1.5708, -1.7102, 1.1232, 1.3598, -1.5709]])
+    way = ends[0] + np.linspace(0, 1, 50)[:, None] * (ends[1] - ends[0])
+    assert np.linalg.svd(jacobian(arm, way), compute_uv=False)[:, 4].min() > 0.02
+    found = check_path(arm, ends)
+    assert found.verdict == "free"
+    assert found.task.name == "pose"
+    assert not turn_follows(arm, resolve_task("tool-axis-free", arm))
+
+
+@pytest.mark.parametrize(("last", "singular"), [(-0.5529290801934681, True), (-0.1, False)])
+def test_four_joints_say_where_the_position_alone_is_singular(
+    run, tmp_path: Path, last: float, *, singular: bool
+) -> None:
+    """With the tip on axis 1 the pose keeps rank 4: joint 1 still turns the tool."""
+    path = tmp_path / "four.toml"
+    path.write_text('convention = "standard"\n[[joints]]\nd = 0.1\nalpha = "-pi/2"\n[[joints]]\na = 0.13\n'
+                    'theta = "-pi/2"\n' + "[[joints]]\na = 0.12\n" * 2)  # fmt: skip
+    sigma = np.linalg.svd(jacobian(open_robot(path), np.array([0.3, -0.6, 1.2, last]))[:3], compute_uv=False)
+    assert (sigma[2] < 1e-12) == singular
+    text = one_line(run("explain", str(path), "--q", f"0.3,-0.6,1.2,{last!r}").out)
+    assert ("For position alone (--task position) it is singular here, rank 2 of 3." in text) == singular

@@ -23,6 +23,7 @@ from rankdrop.text.lost import lost_note
     [
         ([0, 0, 0, 1, 0, 0], "the base", "cannot rotate about X of the base"),
         ([0, -1, 0, 0, 0, 0], "the tool", "cannot translate along Y of the tool"),
+        ([0, 0, 0, -3.67e-6, 1, 0], "the base", "cannot rotate about Y of the base"),
         ([0.7071, 0, 0.7071, 0, 0, 0], "the base", "cannot translate along (0.707, 0, 0.707) of the base"),
         ([0, 0, 0, 0, 0.6, -0.8], "link 4", "cannot rotate about (0, −0.6, 0.8) of link 4"),
         ([0, -0.91, 0, 0, 0, -0.41], "link 1", "can only move so that vy + 0.451 m·ωz = 0 in axes of link 1"),

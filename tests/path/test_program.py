@@ -361,6 +361,8 @@ def test_krl_signs_and_rapid_quarters_choose_the_solution() -> None:
     refused = check_program(abb, rapid.read(text, "a.mod"), ASK)
     assert refused.parts[0].ended is not None
     assert str(refused.parts[0].ended.cause) == "no such posture"
+    alone = check_program(abb, rapid.read(text[text.index("MoveJ"):], "a.mod"), ASK)  # no move begins anywhere
+    assert "Moves" not in [section.title for section in alone.sections()]
 
 
 @pytest.mark.slow

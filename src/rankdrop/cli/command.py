@@ -307,12 +307,14 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
 
     Numbers are separated by commas, semicolons or blanks; each is arithmetic with pi and sqrt, and may carry a unit
     (deg, rad, m, mm …). A number without a unit is in rad, or in degrees with `deg`; slides are in m. The signs − and
-    π are understood: what was printed can be pasted.
+    π are understood: what was printed can be pasted, and so can "{A1 0, A2 −90, …}" of a program, in the order of the
+    joints, by their names or by letters and number.
 
     Raises:
         ConfigurationError: not one number for each joint, or a word that is no number.
     """
-    words, joints = split_values(text), robot.variables
+    joints = robot.variables
+    words = _values_by_name(text, [joint.name for joint in joints]) or split_values(text)
     if len(words) != len(joints):
         raise ConfigurationError(
             f"{len(joints)} joint values are needed", where=option, got=f"{len(words)} in {text!r}",
@@ -326,6 +328,20 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
     typed = [degrees(abs(x)) for x, joint in zip(values, joints, strict=True) if joint.unit == "rad"]
     if deg and 0.0 < max(typed, default=0.0) <= pi and any(x % 1.0 > _WHOLE_TO for x in typed):
         say(f"note: angles up to {max(typed):.4g} look like radians and are read as degrees")
+    return values
+
+
+def _values_by_name(text: str, names: Sequence[str]) -> list[str]:
+    """The values of a list such as {A1 0, A2 -90} or "j1: 0; j2: 1.5", one for each joint; empty for any other list."""
+    items = re.split(r"[,;]", text.translate(_AS_TYPED).strip().strip("{}[]()").strip().rstrip(",;"))
+    if len(items) != len(names):
+        return []
+    values = []
+    for number, (item, name) in enumerate(zip(items, names, strict=True), start=1):
+        found = re.fullmatch(r"([A-Za-z]\w*)\s*[\s:=]\s*(.+)", item.strip())
+        if found is None or not (found[1] == name or re.fullmatch(rf"[A-Za-z_]+{number}", found[1])):
+            return []
+        values.append(found[2].strip())
     return values
 
 
@@ -540,7 +556,14 @@ def parse_pose(text: str, *, deg: bool, option: str = "--pose") -> list[float]:
     lengths = [value_of(word, "m", option, deg=deg) for word in words[:3]]
     if len(words) == 7:
         return lengths + [arms.quantity(word, "number", where=option) for word in words[3:]]
-    return lengths + [value_of(word, "rad", option, deg=deg) for word in words[3:]]
+    turns = [value_of(word, "rad", option, deg=deg) for word in words[3:]]
+    most = max((abs(turn) for turn in turns), default=0.0)
+    if not deg and most > _MOST_TURN:
+        say(f"note: {option}: angles up to {most:.4g} look like degrees and are read as radians; --deg reads degrees")
+    return lengths + turns
+
+
+_MOST_TURN = 4 * pi  # of a roll, pitch or yaw that is meant in rad
 
 
 def numbers_of(text: str, option: str) -> list[float]:

@@ -5,6 +5,9 @@ dependent. But the row that nobody can choose is the turn about the tool's axis 
 such an arm is programmed by position and tool axis. These five rows (`tool-axis-free`) lose rank wherever the columns
 do, and elsewhere as well, such as at A5 = 0 of a KUKA without its joint 6.
 
+Where the last joint turns the tool about that axis, or about one that is near to it, the five rows leave out what this
+joint can do, and ask for what no joint can: such an arm keeps the pose, its rank 5, and what it can never do.
+
 With four joints a palletiser holds its tool level: a parallelogram, or joints that follow others, cancel every tilt.
 It is programmed by position and yaw (`scara`).
 
@@ -21,6 +24,7 @@ import numpy as np
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import reach
 from rankdrop.task import BODY, Task, resolve_task
 
 POINTING = "tool-axis-free"
@@ -34,6 +38,8 @@ _LEVEL_ROWS = 4
 _PLACE_ROWS = 3
 _SAMPLES = 8  # configurations at which the tool must not tilt
 TILTED = 1e-3  # of a pose for a tool that no joint tilts: more is no rounding [rad]
+_PARALLEL = 1e-3  # sine of the angle between the last axis and z of the tool
+_BESIDE = 0.1  # distance of the two, in reaches of the arm
 _TILT = 1e-12  # of a joint, below which it is rounding [rad/rad]
 
 
@@ -46,7 +52,7 @@ def pointing_task(robot: Robot, task: Task) -> Task | None:
 
     Returns:
         The task `tool-axis-free` at the same point and on the same length scale, where the arm has five variables, the
-        pose has rank 5 almost everywhere, and so have the five rows.
+        pose has rank 5 almost everywhere, and so have the five rows, and the last joint does not turn the tool about z.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
@@ -58,9 +64,17 @@ def pointing_task(robot: Robot, task: Task) -> Task | None:
         return None
     frame = replace(BODY, point=task.frame.point)
     found = replace(resolve_task(POINTING, robot, frame=frame), length_scale=task.length_scale)
-    if generic_rank(robot, task) == _ROWS == generic_rank(robot, found):
+    if generic_rank(robot, task) == _ROWS == generic_rank(robot, found) and not _rolls_tool(robot, task):
         return found
     return None
+
+
+def _rolls_tool(robot: Robot, task: Task) -> bool:
+    """Whether the last joint turns the tool about its z axis through the reference point, or one near to that."""
+    last = jacobian(robot, np.zeros(robot.n), replace(BODY, point=task.frame.point))[:, -1]
+    along, around = last[5], last[3:5]
+    offset = np.hypot(last[0], last[1])
+    return bool(np.hypot(*around) <= _PARALLEL * abs(along) and offset <= _BESIDE * reach(robot))
 
 
 def level_task(robot: Robot, task: Task) -> Task | None:

@@ -107,15 +107,19 @@ def blocked_text(lost: LostDirection, frame: str) -> str:
     return f"{where} moves along {along} of {frame} only by {rate} m for every rad of rotation about it"
 
 
+_SHOWN = 5e-4  # components of a unit vector below it are 0 with three decimals
+
+
 def axis_text(vector: ArrayLike) -> str:
     """A direction for people, its largest component positive: "Y", or "(0.6, 0, 0.8)".
 
     Args:
         vector: (3,) not zero, of any length.
     """
-    largest, along = main_axis(vector)
+    largest, _ = main_axis(vector)
     unit = np.asarray(vector, dtype=np.float64) / np.linalg.norm(vector)
-    if along:
+    unit = np.where(np.abs(unit) < _SHOWN, 0.0, unit)
+    if np.count_nonzero(unit) == 1:
         return "XYZ"[largest]
     return _triple(unit * np.sign(unit[largest]))
 

@@ -9,6 +9,7 @@ Columns of a table of records stand in tables: heading and cell.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import chain
 from math import degrees, isinf
 from operator import attrgetter
@@ -28,7 +29,7 @@ from rankdrop.results.explained import Blame
 from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Formula, Section
-from rankdrop.task import BASE, TIP
+from rankdrop.task import BASE, TIP, resolve_task
 from rankdrop.text.distances import far_sections, nearest_sections
 from rankdrop.text.family_conditions import condition_sentences
 from rankdrop.text.inverse import tool_sentence
@@ -109,6 +110,22 @@ def _never_lines(explanation: Explanation) -> Iterator[str]:
     elif len(explanation.lost.never) and explanation.cause != Cause.NEVER:
         motions = motions_words(explanation.lost.never.tolist())
         yield f"{NEVER_HERE.format(motions=motions, r=rank.generic_rank, m=task.m)}."
+        yield from _position_lines(explanation)
+
+
+def _position_lines(explanation: Explanation) -> Iterator[str]:
+    """That an arm of four joints is singular for the position of its tool, which the pose does not show."""
+    robot, task = explanation.robot, explanation.task
+    if robot.n != _FOUR or task.m != _POSE_ROWS:
+        return
+    place = replace(resolve_task("position", robot, frame=task.frame), length_scale=task.length_scale)
+    here = configuration_at(robot, explanation.q, place, explanation.here.tolerances).measured
+    if here.corank and not explanation.rank.corank:
+        asked = advise("task", place.name)
+        yield f"For position alone ({asked}) it is singular here, rank {here.rank} of {here.generic_rank}."
+
+
+_FOUR, _POSE_ROWS = 4, 6
 
 
 def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:

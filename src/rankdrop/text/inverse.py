@@ -20,7 +20,7 @@ from rankdrop.tolerances import MISSED
 from rankdrop.units import counted_exponent, counted_length
 
 _SHAPES = {1: "curve", 2: "surface"}
-_AXIS = 1e-3  # components below it are not shown
+_AXIS = 5e-3  # components below it are 0.00 as shown: the axis is X, Y or Z
 _FAR = 30.0  # a position farther outside, in reaches of the arm, was hardly meant in metres
 
 
@@ -125,6 +125,8 @@ def _all_singular(continua: list[Any]) -> str:
 
 def _inside_words(inverse: Any) -> str:
     every = (*inverse.branches, *inverse.continua)
+    if not _has_limits(inverse.robot):
+        return "The arm has no joint limits"
     if inverse.continua and inverse.inside:
         return f"{_which_have(inverse.inside, len(every))} configurations inside the joint limits"
     if inverse.inside == len(every):
@@ -136,6 +138,10 @@ def _inside_words(inverse: Any) -> str:
     nearest = min(every, key=lambda solution: max(amount for _, amount in solution.beyond))
     beyond = f"the nearest exceeds those of {_beyond_words(inverse.robot, nearest)}"
     return f"{_none_is(inverse)} inside the joint limits; {beyond}"
+
+
+def _has_limits(robot: Robot) -> bool:
+    return bool(np.isfinite(robot.lower).any() or np.isfinite(robot.upper).any())
 
 
 def _none_is(inverse: Any) -> str:
@@ -289,7 +295,10 @@ def _tables(inverse: Any, *, deg: bool) -> Iterator[Section]:
             (str(number), *_branch_cells(robot, branch), *_cells(robot, branch.q, deg=deg))
             for number, branch in enumerate(inverse.branches, start=1)
         )
-        yield Section("Solutions", "inside the joint limits first, then nearest to q = 0", columns=(
+        order = "inside the joint limits first, then nearest to q = 0"
+        if not _has_limits(robot):
+            order = "nearest to q = 0 first"
+        yield Section("Solutions", order, columns=(
             "", "verdict", "posture", "joint limits", *heads), rows=rows, texts=(0, 1, 2, 3))  # fmt: skip
     if inverse.continua:
         rows = tuple(
@@ -317,8 +326,10 @@ def _branch_cells(robot: Robot, branch: Any) -> tuple[str, str, str]:
     """The verdict on an isolated solution, its posture, and the joints outside their limits."""
     if branch.beyond:
         limits = _beyond_cell(robot, branch)
-    else:
+    elif _has_limits(robot):
         limits = "inside"
+    else:
+        limits = "none"
     return branch.verdict, ", ".join(branch.posture) or "–", limits
 
 

@@ -338,14 +338,17 @@ def sections(check: Any, *, full: bool, remedies: Sequence[Any] = ()) -> tuple[S
         lines += [f"line {crossing.line}: {head}", *rest]
     if lines:
         sections_so_far.append(Section("Singularities on the way", lines=tuple(lines)))
-    sections_so_far.append(_moves_section(check, full=full))
+    sections_so_far.extend(_moves_sections(check, full=full))
     if check.program.skipped:
         sections_so_far.append(_skipped_section(check, full=full))
     return tuple(sections_so_far)
 
 
-def _moves_section(check: Any, *, full: bool) -> Section:
+def _moves_sections(check: Any, *, full: bool) -> Iterator[Section]:
+    """The table of moves; none where no move begins at a known configuration."""
     moves = check.moves
+    if not moves:
+        return
     if full or len(moves) <= _LISTED:
         shown = moves
     else:
@@ -353,7 +356,7 @@ def _moves_section(check: Any, *, full: bool) -> Section:
     notes = []
     if len(shown) < len(moves):
         notes = [f"{len(moves) - len(shown)} more moves; {advise('full')} prints all"]
-    return Section(
+    yield Section(
         "Moves", columns=("line", "kind", "verdict", "nearest singularity", "largest turn", "time [s]", "text"),
         rows=tuple(_move_row(move) for move in shown), texts=(1, 2, 6), notes=tuple(notes),
     )  # fmt: skip

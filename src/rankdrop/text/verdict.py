@@ -32,8 +32,10 @@ from rankdrop.text.words import (
     power,
     short,
 )
+from rankdrop.tolerances import SLOW
 
-_AXIS = 1e-4  # components below it are not shown: the axis is X, Y or Z
+_AXIS = 5e-3  # components below it are 0.00 as shown: the axis is X, Y or Z
+_DIGITS = 6  # of numbers that have to differ as shown, fewer
 
 
 def sentence_of(explanation: Explanation) -> str:
@@ -163,7 +165,7 @@ def _templates(explanation: Explanation) -> tuple[str, str, str, str]:
     summary = explanation.summary
     what, lost, way, sure = _SUMMARY[summary.cause]
     if lost in (_SLOW, _SLOWEST) and (summary.slowest is None or isinf(summary.slowest.speed)):
-        lost = "Lost: nothing"
+        lost = _nothing_lost(explanation)
     if summary.cause == Cause.NONE and explanation.task.m > explanation.rank.generic_rank:
         what = _REGULAR_BUT_NEVER
     if not summary.way_out and summary.cause == Cause.NONE:
@@ -171,6 +173,13 @@ def _templates(explanation: Explanation) -> tuple[str, str, str, str]:
     elif not summary.way_out:
         way = _NO_JOG.get(way, way)
     return what, lost, way, sure
+
+
+def _nothing_lost(explanation: Explanation) -> str:
+    """No motion is lost, of an arm without joint rates; said where a speed was asked for."""
+    if explanation.options.speed in (0.0, SLOW):
+        return "Lost: nothing"
+    return "Lost: nothing. Speed is not checked: the arm's file has no joint rates"
 
 
 def _next_words(explanation: Explanation) -> str:
@@ -236,11 +245,19 @@ def _jog_words(explanation: Explanation) -> str:
     )
     if summary.cause == Cause.NONE:
         before, after = float(rank.sigma[rank.generic_rank - 1]), summary.sigma_after or 0.0
-        return f"jog {jog}; σ{rank.generic_rank} rises from {short(before, 2)} to {short(after, 2)}"
+        return f"jog {jog}; σ{rank.generic_rank} rises from {_two_apart(before, after)}"
     outcome = after_jog(rank.generic_rank, regular=summary.regular_after, deficient=rank.always_singular)
     if summary.crosses:
         outcome += "; it passes another singularity on the way"
     return f"jog {jog}{outcome}"
+
+
+def _two_apart(before: float, after: float) -> str:
+    """Two numbers, with as many digits as tell them apart: "0.067 to 0.1", "0.226 to 0.234"."""
+    for digits in range(2, _DIGITS):
+        if short(before, digits) != short(after, digits):
+            break
+    return f"{short(before, digits)} to {short(after, digits)}"
 
 
 def _offset_words(summary: Summary) -> str:

@@ -79,6 +79,19 @@ def test_every_way_of_writing_poses_gives_the_same(tmp_path: Path) -> None:
     assert not holds_poses(tmp_path / "missing.csv", ARM)
 
 
+def test_names_of_messages_and_stated_angles_are_read(tmp_path: Path) -> None:
+    file = tmp_path / "a.csv"
+    words = [f"field.pose.position.{axis}" for axis in "xyz"] + [f"/pose/orientation/{axis}" for axis in "xyzw"]
+    file.write_text(",".join([*words, ""]) + "\n0,0,1,0,0,0,1,\n")
+    read = read_poses(file)
+    np.testing.assert_allclose(read.matrices[0, :3, 3], [0.0, 0.0, 1.0])
+    assert (read.turned, read.unused) == (True, ())
+    file.write_text("x,y,z,roll [rad],pitch,yaw\n0,0,0,90,0,0\n")
+    assert read_poses(file).turned
+    file.write_text("x,y,z,roll,pitch,yaw\n0,0,0,90,0,0\n")
+    np.testing.assert_allclose(read_poses(file, deg=True).matrices[0, :3, 2], [0.0, -1.0, 0.0], atol=1e-15)
+
+
 BROKEN = {
     "a.csv|x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,1\n0,0,0,0,0,0,2": r"a\.csv, line 3: the quaternion is not of length",
     "a.csv|x,y,z,qx,qy,qz,qw\n0,0,nan,0,0,0,1": r"a\.csv, line 2, column 3 \(z\): the value is not finite",
@@ -101,6 +114,10 @@ BROKEN = {
     'a.json|[{"position": [0, 0, 1e155]}]': r"a\.json, pose 1: the value is too large; got 1e[+]155; allowed: -1e[+]12",
     'a.json|[{"position": [0, 0, 1], "rpy": [0, 1e16, 0]}]': r"pose 1: the value is too large; .* 1e[+]06 rad",
     "a.csv|x,y,z\n0,1e155,0": r"a\.csv, line 2: the value is too large; got 1e[+]155; allowed: -1e[+]12 … 1e[+]12 m",
+    "a.csv|x,y,z,roll,pitch,yaw\n0,0,0,0,0,0\n0,0,0,90,0,0": r"line 3: angles look like degrees; got roll 90; allowed",
+    'a.json|[{"position": [0, 0, 1], "rpy": [0, 0, 45]}]': r"pose 1: angles look like degrees; got yaw 45; .*deg=True",
+    "a.csv|x [cm],y [cm],z [cm]\n1,2,3": r"line 1, column 1: the unit does not fit the column; got x \[cm\]; allowed",
+    "a.csv|x y z\n0 0 1\n0 1 1": r"line 2: the columns are separated by spaces; got 3 numbers; .*fix: separate them",
     "a.yaml|" + "[" * 200: r"a\.yaml, line 1: the objects are nested too deeply; allowed: depth 100",
     "a.yaml|a: &a {b: 1}\nc: {<<: *a}": r"a\.yaml: merge keys are not read",
 }

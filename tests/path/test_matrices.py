@@ -148,6 +148,18 @@ def test_flat_matrices_are_told_their_shape(tmp_path: Path) -> None:
         read_trajectory(tmp_path / "a.csv", ARM)
 
 
+def test_rows_of_a_position_and_a_quaternion_are_told_their_names(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.ones((3, 7)))
+    with pytest.raises(TrajectoryError, match="fix: poses with quaternions are read from CSV: a first line x,y,z,q"):
+        read_trajectory(tmp_path / "a.npy", ARM)
+    (tmp_path / "a.csv").write_text("0,0,1,0,0,0,1\n")
+    with pytest.raises(TrajectoryError, match="fix: a first line x,y,z,qx,qy,qz,qw makes them poses of the tip"):
+        read_trajectory(tmp_path / "a.csv", ARM)
+    np.savetxt(tmp_path / "a.txt", Q)
+    with pytest.raises(TrajectoryError, match=r"a\.txt, line 1: the columns are separated by spaces; got 6 numbers"):
+        read_trajectory(tmp_path / "a.txt", ARM)
+
+
 @pytest.mark.parametrize(("digits", "noted"), [(9, False), (6, False), (4, True), (3, True)])
 def test_rounded_rotations_become_the_nearest_ones(digits: int, noted: bool, tmp_path: Path) -> None:
     rounded = np.round(POSES, digits)

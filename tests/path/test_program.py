@@ -478,3 +478,23 @@ def test_scanning() -> None:
     program = inform.read(job, "a.jbi")
     assert [type(one).__name__ for one in program.items] == ["Skipped", "Move"]
     assert program.skipped[0].reason is Reason.TOOL
+
+
+PAST_WRIST = """DEF weld()
+PTP {A1 9.663754, A2 -68.967221, A3 88.562604, A4 -85.186016, A5 9.102425, A6 88.473993}
+$VEL.CP=0.1
+LIN {X 662.388311, Y 100.0, Z 689.308148, A 180.0, B 69.9, C 180.0}
+END
+"""
+
+
+@pytest.mark.slow
+def test_a_singularity_has_one_name_in_the_lines_of_an_answer() -> None:
+    """The singularities on the way were of joint 5 at 0°, the nearest one was that of axes 4 and 6 aligned."""
+    found = check_program(open_robot("kr6r900"), krl.read(PAST_WRIST, "weld.src"), ASK)
+    (nearest,) = {stretch.name for stretch in found.stretches if stretch.closest.distance < 0.01}
+    text = " ".join("\n".join(str(section) for section in found.sections()).split())
+    assert nearest == "wrist: axes 4 and 6 aligned"
+    assert "Nearest singularity: wrist: joint 5 at 0°, 0.001745 rad (0.1°) away, in line 4" in text
+    assert nearest not in text
+    assert "Turns: joint 6 turns 143° within 0.0655 s in line 4." in text

@@ -46,6 +46,15 @@ def test_the_page_stands_alone_and_says_the_verdict(found: PathCheck) -> None:
     assert '<span class="badge bad">crossing</span>' in page
 
 
+def test_singularities_have_one_name_on_the_page(found: PathCheck) -> None:
+    """The sentence named the part of the arm, the buttons and the curves the family."""
+    page = unescape(path_page(found))
+    first, *_ = found.crossings
+    assert "elbow: arm stretched" in found.sentence
+    assert first.name not in page
+    assert {one["name"] for one in told(page)["stretches"] if not one["free"]} == {"elbow: arm stretched"}
+
+
 def test_its_numbers_are_those_of_the_path(found: PathCheck) -> None:
     data = told(path_page(found))
     assert data["x"] == sorted(data["x"])

@@ -19,7 +19,7 @@ from rankdrop.report.figures import new_figure
 from rankdrop.report.page import header, whole_page
 from rankdrop.robot import Array
 from rankdrop.sections import html
-from rankdrop.text import free_words
+from rankdrop.text import free_words, stretch_place
 from rankdrop.version import VERSION
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def path_page(check: PathCheck) -> str:
 def _stage(check: PathCheck) -> str:
     buttons = "".join(
         f'<button data-stretch="{i}"><i class="dot" style="background:var({INKS[stretch.verdict]})"></i>'
-        f"<b>{escape(stretch.verdict)}</b> {escape(stretch.name or 'no family known')}<br>"
+        f"<b>{escape(stretch.verdict)}</b> {escape(_place(check, stretch) or 'no family known')}<br>"
         f'<span class="small">{escape(_when(check, stretch))}</span></button>'
         for i, stretch in sorted(enumerate(check.stretches[:_LISTED]), key=lambda pair: _order(pair[1]))
     )
@@ -135,6 +135,13 @@ def _stage(check: PathCheck) -> str:
         f'<output id="place"></output></div><div class="legend">{legend}</div>'
         '<div id="plots"></div></section>'
     )
+
+
+def _place(check: PathCheck, stretch: Stretch) -> str:
+    """The singularity of a stretch as the sentence at the top of the page names it; "" where none is known."""
+    if stretch.name:
+        return stretch_place(check, stretch)
+    return ""
 
 
 def _order(stretch: Stretch) -> tuple[bool, int, float]:
@@ -190,7 +197,7 @@ def _data(check: PathCheck) -> dict[str, Any]:
         "stretches": [
             {
                 "start": _x(stretch.start), "end": _x(stretch.end), "closest": _x(stretch.closest.place),
-                "verdict": stretch.verdict, "ink": INKS[stretch.verdict], "name": stretch.name,
+                "verdict": stretch.verdict, "ink": INKS[stretch.verdict], "name": _place(check, stretch),
                 "family": stretch.family, "free": stretch.verdict == FREE,
             }
             for stretch in check.stretches

@@ -82,6 +82,7 @@ from .special import family_label as family_label
 from .special import family_title as family_title
 from .special import place_name as place_name
 from .special import place_parts as place_parts
+from .stretches import stretch_place as stretch_place
 from .words import angle as angle
 from .words import angle_below as angle_below
 from .words import cover_sections as cover_sections

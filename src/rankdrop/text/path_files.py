@@ -37,8 +37,17 @@ TRANSPOSED = "the matrices are transposed: write poses.transpose(0, 2, 1)"
 LAST_AXIS = "the poses are along the last axis: write numpy.moveaxis(poses, -1, 0)"
 ROTATIONS_ALONE = "these are rotations alone: add the translation as the fourth column"
 MATRIX_SHAPE = "matrices of the tip have the shape (N, {0}, 4)"
+QUATERNION_HEAD = "a first line x,y,z,qx,qy,qz,qw makes them poses of the tip"
+QUATERNIONS_AS_TEXT = f"poses with quaternions are read from CSV: {QUATERNION_HEAD}"
+SAVED_WITH_COMMAS = 'separate them by commas: numpy.savetxt(file, rows, delimiter=",")'
 MATRIX_HEAD = "a first line m00,m01, … m{0}3 makes them matrices of the tip"
 """What mends arrays and tables of matrices."""
+TWO_TURNS = "radians, at most two turns"
+DEGREES_STATED = {
+    "columns": 'name the columns "roll [deg]", "pitch [deg]", "yaw [deg]"',
+    "objects": 'write "angle": "deg" next to "poses"',
+}
+"""How each form of poses states degrees."""
 ROTATIONS_MENDED = (
     "rotations of {0} poses are replaced by the nearest ones: RᵀR differs from 1 by up to {1:.2g} (pose {2}, which "
     "turns by {3:.2g}°)"

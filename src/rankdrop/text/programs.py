@@ -50,6 +50,7 @@ _ENDS = {
     "budget": "the steps and rows that one tool path may have are used up", "start": "its beginning is not reached",
     "turn": "the arm needs an internal turn first, with the tool held still",
 }  # fmt: skip
+_SAME_DISTANCE = 1.001  # a stretch that is as near as its move, to this factor, is the nearest one
 _FAST = 3  # lines of which joints above their rate limits are described
 _SLOW = 0.1  # of the programmed speed, below which a joint move is the better advice
 _KINDS = {"joint": "joint move", "line": "straight line"}
@@ -283,7 +284,20 @@ def _near_lines(check: Any) -> Iterator[str]:
             far = "on it"
         else:
             far = f"{angle(near.distance)} away"
-        yield f"Nearest singularity: {near.name or 'a singularity'}, {far}, {_in_line(near.line, near.text)}."
+        yield f"Nearest singularity: {_place_of(near, check)}, {far}, {_in_line(near.line, near.text)}."
+
+
+def _place_of(move: Any, check: Any) -> str:
+    """The part of the arm that is special where a move is nearest to a singularity, as the other lines name it.
+
+    The name of the family where the nearest place is not in a stretch of that move.
+    """
+    for part in check.parts:
+        for stretch in () if part.check is None else part.check.stretches:
+            there = part.moves[part.move_at(stretch.closest.place)].line == move.line
+            if there and stretch.family == move.family and stretch.closest.distance <= move.distance * _SAME_DISTANCE:
+                return stretch_place(part.check, stretch)
+    return move.name or "a singularity"
 
 
 def _verified_lines(check: Any) -> Iterator[str]:

@@ -26,14 +26,14 @@ from rankdrop.path.read.trajectory import (
 from rankdrop.robot.files import LONGEST_HEAD, MOST_ROWS
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import quantity
-from rankdrop.text.path_files import DECIMAL_COMMAS, MATRIX_HEAD
+from rankdrop.text.path_files import DECIMAL_COMMAS, MATRIX_HEAD, QUATERNION_HEAD, SAVED_WITH_COMMAS
 
 _TIME = re.compile(r"(time|zeit|t|stamp|timestamp|seconds?)\s*([\[(_]?\s*(s|sec|seconds)\s*[\])]?)?", re.IGNORECASE)
 _FINE_TIME = re.compile(
     r"(?:time|zeit|t|stamp|timestamp)(?:_(?P<plain>ms|us|ns)|\s*[\[(]\s*(?P<unit>ms|us|µs|μs|ns)\s*[\])])",
     re.IGNORECASE,
 )
-_WITH_UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>rad|deg|°|m|mm)\s*[\])]", re.IGNORECASE)
+_WITH_UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>rad|deg|°|rev|m|mm|cm|µm|um|in|inch)\s*[\])]", re.IGNORECASE)
 _UNIT_AFTER_UNDERSCORE = re.compile(r"(?P<name>.+)_(?P<unit>rad|deg|mm)", re.IGNORECASE)
 _JOINT = re.compile(r"(?:q|θ|theta|joint|j|axis|achse|a)[_ ]?(\d+)", re.IGNORECASE)
 _COMMA = re.compile(r"(\d),(\d)")
@@ -134,6 +134,7 @@ def read_table(text: str, name: str) -> Table:
     table = _plain_table(text, name) or _word_table(text, name)
     if text is not given:
         table.notes = (DECIMAL_COMMAS,)
+    _refuse_spaces(table)
     if not table.head:
         raise TrajectoryError("there is no row", where=name, mend="a line of names, then a row for each moment")
     if not len(table.lines):
@@ -142,6 +143,21 @@ def read_table(text: str, name: str) -> Table:
         raise TrajectoryError("there are too many rows", where=name, got=len(table.lines),
                               allowed=f"at most {MOST_ROWS}")  # fmt: skip
     return table
+
+
+def _refuse_spaces(table: Table) -> None:
+    """Refuse numbers that spaces separate, as NumPy writes them by default.
+
+    Raises:
+        TrajectoryError: with the line.
+    """
+    first = [table.head, *(table.rows or [])[:1]]
+    for line, words in zip((table.line, *table.lines[:1]), first, strict=False):
+        numbers = "".join(words).split()
+        if len(words) == 1 and len(numbers) > 1 and all(map(is_number, numbers)):
+            raise TrajectoryError("the columns are separated by spaces", where=f"{table.name}, line {line}",
+                                  got=f"{len(numbers)} numbers", allowed="commas, semicolons or tabs",
+                                  mend=SAVED_WITH_COMMAS)  # fmt: skip
 
 
 def _plain_table(text: str, name: str) -> Table | None:
@@ -311,7 +327,8 @@ def find_columns(
             raise TrajectoryError("the column is given twice", where=column_place, got=repr(word))
         columns[column.key] = place, _factor(word, column, column_place, deg=deg)
     time = _time_column(head, others)
-    return columns, time, tuple(head[place] for place in others if place != time)
+    unused = [head[place] for place in others if place != time]
+    return columns, time, tuple(filter(None, unused))  # a comma at the end of each line begins a column without name
 
 
 def _refuse_long_names(head: list[str], where: str) -> None:
@@ -444,13 +461,15 @@ def _names_of_numbers(table: Table, robot: Robot) -> list[str]:
         raise TrajectoryError(
             "the columns have no names", where=table.head_place, got=f"{len(table.head)} numbers",
             allowed=f"{robot.n} numbers, one for each joint, a rising time in front of them, or a first line of names: "
-            f"{joint_names(robot)}", mend=_named_matrices(len(table.head)),
+            f"{joint_names(robot)}", mend=_pose_head(len(table.head)),
         )  # fmt: skip
     return names
 
 
-def _named_matrices(columns: int) -> str:
-    """What names columns of matrices, where there are as many as the matrices of poses have."""
+def _pose_head(columns: int) -> str:
+    """What names columns of poses, where there are as many as matrices, or positions and quaternions, have."""
+    if columns == 7:
+        return QUATERNION_HEAD
     if columns in (12, 16):
         return MATRIX_HEAD.format(columns // 4 - 1)
     return ""

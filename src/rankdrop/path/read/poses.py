@@ -5,6 +5,7 @@ Columns of a table, objects in JSON and YAML, or matrices in NumPy's files.
 
 from __future__ import annotations
 
+import re
 import reprlib
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
@@ -37,7 +38,8 @@ from rankdrop.path.read.trajectory import BAGS, TrajectoryError, check_times
 from rankdrop.robot.files import MOST_ROWS, RANGE, allowed_range, read_text
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
-from rankdrop.text.path_files import MILLIMETRES, MILLIMETRES_STATED, POSE_COLUMNS
+from rankdrop.text.path_files import DEGREES_STATED, MILLIMETRES, MILLIMETRES_STATED, POSE_COLUMNS, TWO_TURNS
+from rankdrop.text.words import MOST_TURNS
 
 QUATERNION, ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
 _LENGTHS = {"x", "y", "z"}
@@ -53,6 +55,7 @@ _UNIT_LENGTH = 1e-3  # a quaternion's length may be off by this: digits of a fil
 _FAR = 20.0  # reaches: positions beyond it look like millimetres
 _UPPER, _WHOLE = ENTRIES[:12], ENTRIES
 """Columns of matrices without and with their last row."""
+_IN_MESSAGE = re.compile(r".*[./](position|orientation)[./]([xyzw])", re.IGNORECASE)  # "field.pose.position.x"
 _FEW = 9  # columns of entries by which a table is meant to hold matrices; it may lack some
 
 
@@ -189,6 +192,9 @@ def _column_name(word: str) -> str:
 def _pose_key(name: str) -> str:
     """The name of a column, without a unit, as it is known here."""
     plain = name.strip().lower()
+    inside = _IN_MESSAGE.fullmatch(plain)
+    if inside is not None:
+        plain = f"{inside[1]}.{inside[2]}"
     return _OTHER.get(plain, plain)
 
 
@@ -261,12 +267,15 @@ def _poses_of_rows(text: str, name: str, *, deg: bool) -> Poses:
     places, factors = zip(*(columns[key] for key in keys), strict=True)
     values = table.block(places) * np.array(factors)
     used = {place for place, _ in columns.values()} | {time}
-    unused = tuple(word for place, word in enumerate(table.head) if place not in used)
+    unused = tuple(word for place, word in enumerate(table.head) if word and place not in used)
     if keys[0] == ENTRIES[0]:
         matrices, notes = poses_of(values.reshape(len(values), -1, 4), table.place)
         return Poses(Path(name).name, matrices, table.times(time), True, unused, (*table.notes, *notes),
                      PoseForm.MATRIX_COLUMNS)  # fmt: skip
     matrices = _matrices(values, keys[3:], table.place)
+    if keys[3:] == ANGLES:
+        stated = [deg or name_and_unit(table.head[place])[1] is not None for place in places[3:]]
+        _refuse_degrees(values, table.place, PoseForm.COLUMNS, stated)
     return Poses(Path(name).name, matrices, table.times(time), len(keys) > 3, unused, table.notes)
 
 
@@ -283,6 +292,29 @@ def _poses_of_arrays(file: Path) -> Poses:
                                   allowed=f"shape ({len(matrices)},)")  # fmt: skip
         check_times(times, name)
     return Poses(file.name, matrices, times, True, (), notes, PoseForm.ARRAYS)
+
+
+def _refuse_degrees(values: Array, place: Callable[[int], str], form: PoseForm, stated: list[bool]) -> None:
+    """Refuse roll, pitch and yaw [rad] that look like degrees, where the file does not state their unit.
+
+    Args:
+        values: (N, 6) x, y, z, roll, pitch, yaw; other widths have no such angles.
+        place: of a row, for an error.
+        form: how the file writes poses.
+        stated: whether the unit of each angle is stated.
+
+    Raises:
+        TrajectoryError: with the first row that has such an angle.
+    """
+    if values.shape[1] != 6:
+        return
+    angles = values[:, 3:]
+    beyond = (np.abs(angles) > MOST_TURNS) & ~np.array(stated)
+    for row, column in np.argwhere(beyond)[:1].tolist():
+        raise TrajectoryError("angles look like degrees", where=place(row),
+                              got=f"{ANGLES[column]} {angles[row, column]:.6g}", allowed=TWO_TURNS,
+                              mend=f"deg=True, or {DEGREES_STATED[form]}",
+                              typed=f"add --deg, or {DEGREES_STATED[form]}")  # fmt: skip
 
 
 def _matrices(values: Array, turn: tuple[str, ...], place: Callable[[int], str]) -> Array:
@@ -358,7 +390,9 @@ def _poses_of_objects(found: Any, name: str, *, deg: bool) -> Poses:
     else:
         when = check_times(times, place)
     keys = _TURNS.get(turn, ())
-    return Poses(Path(name).name, _matrices(values, keys, place), when, bool(turn), (), form=PoseForm.OBJECTS)
+    matrices = _matrices(values, keys, place)
+    _refuse_degrees(values, place, PoseForm.OBJECTS, [deg or "angle" in about] * 3)
+    return Poses(Path(name).name, matrices, when, bool(turn), (), form=PoseForm.OBJECTS)
 
 
 def _numbers_of_pose(entry: Any, turn: str, units: dict[str, float], where: str) -> list[float]:

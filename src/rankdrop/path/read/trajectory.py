@@ -14,7 +14,7 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.path.curve import Curve, curve
 from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, MOST_ROWS, allowed_range
 from rankdrop.robot.model import Array, Robot
-from rankdrop.text.path_files import MATRIX_SHAPE, radians_hint
+from rankdrop.text.path_files import MATRIX_SHAPE, QUATERNIONS_AS_TEXT, radians_hint
 from rankdrop.text.words import MOST_TURNS, degrees_hint
 
 BAGS = (".bag", ".db3", ".mcap")
@@ -225,7 +225,9 @@ def _positions(where: str, robot: Robot, q: Array | None, width: int) -> Array:
 
 
 def _matrix_shape(q: Array | None) -> str:
-    """What makes rows of twelve or sixteen numbers matrices of poses; nothing for others."""
+    """What makes rows of twelve or sixteen numbers matrices of poses, and of seven poses; nothing for others."""
+    if q is not None and q.ndim == 2 and q.shape[1] == 7:
+        return QUATERNIONS_AS_TEXT
     if q is None or q.ndim != 2 or q.shape[1] not in (12, 16):
         return ""
     return MATRIX_SHAPE.format(q.shape[1] // 4)

@@ -99,7 +99,10 @@ class Ball {
     double* centre_of(const Box& box) { return pool_.data() + 2 * n_ * box.place; }
     double* half_of(const Box& box) { return centre_of(box) + n_; }
 
-    static bool later(const Box& a, const Box& b) { return a.radius > b.radius; }
+    // A type, so that the heap compares without a call
+    struct Later {
+        bool operator()(const Box& a, const Box& b) const { return a.radius > b.radius; }
+    };
 
     double widest(const double* half) const { return *std::max_element(half, half + n_); }
 
@@ -107,10 +110,10 @@ class Ball {
     void push(const double* both, double radius) {
         double near = 0.0, far = 0.0;
         for (int i = 0; i < n_; ++i) {
-            const double gap = std::fmax(0.0, std::fabs(both[i]) - both[n_ + i]), end = std::fabs(both[i]) + both[n_ + i];
+            const double gap = std::max(0.0, std::fabs(both[i]) - both[n_ + i]), end = std::fabs(both[i]) + both[n_ + i];
             near += gap * gap, far += end * end;
         }
-        const double distance = std::fmax(0.0, std::sqrt(near) * (1.0 - 1e-14) - 1e-15);  // corners are rounded
+        const double distance = std::max(0.0, std::sqrt(near) * (1.0 - 1e-14) - 1e-15);  // corners are rounded
         if (distance >= radius_ || std::sqrt(far) * (1.0 + 1e-14) + 1e-15 <= ball_.inner) return;
         std::size_t place = pool_.size() / (2 * n_);
         if (unused_.empty()) {
@@ -119,18 +122,18 @@ class Ball {
             place = unused_.back();
             unused_.pop_back();
         }
-        const Box box{std::fmax(radius, distance), place, -1, 0.0};
+        const Box box{std::max(radius, distance), place, -1, 0.0};
         std::copy(both, both + 2 * n_, centre_of(box));
         put(box);
     }
 
     void put(const Box& box) {
         heap_.push_back(box);
-        std::push_heap(heap_.begin(), heap_.end(), later);
+        std::push_heap(heap_.begin(), heap_.end(), Later{});
     }
 
     Box pop() {
-        std::pop_heap(heap_.begin(), heap_.end(), later);
+        std::pop_heap(heap_.begin(), heap_.end(), Later{});
         const Box box = heap_.back();
         heap_.pop_back();
         return box;
@@ -140,17 +143,17 @@ class Ball {
     void narrow(double radius, double* offset, double* half) const {
         double near = 0.0;
         for (int i = 0; i < n_; ++i) {
-            const double gap = std::fmax(0.0, std::fabs(offset[i]) - half[i]);
+            const double gap = std::max(0.0, std::fabs(offset[i]) - half[i]);
             near += gap * gap;
         }
         for (int i = 0; i < n_; ++i) {
-            const double gap = std::fmax(0.0, std::fabs(offset[i]) - half[i]);
-            const double end = std::sqrt(std::fmax(0.0, radius * radius - (near - gap * gap))) * (1.0 + 1e-12) + 1e-14;
-            const double low = std::fmax(offset[i] - half[i], -end), high = std::fmin(offset[i] + half[i], end);
+            const double gap = std::max(0.0, std::fabs(offset[i]) - half[i]);
+            const double end = std::sqrt(std::max(0.0, radius * radius - (near - gap * gap))) * (1.0 + 1e-12) + 1e-14;
+            const double low = std::max(offset[i] - half[i], -end), high = std::min(offset[i] + half[i], end);
             if (!(low < high)) continue;  // a variable that does not matter
             if (low > offset[i] - half[i] || high < offset[i] + half[i]) {
                 offset[i] = 0.5 * (low + high);
-                half[i] = std::fmax(high - offset[i], offset[i] - low) * (1.0 + 1e-15);
+                half[i] = std::max(high - offset[i], offset[i] - low) * (1.0 + 1e-15);
             }
         }
     }
@@ -163,7 +166,7 @@ class Ball {
             std::copy(centre_of(box), centre_of(box) + n_, offset);
             std::copy(half_of(box), half_of(box) + n_, half);
             rows.low[b] = box.radius;
-            rows.high[b] = std::fmin(radius_, box.radius + kAhead * radius_);
+            rows.high[b] = std::min(radius_, box.radius + kAhead * radius_);
             if (!ball_.keep) narrow(rows.high[b], offset, half);
             rows.rounding[b] = 0.0;
             for (int i = 0; i < n_; ++i) {

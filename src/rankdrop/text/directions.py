@@ -118,8 +118,7 @@ def axis_text(vector: ArrayLike) -> str:
     """
     largest, _ = main_axis(vector)
     unit = np.asarray(vector, dtype=np.float64) / np.linalg.norm(vector)
-    unit = np.where(np.abs(unit) < _SHOWN, 0.0, unit)
-    if np.count_nonzero(unit) == 1:
+    if np.count_nonzero(np.abs(unit) >= _SHOWN) == 1:
         return "XYZ"[largest]
     return _triple(unit * np.sign(unit[largest]))
 

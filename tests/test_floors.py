@@ -109,8 +109,8 @@ PUBLIC = frozenset(f"rankdrop.{name}" for name in rankdrop.__all__)
 RECORD = frozenset(
     f"families.{name}"
     for name in (
-        "contradiction", "evidence", "facts", "lost", "name", "naming", "not_derived", "record", "summary",
-        "unfinished",
+        "contradiction", "distinct_names", "evidence", "facts", "lost", "name", "naming", "not_derived", "record",
+        "summary", "unfinished",
     )
 )
 """What a family is, however it was found."""

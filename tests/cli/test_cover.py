@@ -11,11 +11,11 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
-from rankdrop.cover.box_matching import FOUND, PROVEN, FamilyBoxes, touching_groups
+from rankdrop.cover.box_matching import FamilyBoxes, touching_groups
 from rankdrop.distance.distance import distances
 from rankdrop.families.points import members
 from rankdrop.families.searching import refine
-from rankdrop.local.block import joint_scale, singular_values
+from rankdrop.local.block import joint_scale
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
@@ -60,24 +60,6 @@ def test_how_far_a_covering_is_is_read_from_its_file(tmp_path: Path, run) -> Non
     assert code == 2
     assert "there is no job in the folder" in err
     assert run()[0] == 2
-
-
-@pytest.mark.slow
-def test_a_family_left_out_is_listed_as_places_that_are_singular() -> None:
-    # every family that lies in the wrist's sheet goes: what is left of it is a place to look at
-    known = known_analysis(UR5, TASK)
-    gone = [one.id for one in known.families if any(pin.number == 5 for pin in one.pinned)]
-    assert "k1.f3" in gone
-    found = cover(UR5, width=0.4, analysis=without(*gone))
-    assert not found.holds
-    assert "may hold a singular configuration" in found.sentence
-    assert {one.kind for one in found.account.spots} <= {PROVEN, FOUND}
-    for one in found.account.spots:
-        assert one.sigma < 1e-9
-        assert singular_values(UR5, one.q[None], TASK)[0, -1] < 1e-9
-        assert (one.q[1:5] >= one.lower - 1.2).all()
-    boxes = sum(one.boxes for one in found.account.spots)
-    assert 0.1 < boxes / found.covering.tree.leaves < 0.5
 
 
 @pytest.mark.by_hand

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from rankdrop.families import table as families_module
+from rankdrop.families.descent import verify_points
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
-from rankdrop.families.inspection import Signature, inspect, verify_points
+from rankdrop.families.inspection import Signature, inspect
 from rankdrop.families.row import Linear, Row, membership, on_row, solve_at_special_values, soundness, verify_values
 from rankdrop.families.searching import search, unseen
 from rankdrop.formula.equation import Equation, System, Term, normalised_equation

@@ -26,7 +26,6 @@ from rankdrop.viewer.scene import (
     turn_onto,
     wxyz,
 )
-from rankdrop.viewer.tab_families import SliceBox
 
 ARMS = KINDS
 
@@ -167,18 +166,3 @@ def test_solids_are_closed_and_face_outwards(axis: list[float]) -> None:
     assert volume(vertices, faces) == pytest.approx(exact, rel=0.05)
     vertices, faces = barrel_mesh(start - way, start + way, 0.5)
     assert volume(vertices, faces) == pytest.approx(np.pi * 0.25 * 2, rel=0.02)
-
-
-def test_places_in_a_slice_box_are_in_the_box() -> None:
-    arm = open_robot("ur5")
-    task = resolve_task(None, arm)
-    for joints in ((2, 3), (2, 3, 5)):
-        box = SliceBox.of(arm, task, joints, 1.0, limits=False)
-        q = np.full((3, 6), -np.pi)
-        q[1], q[2] = np.pi, 0.0
-        low, high, middle = box.place(q)
-        assert np.allclose(low, box.corner)
-        assert np.allclose(middle, (low + high) / 2)
-        assert box.lines().shape == ({2: 4, 3: 12}[len(joints)], 2, 3)
-        assert np.allclose(np.linalg.norm(np.diff(box.lines(), axis=1), axis=2), box.edge)
-        assert len(box.labels(arm)) == 3 * len(joints)

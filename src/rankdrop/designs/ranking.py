@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.designs.deviations import Record, deviations
 from rankdrop.designs.spec import Spec
 from rankdrop.families import Family
 from rankdrop.robot import Array, JointKind, Robot
@@ -239,7 +240,6 @@ def neighbours(spec: Spec, records: Sequence[Mapping[str, Any]]) -> list[tuple[i
     return sorted(pairs)
 
 
-Record = Mapping[str, Any]
 Rows = NDArray[np.intp]
 BLOCK = 500
 LEVEL = 0.05
@@ -249,30 +249,6 @@ LEVEL = 0.05
 def bits_to_text(mask: NDArray[np.bool_]) -> str:
     """Samples as hexadecimal digits, a bit each, the first one highest."""
     return np.packbits(mask).tobytes().hex()
-
-
-def deviations(record: Record, measure: str) -> Array:
-    """Vector z of a sampled measure: the error of the difference of two variants is |z − z'|; empty without samples."""
-    if measure in ("near", "slow"):
-        sampled = record.get(measure) or {}
-        hits = np.frombuffer(bytes.fromhex(sampled.get("hits", "")), np.uint8)
-        return _of_mean(np.unpackbits(hits)[: sampled.get("samples", 0)].astype(float))
-    region = record.get("region") or {}
-    if measure == "slow_poses":
-        slow = region.get("slow") or {}
-        hits = np.frombuffer(bytes.fromhex(slow.get("hits", "")), np.uint8)
-        return _of_mean(np.unpackbits(hits)[: slow.get("poses", 0)].astype(float))
-    each = region.get("each")
-    if each is None or measure != "reached":
-        return np.zeros(0)
-    return _of_mean(np.array([value is not None for value in each], dtype=float))
-
-
-def _of_mean(values: Array) -> Array:
-    """Of the mean of samples."""
-    if len(values):
-        return np.asarray((values - values.mean()) / len(values))
-    return values
 
 
 def proven_bounds(record: Record, measure: str) -> tuple[float, float]:

@@ -39,9 +39,10 @@ from rankdrop.exact.family import (
 )
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
+from rankdrop.families.distinct_names import distinct_names
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import FamilyName
-from rankdrop.families.naming import distinct_names, lost_motions, name_family
+from rankdrop.families.naming import lost_motions, name_family
 from rankdrop.families.record import Check, ExactConditions, Family, Order, exact_of, place_of
 from rankdrop.families.unfinished import Unfinished, UnfinishedKind
 from rankdrop.formula.equation import Equation, System

@@ -17,16 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.families.descent import verify_points
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
-from rankdrop.families.inspection import (
-    Covector,
-    Inspection,
-    Signature,
-    candidates,
-    independent,
-    inspect,
-    verify_points,
-)
+from rankdrop.families.inspection import Covector, Inspection, Signature, candidates, independent, inspect
 from rankdrop.families.library import (
     FitProblem,
     Kind,

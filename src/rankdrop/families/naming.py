@@ -5,8 +5,7 @@ And the motions that a family takes away, as directions.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import reduce
 from itertools import compress, product
@@ -296,50 +295,6 @@ def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, gen
     if complete and (structure.tight or min(map(len, blame)) < generic):
         return FamilyName(details=circuits)
     return FamilyName(details=(LowRank(scene.robot.n, generic - corank, task.m == 6),))
-
-
-_SHORT = 24  # characters of a condition that stands in a name
-
-
-def distinct_names(
-    names: Sequence[FamilyName], conditions: Sequence[Callable[[], Sequence[str]]]
-) -> list[FamilyName]:
-    """Names made unique: of those with the same words each gets the first short condition that only it has; then short.
-
-    Args:
-        names: of the families of one corank, in their order.
-        conditions: of each, how to get its conditions for people; asked where it is needed only.
-
-    Returns:
-        The names; where no short condition tells them apart they are counted: "wrist (second)".
-
-    Example:
-        >>> from rankdrop.families.name import ArmPart
-        >>> elbow, wrist = FamilyName((ArmPart.ELBOW,)), FamilyName((ArmPart.WRIST,))
-        >>> found = distinct_names([elbow, wrist, elbow], [lambda: ["θ3 = 0"], lambda: ["θ5 = 0"], lambda: ["θ3 = π"]])
-        >>> [str(name) for name in found]
-        ['elbow (θ3 = 0)', 'wrist', 'elbow (θ3 = π)']
-    """
-    result = list(names)
-    words = [str(name) for name in names]
-    for same, count in Counter(words).items():
-        if count == 1:
-            continue
-        places = [place for place, other in enumerate(words) if other == same]
-        texts = [conditions[place]() for place in places]
-        for number, place in enumerate(places):
-            own = _own_condition(texts, number)
-            if own is None:
-                result[place] = replace(names[place], ordinal=number + 1)
-            else:
-                result[place] = replace(names[place], condition=own)
-    return shorten_names(result)
-
-
-def _own_condition(texts: Sequence[Sequence[str]], number: int) -> str | None:
-    """The first short condition that only one of several families has."""
-    others = set[str]().union(*(conditions for k, conditions in enumerate(texts) if k != number))
-    return next((text for text in texts[number] if text not in others and len(text) <= _SHORT), None)
 
 
 LONGEST = 60

@@ -23,8 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
+from rankdrop.families.descent import ROUNDING, descents
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
-from rankdrop.families.inspection import HIGHER, ROUNDING, Covector, Signature, descents
+from rankdrop.families.inspection import HIGHER, Covector, Signature
 from rankdrop.families.record import Check, Family, ways_to
 from rankdrop.formula.equation import Equation, Mask, System, Term, normalised_equation
 from rankdrop.lists import flat_map

@@ -23,11 +23,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.families.descent import not_singular, verify_points
+from rankdrop.families.distinct_names import distinct_names
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.fit import find_rows
-from rankdrop.families.inspection import HIGHER, Inspection, inspect, not_singular, verify_points
+from rankdrop.families.inspection import HIGHER, Inspection, inspect
 from rankdrop.families.name import FamilyName
-from rankdrop.families.naming import distinct_names, lost_motions, name_family
+from rankdrop.families.naming import lost_motions, name_family
 from rankdrop.families.pictured import witness
 from rankdrop.families.record import (
     Check,

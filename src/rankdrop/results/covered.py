@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.codec import Result
-from rankdrop.cover.box_matching import Spot
 from rankdrop.cover.covering import Covering
+from rankdrop.cover.spots import Spot
 from rankdrop.families.record import Family
 from rankdrop.proof.boxes import digest
 from rankdrop.robot.model import Robot

@@ -12,12 +12,10 @@ from rankdrop.configuration import Cause
 from rankdrop.families.record import Family
 from rankdrop.local.circuits import Circuit
 from rankdrop.local.cofactors import Hunt
-from rankdrop.local.directions import (
-    FramedDirections,
-    Screw,
-)
+from rankdrop.local.directions import FramedDirections
 from rankdrop.local.ordered import OrderedSubset
 from rankdrop.local.screw_systems import AlwaysSingular, ScrewSystem
+from rankdrop.local.screws import Screw
 from rankdrop.local.slowest import StraightMotion
 from rankdrop.local.special import Special
 from rankdrop.robot.model import Array

@@ -34,7 +34,6 @@ from rankdrop.local.directions import (
     lost_in_sparsest_frame,
     lost_seen_from,
     readable_basis,
-    screw_of,
 )
 from rankdrop.local.ellipsoids import Ellipsoids, ellipsoids
 from rankdrop.local.failures import Failures, failures_at
@@ -46,6 +45,7 @@ from rankdrop.local.rates import Rates, joint_rates
 from rankdrop.local.redundant import Redundancy, redundancy
 from rankdrop.local.relations import Relation, relations_at
 from rankdrop.local.screw_systems import always_singular_reason, systems_at
+from rankdrop.local.screws import screw_of
 from rankdrop.local.slowest import StraightMotion, slowest_motions
 from rankdrop.local.special import Special, specials_at
 from rankdrop.local.ways_out import Escape, JointEscape, escape

@@ -12,7 +12,6 @@ from rankdrop.configuration import Rank
 from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions
 from rankdrop.local.circuits import Circuit
 from rankdrop.local.cofactors import Hunt, HuntJoint
-from rankdrop.local.directions import Screw
 from rankdrop.local.ellipsoids import Ellipsoid, Ellipsoids, Index, PartSet
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset
@@ -21,6 +20,7 @@ from rankdrop.local.rates import DirectionRates, Rates
 from rankdrop.local.redundant import RankNullity, Redundancy
 from rankdrop.local.relations import Relation
 from rankdrop.local.screw_systems import ScrewSystem
+from rankdrop.local.screws import Screw
 from rankdrop.local.slowest import StraightMotion
 from rankdrop.local.special import Special
 from rankdrop.local.ways_out import Direction, Escape, JointEscape, LostMotion

@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import UNSET
 
 from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table, text, whole
-from rankdrop.cover.box_matching import Spot
+from rankdrop.cover.spots import Spot
 from rankdrop.proof.record import Tolerance
 from rankdrop.schema.arm import FRAME, ROBOT, file
 from rankdrop.text.words import covering_end_words

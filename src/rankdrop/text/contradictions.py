@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rankdrop.families.contradiction import TREE, Contradiction, ContradictionKind
-from rankdrop.families.inspection import DIGITS
+from rankdrop.families.descent import DIGITS
 from rankdrop.robot.quantities import count
 
 _NOT_SINGULAR = (

@@ -20,8 +20,8 @@ from rankdrop.local.directions import (
     is_nearly_pure,
     main_axis,
     parts_of_direction,
-    screw_of,
 )
+from rankdrop.local.screws import screw_of
 from rankdrop.robot.model import Array
 from rankdrop.task import BASE, TIP, Frame
 from rankdrop.units import shift_decimal

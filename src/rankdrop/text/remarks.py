@@ -8,7 +8,7 @@ from rankdrop.exact.arm.geometry import Deviation
 from rankdrop.exact.arm.structure import joint_list
 from rankdrop.exact.family import EqualLengths
 from rankdrop.exact.remark import DerivationRemark, RemarkOn
-from rankdrop.families.inspection import DIGITS
+from rankdrop.families.descent import DIGITS
 from rankdrop.robot.quantities import count
 
 _WITH_NUMBERS = "derived with numbers"

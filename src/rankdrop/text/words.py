@@ -14,8 +14,8 @@ import numpy as np
 
 from rankdrop.cover.covering import CoveringEnd
 from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions, Tolerant
-from rankdrop.local.directions import Screw
 from rankdrop.local.failures import Failures
+from rankdrop.local.screws import Screw
 from rankdrop.local.ways_out import Escape
 from rankdrop.options import advise
 from rankdrop.robot.model import Array, Robot

@@ -12,7 +12,7 @@ from rankdrop.distance.share import Near, SlowShare, check_within, near_shares, 
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import derived_in_units
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
-from rankdrop.families.inspection import DIGITS, FOLLOWED
+from rankdrop.families.descent import DIGITS, FOLLOWED
 from rankdrop.families.not_derived import NotDerived, NotDerivedKind
 from rankdrop.families.pictured import pose_witness
 from rankdrop.families.record import (

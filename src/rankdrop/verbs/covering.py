@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.cover.box_matching import FamilyBoxes, spots
+from rankdrop.cover.box_matching import FamilyBoxes
 from rankdrop.cover.covering import (
     BUDGET,
     SPLIT,
@@ -32,6 +32,7 @@ from rankdrop.cover.covering import (
     put_together,
     write_covering,
 )
+from rankdrop.cover.spots import spots
 from rankdrop.errors import OptionError
 from rankdrop.families.record import Family
 from rankdrop.jobs import Engine, Job, check_engine, finish, hold_lock, progress_of

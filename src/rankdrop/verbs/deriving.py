@@ -50,7 +50,8 @@ from rankdrop.exact.remark import DerivationRemark, RemarkOn, chain_remarks, fol
 from rankdrop.exact.tree import Drop, OpenCase, Tree, rank_tree
 from rankdrop.exact.undivided import UndividedSet, cases_in_whole_angles, undivided_sets
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
-from rankdrop.families.inspection import FOLLOWED, descents, near_misses
+from rankdrop.families.descent import FOLLOWED, descents
+from rankdrop.families.inspection import near_misses
 from rankdrop.families.pictured import pose_witness
 from rankdrop.families.points import Cloud, cloud, count_explained
 from rankdrop.families.record import Check, Family, exact_of

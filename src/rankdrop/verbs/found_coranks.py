@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from rankdrop.exact.conjunctions import Derivation
 from rankdrop.exact.higher_coranks import UNTRIED, HigherCorank
-from rankdrop.families.inspection import not_singular
+from rankdrop.families.descent import not_singular
 from rankdrop.families.points import cloud
 from rankdrop.families.record import Check
 from rankdrop.local.block import singular_values

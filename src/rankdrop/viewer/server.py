@@ -21,7 +21,8 @@ from rankdrop.viewer.controls import Controls
 from rankdrop.viewer.scene import Live, Now
 from rankdrop.viewer.session import Session
 from rankdrop.viewer.stage import Stage
-from rankdrop.viewer.tab_families import EscapeTab, FamiliesTab, SliceTab, TourTab
+from rankdrop.viewer.tab_escape import EscapeTab
+from rankdrop.viewer.tab_families import FamiliesTab, SliceTab, TourTab
 from rankdrop.viewer.tab_path import PathTab, ShareTab, state_of
 
 if TYPE_CHECKING:

@@ -9,32 +9,24 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import partial
 from html import escape as plain
-from itertools import product
-from math import degrees, radians
+from math import radians
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.distance import family_distances
 from rankdrop.families import ArmPart, Family, LostFreedom, MotionKind, Walk, in_slice
-from rankdrop.local import Direction, Escape, JointEscape, escape, nearest_singularity, sampling_box, self_motion
-from rankdrop.results import Explanation
-from rankdrop.robot import Array, Robot, count
-from rankdrop.task import Task
-from rankdrop.text import angle, condition_sentences, lost_note, lost_sentence, lost_sentences, motion, short
+from rankdrop.local import nearest_singularity
+from rankdrop.robot import Array, count
+from rankdrop.text import angle, condition_sentences, lost_note, lost_sentence, lost_sentences
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 from rankdrop.viewer.scene import Now
+from rankdrop.viewer.slice_box import SliceBox
 from rankdrop.viewer.stage import rgb
-
-if TYPE_CHECKING:
-    import viser
-
 
 STEP = radians(5.0)  # of a click [rad; slides in length scales]
 PACE = 0.012  # of a walk, per frame [rad]
@@ -209,163 +201,6 @@ class TourTab:
             f"{self.place + 1} of {len(self.stops)} · {title}", sentence_of(family.lost_freedoms[0])
         ) + panel.message_html(f"The tool {lost_sentence(family.lost_freedoms[0])}.{note and f' {note}'}")
         self.controls.session.go(np.array(family.witness))
-
-
-_STILL = 0.6  # length of the self-motion that is followed [rad]
-
-
-class EscapeTab:
-    """Buttons that move the arm out: the best direction, the best two joints, each joint alone, the end effector still.
-    """
-
-    def __init__(self, controls: Controls) -> None:
-        self.controls = controls
-        with controls.tabs.add_tab("Escape"):
-            self.ui = SimpleNamespace(
-                best=controls.button("best direction", lambda: self._move_along("best_direction"), colour="blue"),
-                pair=controls.button("best two joints", lambda: self._move_along("best_pair")),
-                still=controls.button("with the tool held still", self._keep_still),
-                single=[controls.button(f"joint {joint}", partial(self._move_joint, number))
-                        for number, joint in enumerate(controls.joints, start=1)],
-                stop=controls.button("stop", controls.session.stop),
-            )  # fmt: skip
-
-    def on_explanation(self, explanation: Explanation) -> None:
-        """Label the buttons with what they do from here."""
-        out, r = explanation.escape, explanation.rank.generic_rank
-        for way in out.single:
-            usable = way.order is not None and way.within_limits and abs(way.step) > 0
-            if usable:
-                unit = explanation.robot.variables[way.number - 1].unit
-                told = f"{motion(way.step, unit)} → σ{r} = {short(way.sigma_after, 2)}"
-            else:
-                told = _why_not(way, lost=bool(out.corank))
-            _label(self.ui.single[way.number - 1], f"joint {way.number} {way.joint}: {told}", usable)
-        pair, name = out.best_pair, "best two joints"
-        if pair is not None:
-            name = _direction_label(f"joints {' and '.join(map(str, pair.numbers))}", pair, r)
-        _label(self.ui.pair, name, pair is not None and pair.step > 0)
-        _label(self.ui.best, _direction_label("best direction", out.best_direction, r), out.best_direction.step > 0)
-        if out.avoidable is None:
-            still = "none found"
-        else:
-            still = "impossible"
-        _label(self.ui.still, "with the tool held still" if out.still else f"tool held still: {still}",
-               out.still is not None)  # fmt: skip
-
-    def _now(self) -> Escape:
-        """Ways out from where the arm is at this moment: what was explained may be of another place."""
-        live = self.controls.live
-        return escape(live.robot, self.controls.session.q, live.task)
-
-    def _move_joint(self, number: int) -> None:
-        session = self.controls.session
-        way = next(way for way in self._now().single if way.number == number)
-        target = session.q
-        target[number - 1] += way.step
-        session.go(target)
-
-    def _move_along(self, which: str) -> None:
-        session = self.controls.session
-        direction: Direction | None = getattr(self._now(), which)
-        if direction is None or direction.step == 0.0:
-            self.controls.say("there is no room for a motion inside the limits")
-            return
-        session.go(session.q + direction.step * np.array(direction.delta))
-
-    def _keep_still(self) -> None:
-        session, live = self.controls.session, self.controls.live
-        still = self._now().still
-        if still is None:
-            self.controls.say("no self-motion that restores the rank was found")
-            return
-        traced = self_motion(live.robot, session.q, live.task, length=max(_STILL, still.step), step=0.03,
-                             direction=np.array(still.delta), limits=session.limits)  # fmt: skip
-        session.follow(traced.q)
-
-
-def _label(button: viser.GuiButtonHandle, text: str, usable: bool) -> None:
-    button.label = text
-    button.disabled = not usable
-
-
-def _why_not(way: JointEscape, *, lost: bool) -> str:
-    if way.order is not None:
-        return "no room inside the limits"
-    if way.gain and lost:
-        return f"gains {way.gain} of the rank, not all"
-    return "no help"
-
-
-def _direction_label(name: str, direction: Direction, r: int) -> str:
-    if direction.step > 0:
-        return f"{name} → σ{r} = {short(direction.sigma_after, 2)}"
-    return f"{name}: no room inside the limits"
-
-
-EDGE = 0.8  # of the box, as a share of the arm's size
-AXES = np.array([[0.78, 0.62, 0.0], [0.0, 0.0, 1.0], [-0.62, 0.78, 0.0]]) / np.array([[0.9964], [1.0], [0.9964]])
-"""Directions of the first, second, third joint: across, up and away from the camera as the viewer places it."""
-CORNER = np.array([-1.3, 0.12, 0.0]) @ AXES  # left of the arm, above the floor
-
-
-@dataclass(frozen=True, eq=False)
-class SliceBox:
-    """Two or three joints along the edges of a box; two stand upright in a plane.
-
-    Attributes:
-        joints: numbers from 1, along `AXES`.
-        low, high: (d,) range of each [rad, m].
-        corner: (3,) of the box [m].
-        edge: [m].
-    """
-
-    joints: tuple[int, ...]
-    low: Array
-    high: Array
-    corner: Array
-    edge: float
-
-    @classmethod
-    def of(cls, robot: Robot, task: Task, joints: tuple[int, ...], size: float, *, limits: bool) -> SliceBox:
-        """The box for some joints of an arm of this size [m]."""
-        low, high = sampling_box(robot, task, limits=limits)
-        chosen = [joint - 1 for joint in joints]
-        return cls(joints, low[chosen], high[chosen], size * CORNER, EDGE * size)
-
-    def place(self, q: Array) -> Array:
-        """(N, 3) where configurations (N, n) stand in the box [m]."""
-        share = (q[:, [joint - 1 for joint in self.joints]] - self.low) / np.maximum(self.high - self.low, 1e-300)
-        return np.asarray(self.corner + self.edge * share @ AXES[: len(self.joints)])
-
-    def lines(self) -> Array:
-        """(E, 2, 3) edges of the box, or of the square of two joints [m]."""
-        corners = [np.array(corner, dtype=np.float64) for corner in product((0, 1), repeat=len(self.joints))]
-        edges = [[a, b] for i, a in enumerate(corners) for b in corners[i + 1 :] if np.abs(a - b).sum() == 1.0]
-        return np.asarray(self.corner + self.edge * np.array(edges) @ AXES[: len(self.joints)])
-
-    def ends(self, robot: Robot) -> Array:
-        """(N, 3) corners, and places of labels [m]."""
-        return np.vstack([self.lines().reshape(-1, 3), [place for _, place in self.labels(robot)]])
-
-    def labels(self, robot: Robot) -> list[tuple[str, Array]]:
-        """What to write where: the joints at the middles of their edges, the ends of their ranges at the corners."""
-        labels = []
-        for number, (joint, low, high) in enumerate(zip(self.joints, self.low, self.high, strict=True)):
-            unit = robot.variables[joint - 1].unit
-            way = AXES[number] * self.edge
-            aside = -0.09 * self.edge * AXES[0 if number == 1 else 1]
-            start = self.corner + (self.edge * AXES[0] if number == 2 else 0.0)
-            labels.append((f"{joint} {robot.variables[joint - 1].name}", start + 0.5 * way + 2.0 * aside))
-            labels.append((_value(low, unit), start + 0.06 * way + aside))
-            labels.append((_value(high, unit), start + 0.94 * way + aside))
-        return labels
-
-
-def _value(value: float, unit: str) -> str:
-    if unit == "rad":
-        return f"{degrees(value):.0f}°"
-    return f"{value:.3g} m"
 
 
 COLOURS = (panel.BLUE, panel.VERMILION, panel.GREEN, panel.PURPLE, panel.ORANGE, panel.SKY)

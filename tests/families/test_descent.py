@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.exact.family import derived_in_units
-from rankdrop.families.inspection import descents, not_singular, task_jacobian_exactly
+from rankdrop.families.descent import descents, not_singular, task_jacobian_exactly
 from rankdrop.families.row import row_of
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem

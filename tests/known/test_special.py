@@ -137,10 +137,13 @@ def test_a_condition_that_is_nearly_satisfied_is_not_exact() -> None:
         assert 0 < one.off < np.radians(45)
 
 
-def test_a_part_that_is_far_from_its_condition_is_not_named() -> None:
-    """At q = 0 of the RCRRRR arm joints 3 and 4 at 0° lose rank; its wrist is 90° from having two axes in one line."""
+def test_conditions_that_hold_together_are_named_though_slides_make_up_for_each() -> None:
+    """At q = 0 of the RCRRRR arm joints 3 and 4 at 0° lose rank; with its slide neither of the two would alone."""
     arm = open_robot("rcrrrr")
-    assert specials_at(arm, resolve_task(None, arm), np.zeros(arm.n), 1) == ()
+    found = specials_at(arm, resolve_task(None, arm), np.zeros(arm.n), 1)
+    assert [(one.part, one.shape, one.exact) for one in found] == [
+        (Part.SHOULDER, Shape.ABOVE_AXIS, True), (Part.ELBOW, Shape.STRETCHED, True),
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "q", "corank", "parts"), [

@@ -78,7 +78,6 @@ EXACT = 1e-6
 """An angle up to this is 0 [rad]."""
 ARM_AXES = 7
 """Axes of an arm with three in the shoulder, one in the elbow and three in the wrist; more are of a base."""
-_TOO_FAR = np.radians(60.0)
 _STRUCTURE = 3  # random configurations; what holds at all of them says nothing about one
 _COSTS = 1e-7  # σ_r above it: no rank is lost
 _SAMPLES, _HALVED = 25, 60  # values of a joint between which the wrist passes above axis 1, and halvings of an interval
@@ -88,8 +87,7 @@ _FLAT = 1e-9  # shorter projections have no direction, as shares of the reach
 def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Special, ...]:
     """The parts of the arm that are special at a singular configuration.
 
-    They are all with an exact condition, else those nearest to their conditions, as many as rank is lost, but none that
-    is more than 60° from its own: it would name what is not so. Where more
+    They are all with an exact condition, else those nearest to their conditions, as many as rank is lost. Where more
     conditions hold than rank is lost, those that cost this arm no rank are left out: with five joints a wrist above
     axis 1 still has all its motions.
 
@@ -100,7 +98,7 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
         corank: at q.
 
     Returns:
-        From the base outwards; empty for an arm with fewer than two axes, and where no part is near its condition.
+        From the base outwards; empty for an arm with fewer than two axes.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
@@ -117,14 +115,14 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
         costly = [one for one in exact if (one.part, one.joint) not in free]
         if len(costly) >= max(corank, 1):
             exact = costly
-    near = sorted((one for one in found if one.off <= _TOO_FAR), key=lambda one: one.off)
-    chosen = exact or near[: max(corank, 1)]
+    chosen = exact or sorted(found, key=lambda one: one.off)[: max(corank, 1)]
     order = [*Part]
     return tuple(sorted(chosen, key=lambda one: order.index(one.part)))
 
 
 def _measured(robot: Robot, task: Task, q: Array) -> list[Special]:
-    """Conditions of the arm, measured at q (n,), but for those that hold everywhere, and those that slides make up for.
+    """Conditions of the arm, measured at q (n,), but for those that hold everywhere, and those that slides make up for
+    and that do not hold here.
     """
     turns, moves = bool({3, 4, 5} & set(task.rows)), bool({0, 1, 2} & set(task.rows))
     left_out = _always(robot, turns, moves)
@@ -132,7 +130,7 @@ def _measured(robot: Robot, task: Task, q: Array) -> list[Special]:
     if not any(joint.kind is JointKind.PRISMATIC for joint in robot.variables):
         return found
     free = _without_cost(robot, task)
-    return [one for one in found if one.shape is Shape.JOINT or (one.part, one.joint) not in free]
+    return [one for one in found if one.exact or one.shape is Shape.JOINT or (one.part, one.joint) not in free]
 
 
 @once

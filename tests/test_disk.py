@@ -20,7 +20,7 @@ from sources import ROOT, nodes
 
 from papers.figures import save_figures
 from rankdrop import explain, open_robot
-from rankdrop.cli.terminal import write_json, write_text
+from rankdrop.cli.targets import write_json, write_text
 from rankdrop.codec import save_record
 from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError, ResultFileError

@@ -14,7 +14,6 @@ from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import corank_one
 from rankdrop.exact.families import Reality
-from rankdrop.exact.family import merge
 from rankdrop.exact.letters import covered_by_numeric_tree, decided_by_numbers, splits
 from rankdrop.exact.tree import Drop, rank_tree
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
@@ -130,25 +129,6 @@ def test_ranks_that_differ_are_a_disagreement(monkeypatch: pytest.MonkeyPatch, c
     assert len(found.disagreements) == 1
     assert said in str(found.disagreements[0])
     assert not found.holds
-
-
-@pytest.mark.slow
-def test_exact_sets_become_one_row_only_with_every_combination_of_their_angles() -> None:
-    """PA-10, corank 3: θ2 … θ6 = 0 or π are 32 sets in one row; without one of them there is no such row."""
-    chain = exact_chain(open_robot("pa10"))
-    drops = rank_tree(chain, Work(60.0, 0)).drops
-    pieces = [drop.piece for drop in drops if drop.rank == 3]
-    (row,) = merge(pieces)
-    product = 1
-    for values in row.pins.values():
-        product *= len(values)
-    assert product == len(row.pieces) == len(pieces) == 32
-    for less in merge(pieces[:-1]):
-        product = 1
-        for values in less.pins.values():
-            product *= len(values)
-        assert product == len(less.pieces)
-        assert less.pins != row.pins
 
 
 @pytest.mark.slow

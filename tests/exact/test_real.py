@@ -12,13 +12,12 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work, tick
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact import families
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import full_rank, real_points, real_sets, reality
-from rankdrop.exact.family import Unreal, merge, row_of_set
+from rankdrop.exact.family import Unreal
 from rankdrop.exact.letters import sign_of
 from rankdrop.exact.tree import Drop
 from rankdrop.families.record import exact_of
@@ -177,30 +176,6 @@ def test_lengths_that_agree_to_their_digits_are_equal(chain: Chain) -> None:
     for apart, sign in ((Fraction(1, 10**14), 0), (Fraction(1, 10**9), 1)):
         letters = {**chain.letters, "a2": length + apart, "d4": length}
         assert sign_of(replace(chain, letters=letters), f) == sign
-
-
-def test_angles_in_all_combinations_make_one_row(chain: Chain) -> None:
-    ring = chain.ring
-    pieces = [ZeroSet(ring, {3: one, 5: two}) for one in ("0", "pi") for two in ("0", "pi")]
-    (row,) = merge(pieces)
-    assert row.pins == {3: ("0", "pi"), 5: ("0", "pi")}
-    assert len(row.pieces) == 4
-    assert row.texts == ("θ3 = 0 or π", "θ5 = 0 or π")
-    assert sorted(len(row.pieces) for row in merge(pieces[:3])) == [1, 2]
-    assert row_of_set(pieces[0]).pins == {3: ("0",), 5: ("0",)}
-    f = ring.t[2] - ring.t[4]
-    assert len(merge([pieces[0], replace(pieces[1], solved=(), equations=(f,))])) == 2
-
-
-def test_a_sum_of_angles_at_0_and_at_pi_is_one_row_and_at_half_pi_is_not() -> None:
-    ring = Ring([3, 5])
-    t3, t5 = ring.t[3], ring.t[5]
-    polynomials = (t3 - t5, t3 * t5 + 1, t3 * t5 + t3 - t5 + 1)  # θ3 − θ5 is 0, π, −π/2
-    same, opposite, quarter = (ZeroSet(ring, {}, rest=(f,), equations=(f,)) for f in polynomials)
-    (row,) = merge([same, opposite])
-    assert row.texts == ("s(θ3 − θ5) = 0",)
-    assert row.pieces == (same, opposite)
-    assert len(merge([same, quarter])) == 2
 
 
 @pytest.mark.slow

@@ -1,207 +1,157 @@
-"""Self-motion: the task stays to 1e-10, the end is named, and null motions that lead nowhere are refused."""
+"""Range, null space, projector: the same by two formulas, right at singular configurations."""
 
 from __future__ import annotations
 
-from math import pi
-
 import numpy as np
 import pytest
+from reference import arms
 from reference.measure import central_differences
 
-from rankdrop.configuration import configuration_at
-from rankdrop.errors import ConfigurationError, OptionError, TaskError
-from rankdrop.kinematics import jacobian, pose, task_jacobian
-from rankdrop.local.block import joint_scale, sample
-from rankdrop.local.orientation import Displacement
-from rankdrop.local.redundant import BRANCHES, CLOSED, LIMIT, NONE, REACHED, SelfMotion, redundancy, self_motion
-from rankdrop.robot.model import Robot
-from rankdrop.robot.open import open_robot
-from rankdrop.task import BODY, SPACE, resolve_task
-from rankdrop.tolerances import Tolerances
-
-H = pi / 2
-
-
-def check(robot: Robot, traced: SelfMotion, step: float = 0.05) -> None:
-    """What holds for every trace of the pose: the tip stands still, and no step is longer than it should be."""
-    still = pose(robot, traced.q) - pose(robot, traced.q[0])
-    assert np.abs(still).max() < 1e-10
-    assert traced.task_error.max() <= 1e-10
-    scale = joint_scale(robot, resolve_task(None, robot))
-    steps = np.linalg.norm(np.diff(traced.q, axis=0) / scale, axis=1)
-    assert steps.max(initial=0.0) < 1.4 * step
-    assert traced.length == pytest.approx(steps.sum())
-    assert traced.q.shape == (len(traced.task_error), robot.n)
-    assert traced.sigma_min.shape == traced.task_error.shape
-
-
-@pytest.mark.spread(2)
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["pa10", "panda", "iiwa14", "canadarm2", "rcrrrr"])
-def test_seven_joints_go_round_and_come_back(name: str) -> None:
-    robot = open_robot(name)
-    closed = 0
-    for q in sample(robot, resolve_task(None, robot), 2, 1, limits=True):
-        traced = self_motion(robot, q, limits=False, length=25.0, step=0.1)
-        check(robot, traced, 0.1)
-        assert traced.length > 1.0
-        if traced.ended == CLOSED:
-            closed += 1
-            turns = (traced.q[-1] - traced.q[0]) / (2 * pi)
-            assert np.abs(turns - np.round(turns)).max() < 1e-12
-    assert closed >= 1
-
-
-@pytest.mark.by_hand
-@pytest.mark.slow_at("fetch8")
-@pytest.mark.slow_at("fetch")
-@pytest.mark.parametrize("name", ["panda", "fetch8", "iiwa14", "fetch"])
-def test_limits_stop_it_at_the_limit_and_not_beyond(name: str) -> None:
-    robot = open_robot(name)
-    stopped = 0
-    for q in sample(robot, resolve_task(None, robot), 3, 1, limits=True):
-        for sense in (1.0, -1.0):
-            first = self_motion(robot, q, length=1e-3, step=1e-3, limits=False)
-            traced = self_motion(robot, q, direction=sense * (first.q[-1] - first.q[0]))
-            check(robot, traced)
-            assert (traced.q >= robot.lower).all()
-            assert (traced.q <= robot.upper).all()
-            if traced.ended == LIMIT:
-                stopped += 1
-                gap = np.minimum(traced.q[-1] - robot.lower, robot.upper - traced.q[-1])
-                assert gap.min() < 1e-5
-    assert stopped >= 2  # joints without limits may go round instead
-
-
-def test_a_start_beyond_a_limit_goes_nowhere() -> None:
-    robot = open_robot("panda")
-    traced = self_motion(robot, [0.0, 0.3, 0.0, 1.0, 0.0, 1.0, 0.0])
-    assert (traced.ended, len(traced.q)) == (LIMIT, 1)
-    assert "joint 4" in traced.words
-
-
-def test_regular_arms_without_redundancy_have_none() -> None:
-    traced = self_motion(open_robot("ur5"), [0.1, -0.5, 0.4, 0.3, 0.4, 0.2])
-    assert (traced.ended, traced.nullity, len(traced.q)) == (NONE, 0, 1)
-
-
-@pytest.mark.slow
-def test_wrist_singularity_of_a_6r_turns_on_the_spot() -> None:
-    """UR5 with θ5 = 0: joints 2, 3, 4 and 6 are parallel, four joints in a plane of three freedoms."""
-    robot = open_robot("ur5")
-    traced = self_motion(robot, [0.1, -0.5, 0.6, 0.3, 0.0, 0.2], limits=False)
-    check(robot, traced)
-    assert (traced.corank, traced.nullity, traced.ended) == (1, 1, CLOSED)
-    assert np.ptp(traced.q[:, [0, 4]], axis=0).max() < 1e-9
-    assert traced.sigma_min.max() < 1e-9
-
-
-@pytest.mark.parametrize("name", ["ur5", "planar3r"])
-def test_a_stretched_arm_has_a_null_motion_but_no_self_motion(name: str) -> None:
-    robot = open_robot(name)
-    task = None if name == "ur5" else "planar-position"
-    q = [0.1, -0.5, 0.0, 0.3, 0.4, 0.2] if name == "ur5" else [0.1, 0.0, 0.0]
-    traced = self_motion(robot, q, task)
-    assert traced.nullity > 0
-    assert (traced.ended, len(traced.q)) == (BRANCHES, 1)
-    assert "second order" in traced.words
-    for direction in redundancy(robot, q, task).null_basis:
-        other = self_motion(robot, q, task, direction=direction)
-        assert (other.ended, len(other.q)) == (BRANCHES, 1)
-    with pytest.raises(OptionError, match="no part in the null space"):
-        self_motion(robot, q, task, direction=jacobian(robot, q)[0])
-
-
-@pytest.mark.parametrize(
-    ("q", "corank"),
-    [
-        ([0.0] * 7, 3),
-        ([0.3, 0.0, H, 0.7, 0.2, 0.4, 1.0], 1),
-        ([0.3, 0.5, 0.2, 0.0, 0.2, 0.4, 1.0], 1),
-        ([0.3, 0.0, 0.0, 0.0, 0.2, 0.3, 1.0], 2),
-        ([0.3, 0.0, 0.4, 0.7, 0.2, pi, 1.0], 1),
-    ],
+from rankdrop.errors import OptionError
+from rankdrop.kinematics import jacobian
+from rankdrop.local.block import decompose, sample, singular_values
+from rankdrop.local.directions import lost_directions
+from rankdrop.local.inverses import factor
+from rankdrop.local.redundant import (
+    away_from_limits,
+    away_from_singularity,
+    null_space_motion,
+    readable_parts,
+    redundancy,
+    towards,
 )
-def test_from_singular_poses_of_the_pa10_something_is_followed_and_stays(q: list[float], corank: int) -> None:
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+ARMS = ["pa10", "panda", "fetch8", "ur5", "scara", "rcrrrr", "planar2r", "almarkhi4", "canadarm2", "stanford"]
+
+
+def looked_at(robot: Robot) -> Array:
+    task = resolve_task(None, robot)
+    return np.concatenate([sample(robot, task, 6, 4), np.zeros((1, robot.n)), np.full((1, robot.n), 1e-3)])
+
+
+@pytest.mark.parametrize("task_name", [None, "position", "orientation"])
+@pytest.mark.parametrize("name", ARMS)
+def test_projector_bases_and_rank_nullity(name: str, task_name: str | None) -> None:
+    robot = open_robot(name)
+    task = resolve_task(task_name, robot)
+    for q in looked_at(robot):
+        found = redundancy(robot, q, task)
+        rows = jacobian(robot, q)[list(task.rows)]
+        p, w = found.projector, found.joint_scale
+        assert found.check.holds
+        dropped = max(1e-12, float(found.rank.sigma[found.rank.rank :].max(initial=0.0)))  # below 1e-9, but not nothing
+        assert dropped <= found.rank.tolerance
+        assert found.check.largest <= 1.01 * dropped
+        assert found.rank.rank + found.rank.nullity == robot.n
+        assert found.null_basis.shape == (found.rank.nullity, robot.n)
+        assert found.range_basis.shape == (found.rank.rank, 6)
+        assert np.abs(p @ p - p).max() < 1e-12
+        assert np.abs(rows @ p).max() < 10 * dropped
+        scaled = p * w / w[:, None]
+        assert np.abs(scaled - scaled.T).max() < 1e-13
+        assert np.trace(p) == pytest.approx(found.rank.nullity, abs=1e-12)
+        null = found.null_basis / w
+        assert np.abs(null @ null.T - np.eye(len(null))).max(initial=0.0) < 1e-12
+        assert np.abs(rows @ found.null_basis.T).max(initial=0.0) < 10 * dropped
+        assert np.abs(found.range_basis @ found.range_basis.T - np.eye(found.rank.rank)).max() < 1e-12
+        six = np.zeros((6, robot.n))
+        six[list(task.rows)] = rows
+        assert np.abs(six - found.range_basis.T @ (found.range_basis @ six)).max() < 1e-8, "everything made lies in it"
+        if found.rank.corank:
+            lost = lost_directions(robot, q, task, found.rank.corank)
+            assert np.abs(found.range_basis @ lost.T).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["pa10", "ur5", "planar3r", "scara"])
+def test_closed_form_is_the_projector_at_exactly_singular_configurations_too(name: str) -> None:
+    robot, q = arms.singular_configurations("puma" if name == "ur5" else name, np.random.default_rng(2), 12)
+    coranks = set()
+    for one in q:
+        found = redundancy(robot, one)
+        coranks.add(found.rank.corank)
+        sigma = found.rank.sigma[found.rank.rank - 1]
+        assert found.rank.corank > 0
+        assert found.difference < 1e-14 / sigma**2
+        assert found.annihilates < 1e-14
+    assert coranks == ({1, 2, 3} if name == "pa10" else {1})
+
+
+def test_closed_form_loses_half_the_digits_near_a_singularity_and_the_projector_none() -> None:
     robot = open_robot("pa10")
-    traced = self_motion(robot, q, limits=False)
-    check(robot, traced)
-    assert traced.corank == corank
-    assert len(traced.q) > 10
+    q = np.array([0.3, 0.7, 0.4, 0.0, 0.5, 0.6, 0.2])
+    for angle in (1e-2, 1e-3, 1e-4):
+        q[3] = angle
+        found = redundancy(robot, q)
+        sigma = found.rank.sigma[-1]
+        assert 1e-19 / sigma**2 < found.difference < 1e-14 / sigma**2
+        assert found.annihilates < 1e-14
 
 
-def test_a_random_null_motion_of_a_singular_pose_is_refused() -> None:
+@pytest.mark.parametrize("name", ["pa10", "fetch8", "ur5", "scara", "almarkhi4"])
+def test_null_space_motion_follows_the_twist_and_nothing_of_the_rest_is_seen(name: str) -> None:
+    robot = open_robot(name)
+    task = resolve_task(None, robot)
+    rng = np.random.default_rng(5)
+    q = sample(robot, task, 12, 6).reshape(3, 4, -1)
+    rows = jacobian(robot, q)[..., list(task.rows), :]
+    twist, wished = rng.normal(size=(3, 4, task.m)), rng.normal(size=(3, 4, robot.n))
+    found = null_space_motion(robot, q, twist, wished, task)
+    assert np.abs((rows @ found[..., None])[..., 0] - twist).max() < 1e-10
+    one = redundancy(robot, q[1, 2], task)
+    unseen = found[1, 2] - null_space_motion(robot, q[1, 2], twist[1, 2], np.zeros(robot.n), task)
+    assert np.abs(unseen - one.projector @ wished[1, 2]).max() < 1e-10
+    zero = null_space_motion(robot, np.zeros(robot.n), np.zeros(task.m), wished[0, 0], task)
+    assert np.abs(jacobian(robot, np.zeros(robot.n))[list(task.rows)] @ zero).max() < 1e-12
+
+
+def test_null_space_motion_refuses_wrong_shapes() -> None:
     robot = open_robot("pa10")
-    direction = np.array([0, -0.43, 0, 0.816, 0, -0.387, 0])  # bends the stretched arm: the tip comes nearer
-    traced = self_motion(robot, [0.0] * 7, direction=direction, limits=False)
-    assert (traced.ended, len(traced.q)) == (BRANCHES, 1)
-    assert "second order" in traced.words
+    with pytest.raises(OptionError, match="twist"):
+        null_space_motion(robot, [0.0] * 7, [0.0] * 5, [0.0] * 7)
+    with pytest.raises(OptionError, match="batch"):
+        null_space_motion(robot, np.zeros((3, 7)), np.zeros((2, 6)), np.zeros(7))
 
 
-def test_a_curve_that_runs_into_a_singularity_ends_there() -> None:
-    """PA-10 with θ6 = 0: joints 5 and 7 turn against each other until θ5 = ±π/2, AM's Table 3."""
-    robot = open_robot("pa10")
-    traced = self_motion(robot, [0.3, 0.5, 0.2, 0.9, 0.2, 0.0, 1.0], limits=False)
-    check(robot, traced)
-    assert traced.ended == BRANCHES
-    assert abs(np.cos(traced.q[-1][4])) < 1e-5
-    assert traced.sigma_min[-1] < 1e-6
+@pytest.mark.parametrize("name", ["pa10", "ur5", "fetch8", "almarkhi4"])
+def test_away_from_singularity_is_the_gradient_of_sigma(name: str) -> None:
+    robot = open_robot(name)
+    task = resolve_task(None, robot)
+    q = sample(robot, task, 8, 9)
+    scale = factor(robot, q, task).joints
+    for one, gradient in zip(q, away_from_singularity(robot, q), strict=True):
+        want = central_differences(lambda x: singular_values(robot, x, task)[..., -1], one, h=1e-4)
+        assert np.abs(gradient / scale**2 - want).max() < 1e-7
 
 
-def test_planar_arm_for_positions_closes_like_a_four_bar_linkage() -> None:
-    robot = open_robot("planar3r")
-    task = resolve_task("planar-position", robot)
-    traced = self_motion(robot, [0.1, 0.7, 0.3], task)
-    assert traced.ended == CLOSED
-    there = pose(robot, traced.q)[:, :2, 3]
-    assert np.abs(there - there[0]).max() < 1e-10
+def test_other_objectives() -> None:
+    robot = open_robot("panda")
+    q = sample(robot, resolve_task(None, robot), 5, 9, limits=True)
+    middle = 0.5 * (robot.lower + robot.upper)
+    assert np.abs(q + away_from_limits(robot, q) - middle).max() < 1e-12
+    assert not away_from_limits(open_robot("pa10"), np.ones(7)).any()
+    goal = np.full(7, 0.2)
+    assert np.abs(towards(robot, goal + 2 * np.pi, goal)).max() < 1e-12
+    assert np.abs(q + towards(robot, q, goal) - goal).max() < 2 * np.pi + 1
 
 
-@pytest.mark.parametrize("task", ["position", "orientation", "vx,vy,wz", "scara"])
-def test_tasks_of_fewer_rows_keep_their_rows(task: str) -> None:
-    robot = open_robot("pa10")
-    resolved = resolve_task(task, robot)
-    q = sample(robot, resolved, 1, 5)[0]
-    traced = self_motion(robot, q, resolved, limits=False, length=4.0)
-    assert traced.nullity == 7 - resolved.m
-    assert traced.ended == REACHED
-    assert traced.length == pytest.approx(4.0, rel=0.01)
-    assert traced.task_error.max() < 1e-10
-    poses = pose(robot, traced.q)
-    if 0 in resolved.rows:
-        assert np.abs(poses[:, :2, 3] - poses[0, :2, 3]).max() < 1e-10
-    if task == "orientation":
-        assert np.abs(poses[:, :3, :3] - poses[0, :3, :3]).max() < 1e-10
+@pytest.mark.parametrize("count", range(8))
+def test_readable_parts_span_the_same_whatever_the_basis(count: int) -> None:
+    rng = np.random.default_rng(count)
+    sparse = rng.normal(size=(7, count)) * (rng.random((7, count)) < 0.5)
+    planted = np.linalg.qr(sparse + 1e-3 * rng.normal(size=(7, count)))[0]
+    found = readable_parts(planted)
+    turned = readable_parts(planted @ np.linalg.qr(rng.normal(size=(count, count)))[0]) if count else found
+    assert np.abs(found @ found.T - planted @ planted.T).max(initial=0.0) < 1e-10
+    assert np.abs(found.T @ found - np.eye(count)).max(initial=0.0) < 1e-10
+    assert np.abs(found - turned).max(initial=0.0) < 1e-6
 
 
-@pytest.mark.parametrize("frame", [None, BODY])
-@pytest.mark.parametrize("task", ["pose", "position", "vx,vy,wz", "vz,wx"])
-def test_displacement_has_the_derivative_it_says(task: str, frame: object) -> None:
-    robot = open_robot("fetch8")
-    resolved = resolve_task(task, robot, frame=frame)  # type: ignore[arg-type]
-    q = sample(robot, resolved, 4, 3, limits=True)
-    where = Displacement(robot, q[0], resolved)
-    for one in (q[0], q[0] + 0.1, q[1]):
-        want = central_differences(lambda x: where.error(x).reshape(-1), one, h=1e-3) * where.joints
-        assert np.abs(where.derivative(one) - want).max() < 1e-9
-    assert np.abs(where.derivative(q[0]) / where.joints - task_jacobian(robot, q[0], resolved)).max() < 1e-12
-
-
-def test_options_are_refused() -> None:
-    robot = open_robot("pa10")
-    q = [0.1, 0.6, 0.3, 1.2, 0.4, 0.9, 0.2]
-    with pytest.raises(OptionError, match="length or step"):
-        self_motion(robot, q, step=0.0)
-    with pytest.raises(OptionError, match="direction"):
-        self_motion(robot, q, direction=[0.0] * 7)
-    with pytest.raises(ConfigurationError):
-        self_motion(robot, [q, q])
-    with pytest.raises(TaskError, match="move with the tip"):
-        self_motion(robot, q, resolve_task("position", robot, frame=SPACE))
-
-
-def test_a_configuration_carries_its_tolerances() -> None:
-    """At 1e-6 of the stretched elbow the PA-10 counts as singular with a wider tolerance only."""
-    arm, q = open_robot("pa10"), [0.1, 0.5, 0.7, 1e-6, 0.9, 0.4, 0.2]
-    assert self_motion(arm, q, length=0.1).corank == 0
-    assert self_motion(configuration_at(arm, q, None, Tolerances(singular=1e-4)), length=0.1).corank == 1
+def test_pa10_at_zero_has_four_null_motions_in_two_blocks() -> None:
+    found = redundancy(open_robot("pa10"), [0.0] * 7)
+    assert found.check.nullity == 4
+    together = {tuple(np.flatnonzero(np.abs(row) > 1e-9) % 2) for row in found.null_basis}
+    assert all(len(set(kinds)) == 1 for kinds in together), "odd and even joints do not mix"
+    assert decompose(open_robot("pa10"), [0.0] * 7, resolve_task(None, open_robot("pa10"))).sigma[3] < 1e-12

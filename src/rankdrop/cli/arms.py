@@ -24,7 +24,8 @@ from rankdrop.cli.command import (
     open_arm,
     parse_configuration,
 )
-from rankdrop.cli.terminal import check_target, fit_to_console, write_text
+from rankdrop.cli.targets import check_target, write_text
+from rankdrop.cli.terminal import fit_to_console
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 

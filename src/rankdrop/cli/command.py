@@ -27,7 +27,8 @@ from rankdrop import robot as arms
 from rankdrop import text as text_of
 from rankdrop import verbs
 from rankdrop.cli import exits
-from rankdrop.cli.terminal import STDOUT, Report, check_targets, print_blocks, reporter, say, write
+from rankdrop.cli.targets import check_targets, write
+from rankdrop.cli.terminal import STDOUT, Report, print_blocks, reporter, say
 from rankdrop.errors import ConfigurationError, OptionError, RobotError
 from rankdrop.named_tasks import task_names
 from rankdrop.options import Options, check_value, hints, meta_of, option, parts_of, plain_type, unit_of

@@ -28,7 +28,8 @@ from rankdrop.cli.command import (
     parse_configuration,
 )
 from rankdrop.cli.proof import model_tolerance
-from rankdrop.cli.terminal import STDOUT, Report, kept_work, reporter, say, write_bytes, write_text
+from rankdrop.cli.targets import kept_work, write_bytes, write_text
+from rankdrop.cli.terminal import STDOUT, Report, reporter, say
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 from rankdrop.questions import PathOptions, RemedyOptions

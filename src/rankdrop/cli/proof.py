@@ -25,7 +25,8 @@ from rankdrop.cli.command import (
     open_arm,
     parse_configuration,
 )
-from rankdrop.cli.terminal import STDOUT, kept_work, say, write_text
+from rankdrop.cli.targets import kept_work, write_text
+from rankdrop.cli.terminal import STDOUT, say
 from rankdrop.errors import OptionError
 from rankdrop.options import option
 from rankdrop.questions import CoverOptions, PathOptions

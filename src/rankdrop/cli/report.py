@@ -12,7 +12,8 @@ from rankdrop import results
 from rankdrop import robot as arms
 from rankdrop.cli import exits
 from rankdrop.cli.command import NO_IDEAL, OUTPUT, PROGRESS, ROBOT_FILES, IdealOptions, Output, command, open_ideal
-from rankdrop.cli.terminal import Report, check_different, check_target, say, write_bytes, write_json
+from rankdrop.cli.targets import check_different, check_target, write_bytes, write_json
+from rankdrop.cli.terminal import Report, say
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.options import Options, option
 from rankdrop.questions import AnalyzeOptions

@@ -34,7 +34,8 @@ from rankdrop.cli.command import (
     parse_configuration,
     starts_line,
 )
-from rankdrop.cli.terminal import STDOUT, say, write_text
+from rankdrop.cli.targets import write_text
+from rankdrop.cli.terminal import STDOUT, say
 from rankdrop.codec import record_of
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option

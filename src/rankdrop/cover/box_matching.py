@@ -1,10 +1,10 @@
-"""A covering against families: which boxes known families explain, and what a descent finds where nothing known does.
+"""A covering against families: which boxes known families explain.
 
 A leaf is explained where a point of some family was found within half a diagonal of its centre, or, when it is halved
 on, so near to the centre of each part that is left that no place of the part is farther from it than a diagonal of the
 leaf. The point is one of the family, so no leaf is explained that is not near one; one that is not explained may be
 near a point that was not found. When every leaf is explained, every singular configuration lies within one diagonal of
-a known family. The boxes that are left are grouped: places to look at.
+a known family. The boxes that are left are places to look at (`spots.py`).
 """
 
 from __future__ import annotations

@@ -24,20 +24,10 @@ from rankdrop.algebra.work import OutOfTime, TooLong, Work, calling_in_loops, ha
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
-from rankdrop.exact.family import (
-    EVIDENCE,
-    Pins,
-    Row,
-    Unreal,
-    UnrealSet,
-    equations_of,
-    merge,
-    pins_in_q,
-    row_of_set,
-    slides_at_zero,
-    tidy,
-)
+from rankdrop.exact.family import EVIDENCE, Pins, Unreal, UnrealSet, equations_of, pins_in_q, slides_at_zero
 from rankdrop.exact.letters import letters_text, sign_of
+from rankdrop.exact.rows import Row, merge, row_of_set
+from rankdrop.exact.tidy import tidy
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.families.distinct_names import distinct_names
 from rankdrop.families.lost import LostFreedom

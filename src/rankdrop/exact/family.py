@@ -1,36 +1,25 @@
-"""Derived families in q and in the arm's unit, assumptions on the lengths, and irreducible sets put together in rows.
+"""Derived families in q and in the arm's unit, assumptions on the lengths, and sets without a real configuration.
 
 A family is the record of `families/record.py`; `Family.exact` holds its polynomials.
-
-`tidy` shortens the conditions of a set by the sums of angles that are constant on it, which are found at random points:
-θ5 = θ3 + π is seen at once there, among resultants it is not. `merge` puts sets that differ in one simple angle, or in
-one sum of angles by π, into one row.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
-from itertools import combinations, product
-from math import cos, pi, remainder
+from math import pi, remainder
 from typing import TypeVar
 
 import numpy as np
 
-from rankdrop.algebra.decompose import decompose
-from rankdrop.algebra.field import Point
-from rankdrop.algebra.polynomial import SIMPLE, Polynomial, primitive, used_by
-from rankdrop.algebra.ring import Ring
-from rankdrop.algebra.work import Work
-from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import numbers_in_units, polynomial_in_units
 from rankdrop.exact.arm.parts import parts_of, scale_angle, values_in_turns, whole_angles
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.record import ExactConditions, Family, Pin, exact_of
 from rankdrop.formula.equation import Equation
-from rankdrop.formula.writing import AnglePin, Condition, pin_of
+from rankdrop.formula.writing import AnglePin, Condition
 from rankdrop.lists import flat_map
 from rankdrop.robot.model import Robot
 from rankdrop.sections import words_of
@@ -224,182 +213,10 @@ class UnrealSet:
 
 READABLE = 40
 """Terms of a set's conditions beyond which they are not written out."""
-_MOST = 4  # joints in a sum
-_SIMPLE = {(1, 0): "0", (-1, 0): "pi", (0, 1): "pi/2", (0, -1): "-pi/2"}  # by cosine and sine
 
-
-def tidy(piece: ZeroSet, work: Work) -> ZeroSet:
-    """The same set with its constant sums of angles among the conditions, and the other conditions shortened by them.
-
-    Raises:
-        OutOfTime: the deadline has passed.
-    """
-    if len(piece.equations) < 2 or piece.zero or not piece.samples:
-        return piece
-    ring = piece.ring
-    relations = list(_relations(piece))
-    if not relations or all(str(f) in {str(primitive(g)) for g in piece.equations} for f in relations):
-        return piece
-    most = piece.codimension - len(piece.pins)
-    system = [ring.form(f) for f in (*relations, *piece.equations)]
-    for other in decompose(ring, piece.pins, system, most, work):
-        if other.codimension == piece.codimension and other.lies_inside(piece) and piece.lies_inside(other):
-            return other
-    return piece
-
-
-def _relations(piece: ZeroSet) -> Iterator[Polynomial]:
-    """Polynomials of Σ ± θ_j = 0, π or ±π/2 that hold on a set, for its joints that are bound together."""
-    ring = piece.ring
-    bound = {place for place in used_by(piece.equations) if place < ring.angles}
-    joints = [j for j in ring.revolute if ring.index[f"t{j}"] in bound]
-    covered: list[set[int]] = []
-    for size in range(2, _MOST + 1):
-        for chosen in combinations(joints, size):
-            if any(known <= set(chosen) for known in covered):
-                continue
-            for signs in product((1, -1), repeat=size - 1):
-                turns = tuple(zip(chosen, (1, *signs), strict=True))
-                f = _constant(ring, turns, piece.samples)
-                if f is not None:
-                    covered.append(set(chosen))
-                    yield f
-                    break
-
-
-def _constant(ring: Ring, turns: tuple[tuple[int, int], ...], points: list[Point]) -> Polynomial | None:
-    """The polynomial of Σ turns_j θ_j = value where that holds at all points for a simple value."""
-    met = {_sum(turns, point) for point in points}
-    if len(met) == 1:
-        value = _SIMPLE.get(met.pop())
-    else:
-        value = None
-    if value is None:
-        return None
-    real, imaginary = ring.half.constant(1), ring.half.constant(0)
-    for joint, sign in turns:  # Π (1 + i sign t): its argument is half the sum
-        t = ring.t[joint] * sign
-        real, imaginary = real - imaginary * t, imaginary + real * t
-    return primitive({"0": imaginary, "pi": real, "pi/2": imaginary - real, "-pi/2": imaginary + real}[value])
-
-
-def _sum(turns: tuple[tuple[int, int], ...], point: Point) -> tuple[int, int]:
-    """(cos, sin) of a sum of angles modulo the prime of a point, between −p/2 and p/2."""
-    cosine, sine, prime = 1, 0, point.prime
-    for joint, sign in turns:
-        c, s = point[f"c{joint}"], sign * point[f"s{joint}"]
-        cosine, sine = (cosine * c - sine * s) % prime, (sine * c + cosine * s) % prime
-    return cosine - prime * (2 * cosine > prime), sine - prime * (2 * sine > prime)
-
-
-_SAME = 1e-9  # cosines and sines of whole turns and quarters, to rounding
 
 Merged = TypeVar("Merged")
 Pins = dict[int, tuple[str, ...]]
 """Joint number -> the simple angles it stands at."""
 
 
-@dataclass(frozen=True, eq=False)
-class Row:
-    """Irreducible sets in one row.
-
-    Attributes:
-        pins: every combination of these angles belongs to it.
-        equations: half-angle polynomials that vanish on all of it; a product where a sum of angles is 0 or π.
-        pieces: the sets.
-    """
-
-    pins: Pins
-    equations: tuple[Polynomial, ...]
-    pieces: tuple[ZeroSet, ...]
-
-    @property
-    def texts(self) -> tuple[str, ...]:
-        """The conditions, for people."""
-        return (
-            *(pin_of(self.pieces[0].ring, *pin).text() for pin in sorted(self.pins.items())),
-            *(Condition(self.pieces[0].ring, f).text() for f in sorted(self.equations, key=len)),
-        )
-
-    @property
-    def terms(self) -> int:
-        """Number of terms of all conditions but the pins."""
-        return sum(map(len, self.equations))
-
-    @property
-    def text(self) -> str:
-        """All conditions, or how long they are: they take time to be written shortly, and nobody reads them."""
-        if self.terms <= READABLE:
-            return ", ".join(self.texts)
-        pins = (pin_of(self.pieces[0].ring, *pin).text() for pin in sorted(self.pins.items()))
-        count = len(self.equations)
-        return ", ".join([*pins, f"{count} condition{'s' if count > 1 else ''} of {self.terms} terms"])
-
-
-def merge(pieces: Sequence[ZeroSet]) -> list[Row]:
-    """Rows of sets with the same conditions whose simple angles form all combinations; large sets first.
-
-    Two rows that differ in one sum of angles alone, which is x on the one and x + π on the other, become one too.
-    """
-    groups: dict[tuple[str, ...], list[Row]] = {}
-    for piece in pieces:
-        groups.setdefault(tuple(sorted(map(str, piece.equations))), []).append(row_of_set(piece))
-    rows = [row for group in groups.values() for row in merge_pairs(group, _angles_joined)]
-    return sorted(merge_pairs(rows, _sums_joined), key=_order)
-
-
-def row_of_set(piece: ZeroSet) -> Row:
-    """One set as a row of its own."""
-    return Row({joint: (value,) for joint, value in sorted(piece.pins.items())}, tuple(piece.equations), (piece,))
-
-
-def merge_pairs(rows: Sequence[Merged], join: Callable[[Merged, Merged], Merged | None]) -> list[Merged]:
-    """Rows of which no two can be joined; where two were, the one row comes last."""
-    kept = list(rows)
-    while True:
-        pairs = ((first, second, join(first, second)) for first, second in combinations(kept, 2))
-        mergeable = next((pair for pair in pairs if pair[2] is not None), None)
-        if mergeable is None:
-            return kept
-        first, second, both = mergeable
-        kept = [*(row for row in kept if row is not first and row is not second), *([] if both is None else [both])]
-
-
-def _angles_joined(first: Row, second: Row) -> Row | None:
-    """Two rows that differ in the angles of one joint alone as one; None for others."""
-    joint = _different(first.pins, second.pins)
-    if joint is None:
-        return None
-    values = tuple(sorted({*first.pins[joint], *second.pins[joint]}, key=SIMPLE.index))
-    return Row({**first.pins, joint: values}, first.equations, (*first.pieces, *second.pieces))
-
-
-def _sums_joined(row: Row, other: Row) -> Row | None:
-    """θ5 = θ3 and θ5 = θ3 + π: sin(θ3 − θ5) = 0."""
-    if row.pins != other.pins or len(row.equations) != len(other.equations):
-        return None
-    ring = row.pieces[0].ring
-    mine, others = ({str(f): f for f in joined.equations} for joined in (row, other))
-    left, right = ([f for text, f in a.items() if text not in b] for a, b in ((mine, others), (others, mine)))
-    if len(left) != 1 or len(right) != 1:
-        return None
-    first, second = (Condition(ring, f).relation for f in (left[0], right[0]))
-    if first is None or second is None or first[0] != second[0] or abs(cos((first[1] - second[1]) / 2)) > _SAME:
-        return None
-    kept = tuple(f for f in row.equations if f is not left[0])
-    return Row(row.pins, (left[0] * right[0], *kept), (*row.pieces, *other.pieces))
-
-
-def _different(first: Pins, second: Pins) -> int | None:
-    if set(first) != set(second):
-        return None
-    joints = [joint for joint in first if first[joint] != second[joint]]
-    if len(joints) == 1:
-        return joints[0]
-    return None
-
-
-def _order(row: Row) -> tuple[object, ...]:
-    """Sort key of rows: large sets first, then few and short conditions."""
-    piece = row.pieces[0]
-    return piece.codimension, len(row.equations), sorted(row.pins.items()), sum(map(len, row.equations)), piece.key

@@ -18,7 +18,9 @@ from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.roots import ROOTS, WRITTEN, approximation
 from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily, merge, tidy
+from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily
+from rankdrop.exact.rows import merge
+from rankdrop.exact.tidy import tidy
 from rankdrop.exact.tree import Drop, Tree, rank_tree
 from rankdrop.tolerances import ROUNDED_LENGTHS
 

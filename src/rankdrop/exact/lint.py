@@ -22,7 +22,7 @@ from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.parts import whole_angles
-from rankdrop.exact.family import merge, row_of_set
+from rankdrop.exact.rows import merge, row_of_set
 from rankdrop.exact.tree import rank_on
 from rankdrop.formula.equation import System
 from rankdrop.formula.reading import Parsed, parse_conditions

@@ -86,8 +86,8 @@ from rankdrop.exact.conjunctions import (
     values_of,
 )
 from rankdrop.exact.determinants import MinorChoice, maximal_minors
-from rankdrop.exact.family import merge_pairs
 from rankdrop.exact.reciprocal import reciprocal_screws
+from rankdrop.exact.rows import merge_pairs
 from rankdrop.exact.stratum import meet
 from rankdrop.lists import flat_map, smallest_sets
 from rankdrop.local.block import sample

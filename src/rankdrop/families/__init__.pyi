@@ -8,8 +8,6 @@ from .pictured import height as height
 from .pictured import pose_witness as pose_witness
 from .pictured import upright as upright
 from .pictured import upright_start as upright_start
-from .points import Walk as Walk
-from .points import in_slice as in_slice
 from .reciprocal import EXACT as EXACT
 from .record import AGREES as AGREES
 from .record import NOT_DERIVED as NOT_DERIVED
@@ -34,3 +32,5 @@ from .slices import solids as solids
 from .slices import sweeps as sweeps
 from .slices import telling_slices as telling_slices
 from .summary import Verdict as Verdict
+from .walk import Walk as Walk
+from .walk import in_slice as in_slice

@@ -1,7 +1,7 @@
 """Lost directions: which end-effector motions no joint rate can make, in a readable basis and frame.
 
-A twist or a wrench is a screw with an axis, a pitch and a magnitude, whatever the frame it is written in. A readable
-basis of a subspace is orthonormal, with as many zeros as plane rotations find. Words: `rankdrop.text.directions`.
+A readable basis of a subspace is orthonormal, with as many zeros as plane rotations find. Words:
+`rankdrop.text.directions`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The screw of a twist or a wrench: its axis, pitch and magnitude."""
+"""A twist or a wrench as a screw: an axis, a pitch and a magnitude, whatever the frame it is written in."""
 
 from __future__ import annotations
 

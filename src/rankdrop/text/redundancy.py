@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rankdrop.local.redundant import End, Ending, Redundancy
+from rankdrop.local.redundant import Redundancy
+from rankdrop.local.self_motion import End, Ending
 from rankdrop.robot.model import Array
 from rankdrop.sections import Section
 

@@ -32,8 +32,6 @@ from rankdrop.exact.family import (
     UnrealSet,
     equations_in_parts,
     families_in_whole_angles,
-    merge,
-    row_of_set,
 )
 from rankdrop.exact.higher_coranks import unfinished_coranks, wrong_coranks
 from rankdrop.exact.letters import (
@@ -47,6 +45,7 @@ from rankdrop.exact.letters import (
 from rankdrop.exact.lint import round_points
 from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.remark import DerivationRemark, RemarkOn, chain_remarks, followers, near_structure
+from rankdrop.exact.rows import merge, row_of_set
 from rankdrop.exact.tree import Drop, OpenCase, Tree, rank_tree
 from rankdrop.exact.undivided import UndividedSet, cases_in_whole_angles, undivided_sets
 from rankdrop.families.contradiction import Contradiction, ContradictionKind

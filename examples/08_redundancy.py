@@ -8,7 +8,7 @@ import numpy as np
 
 import rankdrop
 from rankdrop.local.inverses import pseudo_inverse, selective_inverse
-from rankdrop.local.self_motion import self_motion
+from rankdrop.local.self_motions import self_motion
 
 arm = rankdrop.open_robot("panda")
 q = np.array([0.1, -0.5, 0.2, -1.9, 0.3, 1.7, 0.4])

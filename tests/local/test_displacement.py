@@ -11,7 +11,7 @@ from rankdrop.errors import TaskError
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import joint_scale
 from rankdrop.local.orientation import WEAK, Displacement, determined_by_pose
-from rankdrop.local.self_motion import REACHED, self_motion
+from rankdrop.local.self_motions import REACHED, self_motion
 from rankdrop.local.ways_out import distinct, escape
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot

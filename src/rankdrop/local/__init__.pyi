@@ -48,7 +48,7 @@ from .redundant import null_space_motion as null_space_motion
 from .redundant import redundancy as redundancy
 from .relations import relations_at as relations_at
 from .screw_systems import systems_at as systems_at
-from .self_motion import self_motion as self_motion
+from .self_motions import self_motion as self_motion
 from .slowest import Slowest as Slowest
 from .slowest import slowest_motions as slowest_motions
 from .ways_out import Direction as Direction

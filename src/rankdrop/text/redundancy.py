@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rankdrop.local.redundant import Redundancy
-from rankdrop.local.self_motion import End, Ending
+from rankdrop.local.self_motions import End, Ending
 from rankdrop.robot.model import Array
 from rankdrop.sections import Section
 

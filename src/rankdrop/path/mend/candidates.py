@@ -38,7 +38,7 @@ from rankdrop.errors import RankdropError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.local.self_motion import CLOSED, self_motion
+from rankdrop.local.self_motions import CLOSED, self_motion
 from rankdrop.path.check.follow import Followed, Pull, follow
 from rankdrop.path.curve import Curve, Index, number_parts
 from rankdrop.path.read.trajectory import Trajectory, regular_times

@@ -14,7 +14,7 @@ from rankdrop.kinematics import jacobian, pose, task_jacobian
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.local.orientation import Displacement
 from rankdrop.local.redundant import redundancy
-from rankdrop.local.self_motion import BRANCHES, CLOSED, LIMIT, NONE, REACHED, SelfMotion, self_motion
+from rankdrop.local.self_motions import BRANCHES, CLOSED, LIMIT, NONE, REACHED, SelfMotion, self_motion
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BODY, SPACE, resolve_task

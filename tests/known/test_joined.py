@@ -16,6 +16,7 @@ from rankdrop.cli import exits, main
 from rankdrop.codec import json_text
 from rankdrop.errors import MissingExtraError, OptionError, RobotError
 from rankdrop.exact.family import pins_in_q
+from rankdrop.families.not_derived import NotDerived, NotDerivedKind
 from rankdrop.families.record import Family, exact_of
 from rankdrop.formula.writing import AnglePin
 from rankdrop.results.analysis import Analysis
@@ -158,6 +159,26 @@ def test_what_takes_too_long_is_not_derived_and_leaves_nothing_behind(
     assert main.run(["analyze", "puma560", "--starts", "100", "--quiet", "--full"]) == exits.FINE
     assert "Exact conditions: not derived; the derivation takes more than" in capsys.readouterr().out
     assert main.run(["analyze", "puma560", "--starts", "100", "--quiet", "--exact", "on"]) == exits.UNEXPLAINED
+
+
+@pytest.mark.slow
+def test_corank_1_is_derived_where_higher_coranks_take_too_long(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The families of det J = 0 stay those derived, and the others are fitted; the answer says so."""
+    too_long = NotDerived(NotDerivedKind.UNDIVIDED, number=2)
+    monkeypatch.setattr(analyze_module, "_derive", lambda *arguments, **options: (None, too_long))
+    found = analyze(open_robot("puma560"), starts=400)
+    assert found.exact is not None
+    assert (found.exact.status, found.exact.first_derived) == ("not derived", True)
+    wanted = [family.name for family in conditions(open_robot("puma560"), coranks=1).families]
+    assert sorted(family.name for family in found.families if family.corank == 1) == sorted(wanted)
+    assert all(family.exact is None for family in found.families)
+    assert "exact conditions of corank 1 alone were derived, 2 cases were not taken apart" in found.verdict.sentence
+    found.save(tmp_path / "found.json")
+    again = Analysis.load(tmp_path / "found.json").exact
+    assert again is not None
+    assert again.first_derived
 
 
 def test_without_the_engine_auto_says_so_and_on_names_the_package(monkeypatch: pytest.MonkeyPatch) -> None:

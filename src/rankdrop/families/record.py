@@ -566,6 +566,8 @@ class Derivation:
         letters: lengths that are symbols, and their values [m].
         shifts: θ = q + shift, per joint: exact conditions speak of θ [rad, m].
         disagreements: none where derivation and numerical tests agree; `str` gives a sentence.
+        first_derived: of an analysis that is "not derived": its families of corank 1 are derived all the same, from
+            det J.
     """
 
     status: str
@@ -575,6 +577,7 @@ class Derivation:
     letters: Mapping[str, float] | None = None
     shifts: tuple[float, ...] = ()
     disagreements: tuple[Contradiction, ...] = ()
+    first_derived: bool = False
 
     @property
     def agrees(self) -> bool:

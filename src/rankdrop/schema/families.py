@@ -247,6 +247,8 @@ EXACT = table(
         _sentences("disagreements")),
     contradictions=(optional(many(CONTRADICTION)), "the same as facts; absent where there are none; since 0.3",
         lambda derivation: derivation.disagreements or UNSET),
+    first_derived=(optional(bool), "true: not derived as a whole, but the families of corank 1 are; else absent; since "
+        "0.3", lambda derivation: derivation.first_derived or UNSET),
     families=(optional(many(OLD_EXACT_FAMILIES)), "up to 0.2: the exact conditions of all families; since 0.3 each "
         "family has its own", _absent),
 )

@@ -204,7 +204,10 @@ def _later_derivation(analysis: Any, derived: Any) -> str:
         return "; the exact conditions are not complete"
     if analysis.exact is None:
         return "; exact conditions were not asked for"
-    return f"; exact conditions were not derived, {str(analysis.exact.reason).rstrip('.')}"
+    reason = str(analysis.exact.reason).rstrip(".")
+    if analysis.exact.first_derived:
+        return f"; exact conditions of corank 1 alone were derived, {reason}"
+    return f"; exact conditions were not derived, {reason}"
 
 
 def _failures(analysis: Any) -> Iterator[Failure]:

@@ -511,7 +511,11 @@ def agreement(derivation: Derivation | None, robot: Robot, families: Sequence[Fa
     if derivation is None:
         return
     if not derivation.derived:
-        yield f"Exact conditions: not derived; {derivation.reason}. The families are fitted to the points.", False
+        if derivation.first_derived:
+            families_words = "Those of corank 1 are derived, the families of higher coranks are fitted to the points."
+        else:
+            families_words = "The families are fitted to the points."
+        yield f"Exact conditions: not derived; {derivation.reason}. {families_words}", False
         return
     if derivation.disagreements:
         yield "Numerical tests CONTRADICT the exact derivation:", True

@@ -53,6 +53,7 @@ SECONDS: Mapping[str, float] = {"auto": 30.0, "on": 120.0}
 """Limits as `--time-limit` has them, counted in work: most arms of the catalogue need 0.02 to 4 s."""
 SAMPLED, TESTED = 10_000, 2_000
 """Random starts for each corank where nothing was derived, and where they test derived families."""
+_TOO_LONG = (NotDerivedKind.TIME, NotDerivedKind.UNDIVIDED, NotDerivedKind.UNFINISHED)
 
 
 def derive(
@@ -187,7 +188,8 @@ def analyze(
 ) -> Analysis:
     """Find every family of singular configurations of every corank.
 
-    Where it can be done in the time allowed, the families are derived exactly: `Analysis.exact`. For corank k = 1, 2, …
+    Where it can be done in the time allowed, the families are derived exactly: `Analysis.exact`; where it cannot, those
+    of corank 1 are, from det J, if that can be done. For corank k = 1, 2, …
     random configurations are driven into rank J ≤ generic rank − k (block Levenberg–Marquardt), and test the
     families in both directions: points solved on a family are singular, fresh singular points lie on a family. Where
     nothing was derived, conditions are fitted to the points. It ends with the first corank that no start and no family
@@ -228,12 +230,8 @@ def analyze(
     report = progress or _silent
     own = in_units(robot), task_in_units(resolved, robot)  # in the unit of length that is the arm's own
     rank = generic_rank(*own)
-    derived, derivation = derive(
-        robot, resolved, exact=how.exact, seed=how.seed, fresh=how.fresh,
-        progress=lambda label, done, total: report(f"exact: {label}", done, total),
-    )  # fmt: skip
-    known = _known_families(derived, robot)
-    starts = _starts(how, known)
+    derived, derivation, known = _derived_families(robot, resolved, how, report)
+    starts = _starts(how, derived)
     tables: list[CorankFamilies] = []
     complete = derivation is None or not derivation.interrupted
     if complete:
@@ -276,18 +274,55 @@ def _shares_near(problem: Problem, families: Sequence[Family], how: AnalyzeOptio
     return near_shares(families, problem, how.within, seed=how.seed, progress=partial(report, "shares"))
 
 
-def _known_families(derived: Conditions | None, robot: Robot) -> list[Family] | None:
-    """The derived families in the arm's own unit of length; None where nothing was derived."""
-    if derived is None:
+def _derived_families(
+    robot: Robot, task: Task, how: AnalyzeOptions, report: Progress
+) -> tuple[Conditions | None, Derivation | None, dict[int, list[Family]]]:
+    """What was derived of all coranks, the record of it, and the families of each corank that was derived."""
+    derived, derivation = derive(
+        robot, task, exact=how.exact, seed=how.seed, fresh=how.fresh,
+        progress=lambda label, done, total: report(f"exact: {label}", done, total),
+    )  # fmt: skip
+    if derived is not None:
+        return derived, derivation, _families_by_corank(derived, robot, task)
+    first = _first_corank(robot, task, how, derivation)
+    if first is None or derivation is None:
+        return None, derivation, {}
+    tested = [replace(derived_in_units(family, robot), exact=None) for family in first.families]
+    return None, replace(derivation, first_derived=True), {1: tested}
+
+
+def _families_by_corank(derived: Conditions, robot: Robot, task: Task) -> dict[int, list[Family]]:
+    """The derived families of every corank, in the arm's own unit of length."""
+    by_corank: dict[int, list[Family]] = {corank: [] for corank in range(1, task.m + 1)}
+    for family in derived.families:
+        by_corank[family.corank].append(derived_in_units(family, robot))
+    return by_corank
+
+
+def _first_corank(
+    robot: Robot, task: Task, how: AnalyzeOptions, derivation: Derivation | None
+) -> Conditions | None:  # fmt: skip
+    """The conditions of corank 1, where those of higher coranks take too long: det J says more of them than a fit."""
+    if derivation is None or derivation.reason is None or derivation.reason.kind not in _TOO_LONG:
         return None
-    return [derived_in_units(family, robot) for family in derived.families]
+    from rankdrop.verbs.conditions import conditions  # with all of the exact side that derives
+
+    try:
+        first = conditions(
+            robot, task, method="tree", coranks=1, seconds=SECONDS[how.exact], seed=how.seed, points=0, special=False
+        )  # fmt: skip
+    except RankdropError:
+        return None
+    if first.in_families and not first.disagreements:
+        return first
+    return None
 
 
-def _starts(how: AnalyzeOptions, known: Sequence[Family] | None) -> int:
+def _starts(how: AnalyzeOptions, derived: Conditions | None) -> int:
     """Random starts for each corank: as many as were asked for, else fewer where they only test derived families."""
     if how.starts is not None:
         return how.starts
-    if known is None:
+    if derived is None:
         return SAMPLED
     return TESTED
 
@@ -373,10 +408,14 @@ def speed_distances(
 
 
 def _tables(
-    robot: Robot, task: Task, rank: int, known: Sequence[Family] | None, how: AnalyzeOptions, starts: int,
+    robot: Robot, task: Task, rank: int, known: Mapping[int, Sequence[Family]], how: AnalyzeOptions, starts: int,
     tolerances: Tolerances, report: Progress,
 ) -> Iterator[CorankFamilies]:  # fmt: skip
     """The families of each corank, tested by a search, down to the first corank that no start and no family reaches.
+
+    Args:
+        known: corank -> its derived families; those of a corank that is not in it are fitted to points.
+        robot, task, rank, how, starts, tolerances, report: as in `analyze`.
 
     Raises:
         KeyboardInterrupt: Ctrl-C during a search, or between two.
@@ -388,16 +427,12 @@ def _tables(
         )  # fmt: skip
         if not cloud.complete:
             raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
-        if known is None:
-            derived = None
-        else:
-            derived = [family for family in known if family.corank == corank]
         made = families(
-            cloud, known=derived, seed=how.seed, threads=how.threads,
+            cloud, known=known.get(corank), seed=how.seed, threads=how.threads,
             progress=partial(report, f"corank {corank}: families"),
         )  # fmt: skip
         yield made
-        if made.summary.converged == 0 and not any(family.corank > corank for family in known or ()):
+        if made.summary.converged == 0 and not any(families_of for at, families_of in known.items() if at > corank):
             return
 
 

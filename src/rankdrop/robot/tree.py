@@ -300,18 +300,26 @@ def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
 def _leave_out_broken(tree: Tree, base: str | None, tip: str | None) -> list[RobotNote]:
     """Notes on joints that name a link which is not in the file, where the chain does not need them.
 
+    A joint without a parent link is at the root of what it carries: a chain that starts at a link below it does not
+    need it.
+
     Raises:
-        RobotError: the tip is not named, so that such a joint may be part of the arm; or it carries the chain.
+        RobotError: neither tip nor base tell that such a joint is no part of the arm; or it carries the chain.
     """
     notes = []
     for joint, end in tree.broken:
         carries = tip is not None and base is None and tree.root_of(tip) == joint.child
+        starts_below = base is not None and end == "parent" and tree.root_of(base) == joint.child
         link = getattr(joint, end)
-        if tip is None or carries:
+        if carries or (tip is None and not starts_below):
             hint = _hint(link, tree.links)
+            mend = typed = hint.get("mend")
+            if mend is None and end == "parent" and joint.child in tree.links:
+                mend = f"declare it, or start at the link below: base={joint.child!r}"
+                typed = f"declare it, or start at the link below: --base {shlex.quote(joint.child)}"
             raise RobotError(
                 f"the {end} link is not in the file", where=tree.place_of(joint, end), got=repr(link),
-                allowed=hint["allowed"], mend=hint.get("mend") or f"declare it{'' if carries else ', or name a tip'}",
+                allowed=hint["allowed"], mend=mend or "declare it, or name a tip", typed=typed,
             )
         notes.append(RobotNote(NoteOn.LEFT_OUT, joint.name, link, end=end))
     return notes

@@ -187,7 +187,13 @@ def _warnings(explanation: Explanation, full: bool) -> Iterator[str]:
         yield "; ".join(f"{plural('joint', len(x))} {numbers(x)} {where}" for x, where in both if x)
         if explanation.same_inside:
             turned = ", ".join(f"joint {i} at {degrees_words(value)}" for i, value in explanation.same_inside)
-            yield f"the same posture inside the limits: {turned}"
+            inside = dict(explanation.same_inside)
+            rest = [number for number in explanation.outside_limits if number not in inside]
+            if rest:
+                none = f"none of {plural('joint', len(rest))} {numbers(rest)}"
+                yield f"the same angle inside the limits: {turned}; {none}"
+            else:
+                yield f"the same posture inside the limits: {turned}"
 
 
 def _limit_words(explanation: Explanation) -> Iterator[str]:
@@ -205,9 +211,9 @@ def _limit_words(explanation: Explanation) -> Iterator[str]:
 
 
 def _angle_or_length(value: float, unit: str) -> str:
-    """The value of a joint: "12.3°", "0.25 m"."""
+    """The value of a joint: "12.3°", "0.25 m"; no rounding as in −3e−16°."""
     if unit == "rad":
-        return f"{short(degrees(value))}°"
+        return f"{short(round(degrees(value), 9) + 0.0)}°"
     return f"{short(value)} m"
 
 

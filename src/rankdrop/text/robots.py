@@ -20,7 +20,7 @@ _NOTES = {
     NoteOn.NO_LIMITS: "joint {name!r} has no limits: it counts as unlimited",
     NoteOn.ONE_LIMIT: "joint {name!r} has no {end} limit: it is 0, the default of URDF",
     NoteOn.NO_LIMIT: "joint {name!r}: {end} {value:g} is read as no limit",
-    NoteOn.NO_RATE: "joint {name!r}: velocity 0 is read as not known",
+    NoteOn.NO_RATE: "joint {name!r}: velocity {value:g} is read as not known",
     NoteOn.FOLLOWS: "joint {name!r} follows joint {other!r}",
     NoteOn.FOLLOWS_OUTSIDE: "joint {name!r} follows {other!r}, which is not in the chain: it counts as a variable",
     NoteOn.FOLLOWS_TOGETHER: "joint {name!r} follows {other!r}, which is not in the chain: it follows {instead!r} "

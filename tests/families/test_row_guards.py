@@ -182,3 +182,15 @@ def test_values_of_a_square_that_round_to_pi_are_pi(rng) -> None:
     rows = linear_rows(at, points[np.abs(np.cos(points[:, 1])) < 1e-6], rng)
     assert sorted(row.sets[2] for row in rows) == [(0.0,), (pi,)]
     assert all(singular_values(at.robot, row.sample(at, 1, rng)[0][0, :1], at.task)[0, 4] < 1e-9 for row in rows)
+
+
+@pytest.mark.parametrize("step", [0.3, 6e-6])
+def test_the_value_at_the_witness_is_among_those_that_are_listed(step: float) -> None:
+    """Twelve of 20 values are listed, the smallest; a file with a witness at another one was refused as damaged."""
+    at = problem("puma560", 1)
+    q = np.zeros((20, 6))
+    q[:, 4] = 0.2 + step * np.arange(20)
+    for witness in q[:, 4]:
+        values = families_module._values(at, q, 4, float(witness))
+        assert min(abs(np.sin((value - witness) / 2)) for value in values) <= 0.5 * at.tolerances.value
+        assert len(values) == (12 if step > 1e-5 else 1)

@@ -418,13 +418,14 @@ class Explanation(Result):
             return ()
         stated = {(special.part, special.joint) for special in place}
         found = self._specials_at(q, family.corank)
-        added = [special for special in found if (special.part, special.joint) not in stated]
-        if not added and place:
-            more = self._specials_at(q, family.corank + len(place))
-            parts = {part.value for part in family.called.parts}
-            called = [special for special in more if special.exact and special.part.value in parts]
-            added = [special for special in called if (special.part, special.joint) not in stated]
-        return tuple(added) or found
+        more = self._specials_at(q, family.corank + len(place))
+        parts = {part.value for part in family.called.parts}
+        called = tuple(special for special in more if special.exact and special.part.value in parts)
+        for specials in (found, called):
+            added = tuple(special for special in specials if (special.part, special.joint) not in stated)
+            if added:
+                return added
+        return found
 
     def _held_joints(self, family: Family | None) -> tuple[tuple[int, float], ...]:
         """Joints that a family holds at a value, and their values at the focus."""

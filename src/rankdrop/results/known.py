@@ -32,7 +32,6 @@ from rankdrop.lists import flat_map
 from rankdrop.local.directions import lost_directions
 from rankdrop.results.aspect_summary import FILE as ASPECTS
 from rankdrop.results.aspect_summary import AspectSummary
-from rankdrop.robot.ideal import ideal_name, intended_tolerance
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task
@@ -135,15 +134,7 @@ def known_families(
         raise OptionError("an analysis is needed", got=repr(analysis)[:80], allowed="an Analysis, or None")
     mine, other = (geometry(arm, tip=task.m < 6) for arm in (robot, analysis.robot))
     if mine.shape != other.shape or np.abs(mine - other).max() > tolerances.value:
-        mend = typed = None
-        if analysis.robot.name == ideal_name(robot):
-            near = intended_tolerance(robot)  # that `analyze` takes of its own accord
-            tolerance = near.text if near else "and the tolerance of the analysis"
-            mend = "give the ideal arm, or analyze the arm as written"
-            typed = f"--ideal {tolerance}: the ideal arm; or analyze the arm as written: analyze --ideal off"
-        raise OptionError(
-            "the analysis is about another arm", got=analysis.robot.name, allowed=robot.name, mend=mend, typed=typed
-        )
+        raise OptionError("the analysis is about another arm", got=analysis.robot.name, allowed=robot.name)
     if analysis.task.rows != task.rows or analysis.task.frame != task.frame:
         raise OptionError("the analysis is about another task", got=analysis.task.name, allowed=task.name)
     return analysis.families, "analysis"

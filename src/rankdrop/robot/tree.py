@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 
@@ -310,19 +311,30 @@ def _leave_out_broken(tree: Tree, base: str | None, tip: str | None) -> list[Rob
     for joint, end in tree.broken:
         carries = tip is not None and base is None and tree.root_of(tip) == joint.child
         starts_below = base is not None and end == "parent" and tree.root_of(base) == joint.child
-        link = getattr(joint, end)
         if carries or (tip is None and not starts_below):
-            hint = _hint(link, tree.links)
-            mend = typed = hint.get("mend")
-            if mend is None and end == "parent" and joint.child in tree.links:
-                mend = f"declare it, or start at the link below: base={joint.child!r}"
-                typed = f"declare it, or start at the link below: --base {shlex.quote(joint.child)}"
-            raise RobotError(
-                f"the {end} link is not in the file", where=tree.place_of(joint, end), got=repr(link),
-                allowed=hint["allowed"], mend=mend or "declare it, or name a tip", typed=typed,
-            )
-        notes.append(RobotNote(NoteOn.LEFT_OUT, joint.name, link, end=end))
+            _refuse_broken(tree, joint, end)
+        notes.append(RobotNote(NoteOn.LEFT_OUT, joint.name, getattr(joint, end), end=end))
     return notes
+
+
+def _refuse_broken(tree: Tree, joint: TreeJoint, end: str) -> NoReturn:
+    """Refuse a joint that names a link which is not in the file.
+
+    Raises:
+        RobotError: always; where the parent link is missing, it names the base to start at.
+    """
+    link = getattr(joint, end)
+    place, got, hint = tree.place_of(joint, end), repr(link), _hint(link, tree.links)
+    if "mend" in hint or end == "child" or joint.child not in tree.links:
+        raise RobotError(
+            f"the {end} link is not in the file", where=place, got=got, allowed=hint["allowed"],
+            mend=hint.get("mend", "declare it, or name a tip"),
+        )  # fmt: skip
+    raise RobotError(
+        f"the {end} link is not in the file", where=place, got=got, allowed=hint["allowed"],
+        mend=f"declare it, or start at the link below: base={joint.child!r}",
+        typed=f"declare it, or start at the link below: --base {shlex.quote(joint.child)}",
+    )
 
 
 def _root(tree: Tree) -> str:

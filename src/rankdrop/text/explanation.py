@@ -35,6 +35,7 @@ from rankdrop.text.family_conditions import condition_sentences
 from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.lost_directions import focus_words, lost_sections, never_sections
 from rankdrop.text.procedure import hunt_words
+from rankdrop.text.robots import notes_words
 from rankdrop.text.special import family_title, special_words
 from rankdrop.text.verdict import SINGULAR_HERE as SINGULAR_HERE
 from rankdrop.text.verdict import degrees_words, motions_words, summary_lines
@@ -143,7 +144,7 @@ def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
         lines.append(Formula(f"joints {numbered}"))
     columns = ("joint", *(str(number) for number in range(1, robot.n + 1)))
     yield Section("Numbers", "", tuple(lines), columns, _joint_values(robot, explanation.q),
-                  notes=tuple(map(str, robot.notes)))  # fmt: skip
+                  notes=notes_words(robot.notes))  # fmt: skip
 
 
 def _joint_values(robot: Robot, q: Array) -> tuple[tuple[str, ...], ...]:
@@ -488,7 +489,7 @@ def _lengths(values: Iterable[float]) -> str:
 def _place(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Where the tool is, and how the file of the arm was read: which tip was chosen, units that look wrong."""
     robot = explanation.robot
-    notes = [f"Note: {note}" for note in robot.notes if not full]
+    notes = [f"Note: {note}" for note in notes_words(robot.notes) if not full]
     yield Section("", "", (tool_sentence(robot, pose(robot, explanation.q)), *notes))
 
 

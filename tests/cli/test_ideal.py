@@ -235,3 +235,16 @@ def test_an_arm_that_misses_structure_by_half_a_millimetre_is_verified_as_it_is_
     assert "Contradicted" not in text
     assert "smallest σ inf" not in text
     assert text.startswith("Ideal arm within 0.44mm" if given else "Arm as written (--ideal 0.44mm")
+
+
+@pytest.mark.slow
+def test_an_analysis_of_the_ideal_arm_is_refused_for_the_arm_itself_with_the_option_that_takes_it(
+    run, tmp_path: Path
+) -> None:
+    """`analyze` takes the ideal arm of its own accord, `explain` does not: the error said "about another arm" alone."""
+    arm, saved, q = str(NEAR / "srs_2e-05.toml"), str(tmp_path / "arm.json"), "0.1,1,0.2,1,0.3,0.4,0.5"
+    run("analyze", arm, "--starts", "30", "--exact", "off", "--quiet", "--json", saved)
+    ended = run("explain", arm, "--q", q, "--analysis", saved)
+    assert ended.code == exits.BAD_INPUT
+    assert "fix: --ideal 0.021mm, or analyze the arm as written: analyze --ideal off" in ended.err
+    assert run("explain", arm, "--q", q, "--analysis", saved, "--ideal", "0.021mm").code != exits.BAD_INPUT

@@ -11,6 +11,7 @@ import pytest
 from rankdrop.families import table as families_module
 from rankdrop.families.descent import verify_points
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
+from rankdrop.families.fit import linear_rows
 from rankdrop.families.inspection import Signature, inspect
 from rankdrop.families.row import Linear, Row, membership, on_row, solve_at_special_values, soundness, verify_values
 from rankdrop.families.searching import search, unseen
@@ -18,6 +19,7 @@ from rankdrop.formula.equation import Equation, System, Term, normalised_equatio
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
 from rankdrop.results.known import shipped
+from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.units import in_units
@@ -158,3 +160,38 @@ def wrist_times(joint: int, value: float) -> Equation:
         terms.append(Term(-sign * cos(value) / 2, "cos", turned, (0,) * 6))
         terms.append(Term(-np.sin(value) / 2, "sin", turned, (0,) * 6))
     return normalised_equation(terms)
+
+
+def spot_arm() -> Robot:
+    """Arm of Boston Dynamics' Spot: screws (v; ω) at q = 0 of `spot_arm.urdf` in the ROS package spot_description."""
+    screws = [
+        [0, 0, 0, 0, 0, 1], [0, -0.115, 0, -1, 0, 0], [0, 0.115, -0.3125, 1, 0, 0],
+        [-0.0475, 0, -0.001, 0, 1, 0], [0, 0.0475, -0.69859, 1, 0, 0], [-0.0475, 0, -0.0085, 0, 1, 0],
+    ]  # fmt: skip
+    home = np.eye(4)
+    home[:3, 3] = -0.0085, 0.77959, 0.0475
+    joints = [Joint(f"j{i + 1}", JointKind.REVOLUTE, np.array(s, dtype=float)) for i, s in enumerate(screws)]
+    return Robot("spot_arm", tuple(joints), home)
+
+
+def test_values_of_a_square_that_round_to_pi_are_pi(rng) -> None:
+    """Elbow and wrist of Spot's arm, where D vanishes too much: values are known to 2e-12, and π was two values."""
+    robot = in_units(spot_arm())
+    task = resolve_task(None, robot)
+    at = Problem(robot, replace(task, length_scale=task.scale(robot)), 2)
+    points = search(at.robot, 2, task=at.task, starts=400).converged
+    rows = linear_rows(at, points[np.abs(np.cos(points[:, 1])) < 1e-6], rng)
+    assert sorted(row.sets[2] for row in rows) == [(0.0,), (pi,)]
+    assert all(singular_values(at.robot, row.sample(at, 1, rng)[0][0, :1], at.task)[0, 4] < 1e-9 for row in rows)
+
+
+@pytest.mark.parametrize("step", [0.3, 6e-6])
+def test_the_value_at_the_witness_is_among_those_that_are_listed(step: float) -> None:
+    """Twelve of 20 values are listed, the smallest; a file with a witness at another one was refused as damaged."""
+    at = problem("puma560", 1)
+    q = np.zeros((20, 6))
+    q[:, 4] = 0.2 + step * np.arange(20)
+    for witness in q[:, 4]:
+        values = families_module._values(at, q, 4, float(witness))
+        assert min(abs(np.sin((value - witness) / 2)) for value in values) <= 0.5 * at.tolerances.value
+        assert len(values) == (12 if step > 1e-5 else 1)

@@ -265,6 +265,16 @@ def test_a_joint_that_a_whole_turn_brings_inside_its_limits_is_said() -> None:
     alone = explain(arm, np.radians([0, 20, 0, 236, 0, 20, 0]), evaluations=0)
     assert "is outside its limits, −152.4° … 152.4°; −124° is the same angle inside" in " ".join(str(alone).split())
     assert not explain(open_robot("scara"), [0.1, 0.2, 0.3, 0.0], evaluations=0).same_inside  # a slide makes no turns
+    partly = str(explain(arm, np.radians([0, 140, 0, 236, 0, 200, 0]), evaluations=0))
+    words = " ".join(partly.split())
+    assert "the same angle inside the limits: joint 4 at −124°; none of joints 2, 6" in words
+    assert "same posture inside" not in words
+
+
+def test_rounding_outside_a_limit_is_zero_degrees() -> None:
+    """Joint 6 of j2s7s300 turns from 65° to 295°: "joint 6 at −3.152e−16° is outside its limits"."""
+    found = explain(open_robot("j2s7s300"), [0.1, np.pi, 0.3, 2.0, 0.2, -5.5e-18, 0.4], evaluations=0)
+    assert "joint 6 at 0° is outside its limits" in " ".join(str(found).split())
 
 
 def test_no_jog_is_advised_that_does_not_raise_sigma() -> None:

@@ -135,3 +135,12 @@ def test_the_special_parts_of_a_place_are_looked_for_once(monkeypatch: pytest.Mo
     explain(arm, q, evaluations=0).to_dict()
     assert len(looked_at) > 1
     assert len(looked_at) == len(set(looked_at))
+
+
+def test_the_next_singularity_is_named_by_what_is_new_where_this_one_holds_there_too() -> None:
+    """iiwa14, elbow at 0: the nearest point of the wrist's family has the elbow at 0 as well, and was called elbow."""
+    arm, q = open_robot("iiwa14"), np.array([0.9443, -2.2109, -2.3247, 0.0, -2.0236, 2.7059, -1.7345])
+    found = explain(arm, q, evaluations=0)
+    assert found.next.q is not None
+    np.testing.assert_allclose(found.next.q[3:6], [0.0, -np.pi / 2, np.pi], atol=1e-6)
+    assert next_line(found) == "Next: wrist, 36° of joint motion away."

@@ -9,6 +9,7 @@ import pytest
 from rankdrop.options import on_command_line
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.note import Moved, NoteOn, RobotNote
+from rankdrop.text.robots import notes_words
 
 
 def test_a_text_given_as_a_note_stays_as_it_is() -> None:
@@ -48,3 +49,16 @@ def test_a_kind_of_note_is_a_slug_and_its_words_are_made_elsewhere(kind: NoteOn)
     assert re.fullmatch(r"[a-z]+(-[a-z]+)*", kind)
     words = str(RobotNote(kind, "joint_a", "joint_b", text="as given"))
     assert kind.value not in words
+
+
+def test_the_same_note_of_several_joints_is_one_line() -> None:
+    """A leg of six joints without rates began with six lines that differ in the name."""
+    kinds = [NoteOn.NO_RATE, NoteOn.NO_LIMITS]
+    notes = [RobotNote(NoteOn.BASE, "hip"), *(RobotNote(kind, name) for name in "abc" for kind in kinds)]
+    notes.append(RobotNote(NoteOn.NO_RATE, "d", value=-1.0))
+    assert notes_words(notes) == (
+        str(notes[0]),
+        "joints 'a', 'b', 'c': velocity 0 is read as not known",
+        "joints 'a', 'b', 'c' have no limits: they count as unlimited",
+        "joint 'd': velocity -1 is read as not known",
+    )

@@ -66,6 +66,13 @@ def test_continuous_joints_have_no_limits_even_where_some_are_written() -> None:
     assert (arm.joints[0].lower, arm.joints[0].upper) == (-inf, inf)
 
 
+def test_a_velocity_of_minus_one_is_not_known() -> None:
+    """It is SDF's default, no limit; the legs of EVE R3 (Halodi, eve_r3.urdf) have velocity="-1.0"."""
+    arm = from_urdf(robot([joint("j", "a", "b", "revolute", '<limit lower="0" upper="1" velocity="-1.0"/>')]))
+    assert arm.joints[0].velocity == np.inf
+    assert "joint 'j': velocity -1 is read as not known" in map(str, arm.notes)
+
+
 def test_missing_limits_are_tolerated_with_a_note() -> None:
     arm = from_urdf(robot([joint("j", "a", "b", "revolute", '<axis xyz="0 0 1"/>')]))
     assert (arm.joints[0].lower, arm.joints[0].upper, arm.joints[0].velocity) == (-inf, inf, inf)
@@ -144,7 +151,7 @@ BAD = [
     ([joint("j", "a", "b", "revolute", '<limit lower="nan" upper="1"/>')], 2, "<limit> of joint 'j': lower is not"),
     ([joint("j", "a", "b", "revolute", '<limit lower="-1" upper="inf"/>')], 2, "upper is not.*leave the attribute out"),
     ([joint("j", "a", "b", "revolute", '<limit lower="1,5" upper="2"/>')], 2, "lower is not a finite number"),
-    ([joint("j", "a", "b", "revolute", '<limit lower="0" upper="1" velocity="-1"/>')], 2, "velocity is negative"),
+    ([joint("j", "a", "b", "revolute", '<limit lower="0" upper="1" velocity="-2"/>')], 2, "velocity is negative"),
     ([ONE, joint("j", "l1", "b", "floating")], 3, "joint 'j': a joint of the chain has several freedoms; got"),
     ([ONE, joint("j", "l1", "b", "planar")], 3, "several freedoms; got type 'planar'; allowed: revolute"),
     ([ONE, joint("j", "l1", "b", "ball")], 3, "joint type is not known; got type 'ball'"),

@@ -166,3 +166,20 @@ def test_a_broken_joint_that_carries_the_chain_is_refused() -> None:
     with pytest.raises(RobotError, match="the parent link is not in the file; got 'gone'"):
         from_urdf(text, tip="a_l6")
     assert from_urdf(text, tip="a_l6", base="a_l0").n == 6
+
+
+def test_a_missing_link_above_the_arm_is_mended_by_naming_the_base() -> None:
+    text = robot([fixed("gone", "a_l0"), *chain(6, "a_", "a_l0")]).replace('<link name="gone"/>', "")
+    for tip in (None, "a_l6"):
+        with pytest.raises(RobotError, match="start at the link below: base='a_l0'") as caught:
+            from_urdf(text, tip=tip)
+        assert caught.value.on_command_line().endswith("start at the link below: --base a_l0")
+    arm = from_urdf(text, base="a_l0")
+    assert (arm.n, arm.tip) == (6, "a_l6")
+    assert any("left out: its parent link 'gone' is not in the file" in str(note) for note in arm.notes)
+
+
+def test_a_missing_link_inside_the_arm_is_not_passed_over_where_the_base_is_named() -> None:
+    text = robot([*chain(3, "a_"), fixed("gone", "b_l0"), *chain(3, "b_", "b_l0")]).replace('<link name="gone"/>', "")
+    with pytest.raises(RobotError, match="the parent link is not in the file; got 'gone'"):
+        from_urdf(text, base="base")

@@ -609,7 +609,7 @@ def arm_section(
         ("length scale", f"{task.scale(robot):.4g} m, {whose}; no family depends on it"),
         *lines.items(),
         ("source", _first_sentence(source)),
-        *(("note", str(note)) for note in robot.notes),
+        *(("note", note) for note in text_of.notes_words(robot.notes)),
     ]
     for label, text in facts:
         if text:

@@ -120,8 +120,28 @@ def explain(
     if output.tolerance is not None:
         tolerances = replace(DEFAULT, singular=output.tolerance)
     options = _for_parts(options, output.only)
+    _refuse_analysis_of_ideal_arm(model, analysis)
     explanation = run(model, place, task, options, analysis=analysis, tolerances=tolerances)
     return _of_configuration(explanation, made, near, options, output)
+
+
+def _refuse_analysis_of_ideal_arm(model: arms.Robot, analysis: results.Analysis | None) -> None:
+    """Refuse an analysis of the ideal arm near this one, which `analyze` takes of its own accord.
+
+    Raises:
+        OptionError: with the option that takes the same arm.
+    """
+    if analysis is None or analysis.robot.name != arms.ideal_name(model):
+        return
+    near = arms.intended_tolerance(model)
+    if near is None:
+        same = "--ideal with the tolerance of the analysis"
+    else:
+        same = f"--ideal {near.text}"
+    raise OptionError(
+        "the analysis is about the ideal arm near this one", where="--analysis", got=analysis.robot.name,
+        allowed=model.name, mend=f"{same}, or analyze the arm as written: analyze --ideal off",
+    )
 
 
 def _place(q: str | None, model: arms.Robot, tool: ToolOptions) -> list[float]:

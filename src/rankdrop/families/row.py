@@ -210,11 +210,19 @@ class Linear:
         return result
 
 
-def canonical(angle: float) -> float:
-    """The angle in (−π, π], multiples of π/12 exact, other values rounded to 1e-13 so that equal ones compare equal."""
+FLAT = 1e-10  # rad: so far 1e-16 in the coefficients of all but flat conditions moves their solutions
+
+
+def canonical(angle: float, tolerance: float = 1e-12) -> float:
+    """The angle in (−π, π], multiples of π/12 exact, other values rounded to 1e-13 so that equal ones compare equal.
+
+    Args:
+        angle: in rad.
+        tolerance: an angle closer to a multiple of π/12 is that multiple [rad]; −π + 2e-12 and π − 2e-12 are one angle.
+    """
     angle = float(wrap(np.array(angle)))
     whole = round(angle / SIMPLE)
-    if abs(angle - whole * SIMPLE) < 1e-12:
+    if abs(angle - whole * SIMPLE) < tolerance:
         if whole == -12:
             return pi
         return whole * SIMPLE
@@ -586,7 +594,7 @@ def sharp_values(problem: Problem, linear: Linear, values: Values, q: Array, wit
     if sigma > ROUNDING or np.abs(linear.deviation(end[None], np.array(values))).max() > within:
         return values
     pairs = zip(linear.values(end[None])[0].tolist(), linear.periodic.tolist(), strict=True)
-    return tuple(canonical(value) if turns else round(value, 13) + 0.0 for value, turns in pairs)
+    return tuple(canonical(value, FLAT) if turns else round(value, 13) + 0.0 for value, turns in pairs)
 
 
 def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:

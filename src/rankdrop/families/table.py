@@ -56,6 +56,7 @@ from rankdrop.families.searching import Outcome, Progress, Search, none_found, s
 from rankdrop.formula.equation import SOLVED, Mask, pretty_angle
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import wrap_angle
 from rankdrop.units import in_units, into_units, task_in_units
 
 FRESH = 1000  # independent points wanted for completeness
@@ -455,7 +456,7 @@ def _unnamed_family(
         called=FamilyName(unnamed=True),
         corank=problem.corank,
         dimension=problem.n - rank,
-        pinned=tuple(Pin(names[j].name, j + 1, _values(problem, q, j)) for j in pinned),
+        pinned=tuple(Pin(names[j].name, j + 1, _values(problem, q, j, float(at[j]))) for j in pinned),
         free=tuple(j + 1 for j in free),
         coupled=tuple(j + 1 for j in coupled),
         equations=(),
@@ -469,8 +470,19 @@ def _unnamed_family(
     return family, cloud
 
 
-def _values(problem: Problem, q: Array, joint: int) -> tuple[float, ...]:
-    """Different values of a joint over points, at most twelve."""
+def _values(problem: Problem, q: Array, joint: int, at_witness: float) -> tuple[float, ...]:
+    """Different values of a joint over points, at most `VALUES`, that of the witness among them."""
     linear = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(problem.n))])
-    at_points = linear.combinations(q, np.ones(len(q)), 1e-5)
-    return tuple(sorted(values[0] for values in at_points)[:VALUES])
+    values = [values[0] for values in linear.combinations(q, np.ones(len(q)), 1e-5)]
+    own = min(values, key=lambda value: _apart(value, at_witness, periodic=bool(linear.periodic[0])))
+    others = [value for value in sorted(values) if value != own]
+    if _apart(own, at_witness, periodic=bool(linear.periodic[0])) > problem.tolerances.value:
+        own = at_witness  # points of one value, each close to the next, may spread wider than `value`
+    return tuple(sorted([own, *others[: VALUES - 1]]))
+
+
+def _apart(value: float, other: float, *, periodic: bool) -> float:
+    """Distance of two values of a joint [rad or length units]."""
+    if periodic:
+        return abs(wrap_angle(value - other))
+    return abs(value - other)

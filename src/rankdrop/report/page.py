@@ -36,7 +36,7 @@ from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot, near_ideal
 from rankdrop.sections import html
 from rankdrop.task import Task, link_index, resolve_task
-from rankdrop.text import aspects_line, lost_sentences, near_line, slow_configurations, slow_line
+from rankdrop.text import aspects_line, lost_sentences, near_line, notes_words, slow_configurations, slow_line
 from rankdrop.tolerances import DEFAULT, SLOW, SLOW_TURN
 from rankdrop.version import VERSION
 
@@ -145,7 +145,7 @@ def _notes(content: Content) -> str:
         near = None
     else:
         near = near_ideal(robot)
-    small = [*map(str, robot.notes), *([] if near is None else [near_line(near)])]
+    small = [*notes_words(robot.notes), *([] if near is None else [near_line(near)])]
     notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in small)
     return notes
 

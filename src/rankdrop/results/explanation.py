@@ -393,11 +393,6 @@ class Explanation(Result):
             about = None
         family, distance, near, singular_q = slow or (about, self.distance, None, self.focus)
         place = () if family is None else self._specials_at(singular_q, family.corank)
-        next_place: tuple[Special, ...] = ()
-        if self.next.family is not None and self.next.q is not None:
-            next_place = self._specials_at(self.next.q, self.next.family.corank)
-        stated = {(special.part, special.joint) for special in place}
-        added = tuple(special for special in next_place if (special.part, special.joint) not in stated)
         known = shipped_conditions_record(here.robot, here.task, any_tip=True)
         return Summary(
             verdict=self.verdict, cause=self.cause, distance=distance,
@@ -409,8 +404,28 @@ class Explanation(Result):
             next_distance=self.next.distance, next_searches=self.next.searches,
             source=self.source, exact=self.source == "catalogue" and known is not None,
             radius=self.certified_radius,
-            place=place, next_place=added or next_place, crosses=self.jog.crosses,
+            place=place, next_place=self._next_place(place), crosses=self.jog.crosses,
         )  # fmt: skip
+
+    def _next_place(self, place: tuple[Special, ...]) -> tuple[Special, ...]:
+        """The parts special at the next singularity, without those that are so here already.
+
+        Where the next family lies so that this singularity holds there too (elbow at 0, then wrist and elbow), those
+        found at its own corank may be the stated ones alone: the parts that the family is called by are looked for too.
+        """
+        family, q = self.next.family, self.next.q
+        if family is None or q is None:
+            return ()
+        stated = {(special.part, special.joint) for special in place}
+        found = self._specials_at(q, family.corank)
+        more = self._specials_at(q, family.corank + len(place))
+        parts = {part.value for part in family.called.parts}
+        called = tuple(special for special in more if special.exact and special.part.value in parts)
+        for specials in (found, called):
+            added = tuple(special for special in specials if (special.part, special.joint) not in stated)
+            if added:
+                return added
+        return found
 
     def _held_joints(self, family: Family | None) -> tuple[tuple[int, float], ...]:
         """Joints that a family holds at a value, and their values at the focus."""

@@ -3,6 +3,7 @@ from .drawing import Drawing as Drawing
 from .files import LARGEST_FILE as LARGEST_FILE
 from .formats import format_endings as format_endings
 from .formats import format_names as format_names
+from .ideal import ideal_name as ideal_name
 from .ideal import intended_tolerance as intended_tolerance
 from .ideal import near_ideal as near_ideal
 from .ideal import read_tolerance as read_tolerance

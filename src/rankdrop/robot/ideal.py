@@ -163,6 +163,11 @@ def ideal(
     return square_up(robot, angle=SQUARE if angle is None else angle, length=length)
 
 
+def ideal_name(robot: Robot) -> str:
+    """Name of the ideal arm near an arm."""
+    return f"{robot.name}_ideal"
+
+
 INTENDED = 3e-4
 """A file's arm that misses structure by a length up to this is meant to have it [m]: CAD exports are no better."""
 _CALIBRATED = 2e-3, 1e-3  # [rad], [m]: what calibration adds to a drawing

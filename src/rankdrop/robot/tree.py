@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 
@@ -300,21 +301,40 @@ def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
 def _leave_out_broken(tree: Tree, base: str | None, tip: str | None) -> list[RobotNote]:
     """Notes on joints that name a link which is not in the file, where the chain does not need them.
 
+    A joint without a parent link is at the root of what it carries: a chain that starts at a link below it does not
+    need it.
+
     Raises:
-        RobotError: the tip is not named, so that such a joint may be part of the arm; or it carries the chain.
+        RobotError: neither tip nor base tell that such a joint is no part of the arm; or it carries the chain.
     """
     notes = []
     for joint, end in tree.broken:
         carries = tip is not None and base is None and tree.root_of(tip) == joint.child
-        link = getattr(joint, end)
-        if tip is None or carries:
-            hint = _hint(link, tree.links)
-            raise RobotError(
-                f"the {end} link is not in the file", where=tree.place_of(joint, end), got=repr(link),
-                allowed=hint["allowed"], mend=hint.get("mend") or f"declare it{'' if carries else ', or name a tip'}",
-            )
-        notes.append(RobotNote(NoteOn.LEFT_OUT, joint.name, link, end=end))
+        starts_below = base is not None and end == "parent" and tree.root_of(base) == joint.child
+        if carries or (tip is None and not starts_below):
+            _refuse_broken(tree, joint, end)
+        notes.append(RobotNote(NoteOn.LEFT_OUT, joint.name, getattr(joint, end), end=end))
     return notes
+
+
+def _refuse_broken(tree: Tree, joint: TreeJoint, end: str) -> NoReturn:
+    """Refuse a joint that names a link which is not in the file.
+
+    Raises:
+        RobotError: always; where the parent link is missing, it names the base to start at.
+    """
+    link = getattr(joint, end)
+    place, got, hint = tree.place_of(joint, end), repr(link), _hint(link, tree.links)
+    if "mend" in hint or end == "child" or joint.child not in tree.links:
+        raise RobotError(
+            f"the {end} link is not in the file", where=place, got=got, allowed=hint["allowed"],
+            mend=hint.get("mend", "declare it, or name a tip"),
+        )  # fmt: skip
+    raise RobotError(
+        f"the {end} link is not in the file", where=place, got=got, allowed=hint["allowed"],
+        mend=f"declare it, or start at the link below: base={joint.child!r}",
+        typed=f"declare it, or start at the link below: --base {shlex.quote(joint.child)}",
+    )
 
 
 def _root(tree: Tree) -> str:

@@ -326,14 +326,16 @@ def _limit(joint: TreeJoint, given: Mapping[str, str], key: str, where: str, not
 
 
 def _largest_rate(velocity: float, joint: TreeJoint, where: str, notes: list[RobotNote]) -> float:
-    """The largest rate of a joint; 0, written by exporters that do not know it, is read as not known.
+    """The largest rate of a joint; 0 and −1, written by exporters that do not know it, are read as not known.
+
+    −1 is the default of SDF, for no limit.
 
     Raises:
-        RobotError: it is negative.
+        RobotError: another negative number.
     """
-    if velocity < 0.0:
+    if velocity < 0.0 and velocity != -1.0:
         raise RobotError("the largest velocity is negative", where=where, got=velocity, allowed="a rate ≥ 0")
-    if velocity == 0.0:
-        notes.append(RobotNote(NoteOn.NO_RATE, joint.name))
+    if velocity in (0.0, -1.0):
+        notes.append(RobotNote(NoteOn.NO_RATE, joint.name, value=velocity))
         return inf
     return velocity

@@ -78,6 +78,7 @@ from .procedure import procedure_text as procedure_text
 from .remedies import NO_POSES as NO_POSES
 from .remedies import poses_written as poses_written
 from .robots import near_line as near_line
+from .robots import notes_words as notes_words
 from .special import family_label as family_label
 from .special import family_title as family_title
 from .special import place_name as place_name

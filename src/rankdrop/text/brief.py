@@ -36,6 +36,7 @@ from rankdrop.text.families import (
     values_text,
 )
 from rankdrop.text.lost import lost_note, lost_sentences
+from rankdrop.text.robots import notes_words
 from rankdrop.text.special import family_label, family_title, label_words
 from rankdrop.text.words import listing
 
@@ -50,7 +51,7 @@ def arm_line(robot: Robot, task: Task, generic_rank: int, *, limits: bool = Fals
     else:
         where = ""
     line = f"{robot.name}{about}; task {task.name}, rank {generic_rank} almost everywhere{where}."
-    return "\n".join((line, *(f"Note: {note}" for note in robot.notes)))
+    return "\n".join((line, *(f"Note: {note}" for note in notes_words(robot.notes))))
 
 
 def analysis_table(analysis: Any) -> Section:

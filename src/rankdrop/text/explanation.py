@@ -35,6 +35,7 @@ from rankdrop.text.family_conditions import condition_sentences
 from rankdrop.text.inverse import tool_sentence
 from rankdrop.text.lost_directions import focus_words, lost_sections, never_sections
 from rankdrop.text.procedure import hunt_words
+from rankdrop.text.robots import notes_words
 from rankdrop.text.special import family_title, special_words
 from rankdrop.text.verdict import SINGULAR_HERE as SINGULAR_HERE
 from rankdrop.text.verdict import degrees_words, motions_words, summary_lines
@@ -143,7 +144,7 @@ def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
         lines.append(Formula(f"joints {numbered}"))
     columns = ("joint", *(str(number) for number in range(1, robot.n + 1)))
     yield Section("Numbers", "", tuple(lines), columns, _joint_values(robot, explanation.q),
-                  notes=tuple(map(str, robot.notes)))  # fmt: skip
+                  notes=notes_words(robot.notes))  # fmt: skip
 
 
 def _joint_values(robot: Robot, q: Array) -> tuple[tuple[str, ...], ...]:
@@ -187,7 +188,13 @@ def _warnings(explanation: Explanation, full: bool) -> Iterator[str]:
         yield "; ".join(f"{plural('joint', len(x))} {numbers(x)} {where}" for x, where in both if x)
         if explanation.same_inside:
             turned = ", ".join(f"joint {i} at {degrees_words(value)}" for i, value in explanation.same_inside)
-            yield f"the same posture inside the limits: {turned}"
+            inside = dict(explanation.same_inside)
+            rest = [number for number in explanation.outside_limits if number not in inside]
+            if rest:
+                none = f"none of {plural('joint', len(rest))} {numbers(rest)}"
+                yield f"the same angle inside the limits: {turned}; {none}"
+            else:
+                yield f"the same posture inside the limits: {turned}"
 
 
 def _limit_words(explanation: Explanation) -> Iterator[str]:
@@ -205,9 +212,9 @@ def _limit_words(explanation: Explanation) -> Iterator[str]:
 
 
 def _angle_or_length(value: float, unit: str) -> str:
-    """The value of a joint: "12.3°", "0.25 m"."""
+    """The value of a joint: "12.3°", "0.25 m"; no rounding as in −3e−16°."""
     if unit == "rad":
-        return f"{short(degrees(value))}°"
+        return f"{short(round(degrees(value), 9) + 0.0)}°"
     return f"{short(value)} m"
 
 
@@ -482,7 +489,7 @@ def _lengths(values: Iterable[float]) -> str:
 def _place(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Where the tool is, and how the file of the arm was read: which tip was chosen, units that look wrong."""
     robot = explanation.robot
-    notes = [f"Note: {note}" for note in robot.notes if not full]
+    notes = [f"Note: {note}" for note in notes_words(robot.notes) if not full]
     yield Section("", "", (tool_sentence(robot, pose(robot, explanation.q)), *notes))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import degrees, isfinite, radians
 
 from rankdrop.options import advise
@@ -20,7 +21,7 @@ _NOTES = {
     NoteOn.NO_LIMITS: "joint {name!r} has no limits: it counts as unlimited",
     NoteOn.ONE_LIMIT: "joint {name!r} has no {end} limit: it is 0, the default of URDF",
     NoteOn.NO_LIMIT: "joint {name!r}: {end} {value:g} is read as no limit",
-    NoteOn.NO_RATE: "joint {name!r}: velocity 0 is read as not known",
+    NoteOn.NO_RATE: "joint {name!r}: velocity {value:g} is read as not known",
     NoteOn.FOLLOWS: "joint {name!r} follows joint {other!r}",
     NoteOn.FOLLOWS_OUTSIDE: "joint {name!r} follows {other!r}, which is not in the chain: it counts as a variable",
     NoteOn.FOLLOWS_TOGETHER: "joint {name!r} follows {other!r}, which is not in the chain: it follows {instead!r} "
@@ -43,6 +44,37 @@ _NOTES = {
 }
 
 
+_TOGETHER = {
+    NoteOn.NO_LIMITS: "joints {names} have no limits: they count as unlimited",
+    NoteOn.NO_RATE: "joints {names}: velocity {value:g} is read as not known",
+}
+"""Notes that files give for most of their joints: those of several joints are one line."""
+
+
+def notes_words(notes: Iterable[RobotNote]) -> tuple[str, ...]:
+    """The notes on a robot description in words, a line for each; the same note of several joints is one.
+
+    Example:
+        >>> notes_words([RobotNote(NoteOn.NO_RATE, name) for name in ("hip", "knee")])
+        ("joints 'hip', 'knee': velocity 0 is read as not known",)
+    """
+    alike: dict[tuple[object, ...], list[RobotNote]] = {}
+    for place, note in enumerate(notes):
+        if note.kind in _TOGETHER:
+            key: tuple[object, ...] = (note.kind, note.value)
+        else:
+            key = (place,)
+        alike.setdefault(key, []).append(note)
+    lines = []
+    for first, *others in alike.values():
+        if others:
+            names = ", ".join(repr(note.name) for note in (first, *others))
+            lines.append(_TOGETHER[first.kind].format(names=names, value=first.value))
+        else:
+            lines.append(str(first))
+    return tuple(lines)
+
+
 def sections_of(robot: Robot) -> tuple[Section, ...]:
     """For notebooks: the joints with their kinds and limits, angles in degrees, and the notes."""
     rows = []
@@ -58,7 +90,7 @@ def sections_of(robot: Robot) -> tuple[Section, ...]:
     section = Section(
         robot.name, f"{robot.n} joints from {robot.base} to {robot.tip}, task {robot.task}", about,
         columns=("", "joint", "kind", "lower", "upper"), rows=tuple(rows), texts=(1, 2), after=followers,
-        notes=tuple(map(str, robot.notes)),
+        notes=notes_words(robot.notes),
     )  # fmt: skip
     return (section,)
 

@@ -295,7 +295,7 @@ def _families_by_corank(derived: Conditions, robot: Robot, task: Task) -> dict[i
     """The derived families of every corank, in the arm's own unit of length."""
     by_corank: dict[int, list[Family]] = {corank: [] for corank in range(1, task.m + 1)}
     for family in derived.families:
-        by_corank[family.corank].append(derived_in_units(family, robot))
+        by_corank.setdefault(family.corank, []).append(derived_in_units(family, robot))
     return by_corank
 
 

@@ -20,7 +20,7 @@ from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem, wrap_joints
 from rankdrop.results.explanation import Explanation
 from rankdrop.results.ideal_vs_actual import Here, Idealised, Nearby, Spread
-from rankdrop.robot.ideal import Tolerance
+from rankdrop.robot.ideal import Tolerance, ideal_name
 from rankdrop.robot.ideal import ideal as ideal_of
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.note import NoteOn, RobotNote
@@ -52,7 +52,7 @@ def idealised(robot: Robot, tolerance: Tolerance) -> Idealised:
     if changes:
         turned, moved = largest_changes(changes)
         note = RobotNote(NoteOn.IDEAL, within=tolerance.text, turned=turned, moved=moved)
-        found = replace(found, name=f"{robot.name}_ideal", notes=(*found.notes, note))
+        found = replace(found, name=ideal_name(robot), notes=(*found.notes, note))
     return Idealised(robot, found, tolerance, changes)
 
 

@@ -725,7 +725,7 @@ def _read_path(robot: Robot, file: Path, question: PathQuestion) -> tuple[Poses 
     """
     deg, start = question.deg, question.start
     if question.topic is None and holds_poses(file, robot):
-        poses = read_poses(file, deg=deg)
+        poses = read_poses(file, deg=deg, robot=robot)
         return poses, length_hint(poses, reach(robot))
     if start is not None:
         raise OptionError("a start is for poses of the tip, these are joint values", where="start",

@@ -59,12 +59,28 @@ ROTATION_VECTORS = (
     "R = Rz(yaw)·Ry(pitch)·Rx(roll)"
 )
 """How turns about x, y and z are written without doubt."""
+STATE_POSE_UNITS = {
+    "length": "write a unit behind each length, such as X 400mm or X 0.4m",
+    "angle": "write a unit behind each angle, such as B 90deg or B 1.57rad",
+}
+"""How a pose in a text states units."""
+URSCRIPT_UNITS = "other units need names: x 400mm, y 0mm, z 300mm, roll 180deg, pitch 0deg, yaw 0deg"
+ORDER_IN_DOUBT = "the order of the quaternion is in doubt: its real part is the first number or the last"
+POSE_TEXTS = "X, Y, Z and roll, pitch, yaw; qx, qy, qz, qw; rx, ry, rz; A, B, C; W, P, R; q1 … q4; or none of these"
+"""Names of a pose in a text."""
 RAISED = "Z counts from the height of axis 2, {0:.6g} mm above the base, as FANUC counts it"
 
 
 def makers_note(maker: str, turn: tuple[str, ...], length: str, angle: str) -> str:
     """How poses of a maker's form are read: their order of turns and their units."""
     return f"poses as {maker} writes them: {', '.join('xyz')} [{length}], {_MAKERS_TURNS[turn].format(angle)}"
+
+
+def passed_over_notes(names: Sequence[str]) -> tuple[str, ...]:
+    """A note on parts of a pose that say nothing of where the tip is; none where there are none."""
+    if not names:
+        return ()
+    return (f"not used: {', '.join(names)}",)
 
 
 def state_units(keys: tuple[str, ...]) -> str:

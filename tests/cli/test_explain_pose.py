@@ -71,3 +71,10 @@ def test_an_arm_without_limits_has_none_inside_them(run, tmp_path: Path) -> None
 def test_degrees_that_are_read_as_radians_are_noted(run) -> None:
     assert "angles up to 180 look like degrees" in run("explain", "irb120", "--pose", "0.35,0,0.4,180,0,0").err
     assert "look like degrees" not in run("explain", "irb120", "--pose", "0.35,0,0.4,180deg,0,0").err
+
+
+def test_a_pose_of_a_program_is_read_with_a_note(run) -> None:
+    ended = run("explain", "kr6r900", "--pose", "{X 500, Y 0, Z 600, A 0, B 90, C 0, S 2}")
+    assert "poses as KUKA writes them: x, y, z [mm]" in ended.err
+    assert "not used: S" in ended.err
+    assert "(500.0, 0.0, 600.0) mm" in ended.out or "8 solutions" in ended.out

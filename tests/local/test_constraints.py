@@ -181,3 +181,8 @@ def test_a_link_is_called_as_its_file_calls_it():
 def test_a_tie_of_three_digits_is_written_in_one_way(off: float) -> None:
     """0.7345 m fell to 0.734 or to 0.735 by the last bit, which libraries of linear algebra differ in."""
     assert constraint([0.0, 1.0, 0.0, 0.7345 + off, 0.0, 0.0]) == "vy + 0.735 m·ωx = 0"
+
+
+def test_a_coefficient_that_matters_to_nobody_is_left_out():
+    assert constraint([1.48e-5, 0.63, 0.7766, 0, 0, 2e-5]) == "0.63 vy + 0.777 vz = 0"
+    assert constraint([0, 0.6, 0.8, 0, 0, 1e-3]) == "0.6 vy + 0.8 vz + 0.001 m·ωz = 0"

@@ -511,3 +511,34 @@ def test_a_line_that_ends_next_to_a_wrist_singularity_reaches_its_end() -> None:
     assert found.complete
     assert not found.passed
     assert abs(np.degrees(found.q[-1, 3]) + 90.0) < 0.01
+
+
+@pytest.mark.parametrize("missed", [-1e-6, 1e-10, 1e-8, 1e-6])
+@pytest.mark.parametrize("tilted", [1, 2])
+def test_a_line_that_begins_next_to_a_wrist_singularity_leaves_it_straight(missed: float, tilted: int) -> None:
+    """Meca500 from θ = (0, 0, 0, −90°, 0, 90°) along −Y: the exact solutions turn joint 4 by up to 90° at the start."""
+    arm = open_robot("meca500")
+    line = np.tile(np.eye(4), (2, 1, 1))
+    line[:, 0, tilted], line[:, tilted, 0] = missed, -missed
+    line[:, :3, 3] = [[0.2025, 0.0, 0.308], [0.2025, -0.05, 0.308]]
+    start = np.radians([0.0, 0.0, 0.0, -90.0, 0.0, 90.0])
+    check = check_poses(arm, line, start=start, branches=False)
+    assert check.tool is not None
+    assert check.tool.complete
+    assert np.degrees(np.abs(np.diff(check.tool.q[:, 3]))).max() < 0.2
+    ahead = poses_at(line, check.tool.place - 1.0)
+    assert np.abs(pose(arm, check.tool.q) - ahead).max() <= 2.0 * max(abs(missed), 1e-9)
+    assert check.tool.moved < 1e-3
+
+
+def test_an_elbow_that_the_first_pose_misses_is_not_left_straight() -> None:
+    """A stretched arm leaves by the square root of the way: no row ahead is in line with the singularity."""
+    arm = open_robot("puma560")
+    stretched = np.radians([10.0, 40.0, 0.0, 20.0, 30.0, 10.0])
+    stretched[2] = -np.arctan2(0.4318, 0.0203)  # the wrist in line with axes 2 and 3
+    assert abs(determinant(arm, stretched)) < 1e-12
+    aim = Aim(arm, resolve_task(None, arm))
+    goal = pose(arm, stretched)
+    walk = _Walk(aim, np.stack([goal, goal]), True, None, (1e-4, 1e-4), True)
+    walk.poses[1, :3, 3] *= 0.98
+    assert walk._leave_miss(stretched) is None

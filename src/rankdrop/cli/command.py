@@ -498,7 +498,8 @@ Q = Annotated[str, Parameter(
 
 POSE = Annotated[str, Parameter(
     help="Pose of the tip in the base axes: x,y,z,roll,pitch,yaw or x,y,z,qx,qy,qz,qw, for a position x,y,z "
-    "[m, rad]; 30deg, 120mm are understood.",
+    "[m, rad]; 30deg, 120mm are understood. Also as makers write it: p[x,y,z,rx,ry,rz], {X 100, …, A 0, B 90, C 0}, "
+    "X 100 … W 180 P 0 R 0, a robtarget of RAPID; or x,y,z,qw,qx,qy,qz wxyz.",
     allow_leading_hyphen=True,
 )]  # fmt: skip
 
@@ -541,13 +542,19 @@ def _tool(text: str, *, deg: bool) -> tuple[list[float], list[float]]:
     return lengths, [value_of(word, "rad", "--tcp", deg=deg) for word in words[3:]] or [0.0, 0.0, 0.0]
 
 
-def parse_pose(text: str, *, deg: bool, option: str = "--pose") -> list[float]:
+def parse_pose(text: str, *, deg: bool, option: str = "--pose", robot: arms.Robot | None = None) -> list[float]:
     """The numbers of a pose: three lengths, then none, three angles or four of a quaternion, in m and rad.
 
+    A pose in a maker's form is read by its conventions (`path.read.pose_text`), and a note says so; the arm says where
+    FANUC's Z begins.
+
     Raises:
-        OptionError: not three, six or seven quantities.
+        OptionError: not three, six or seven quantities, or a maker's form in doubt.
         ConfigurationError: a word that is none.
     """
+    made = _makers_pose(text, option, robot, deg=deg)
+    if made is not None:
+        return made
     words = split_values(text)
     if len(words) not in (3, 6, 7):
         raise OptionError("a pose is three lengths, then three angles or a quaternion", where=option,
@@ -562,6 +569,18 @@ def parse_pose(text: str, *, deg: bool, option: str = "--pose") -> list[float]:
     if not deg and most > _MOST_TURN:
         say(f"note: {option}: angles up to {most:.4g} look like degrees and are read as radians; --deg reads degrees")
     return lengths + turns
+
+
+def _makers_pose(text: str, option: str, robot: arms.Robot | None, *, deg: bool) -> list[float] | None:
+    """The numbers of a pose in a maker's form, with notes on how it is read; None for a plain list of numbers."""
+    from rankdrop.path.read.pose_text import pose_of_text
+
+    made = pose_of_text(text, option, deg=deg, robot=robot)
+    if made is None:
+        return None
+    for note in made.notes:
+        say(f"note: {option}: {note}")
+    return made.numbers
 
 
 _MOST_TURN = 4 * pi  # of a roll, pitch or yaw that is meant in rad
@@ -579,9 +598,7 @@ def numbers_of(text: str, option: str) -> list[float]:
         raise OptionError("these are not numbers", where=option, got=repr(text), allowed="1,0,0,…") from error
 
 
-def arm_section(
-    robot: arms.Robot, task: Task, generic_rank: int, lines: dict[str, str]
-) -> Iterator[RenderableType]:
+def arm_section(robot: arms.Robot, task: Task, generic_rank: int, lines: dict[str, str]) -> Iterator[RenderableType]:
     """What was opened and what was assumed, before any result.
 
     Args:

@@ -205,7 +205,7 @@ def _of_pose(
     for name in [name for name, value in given.items() if value is not None][:1]:
         raise OptionError("this option is for one configuration", where=name, allowed="--q")
     model, task, _ = open_ideal(robot, arm, tool)
-    solutions = inverse(model, parse_pose(words, deg=tool.deg), task, seed=options.seed)
+    solutions = inverse(model, parse_pose(words, deg=tool.deg, robot=model), task, seed=options.seed)
     return Done(
         lambda: solutions.sections(deg=tool.deg), {"json": solutions.to_dict},
         code=exits.FINE if solutions.inside else exits.UNEXPLAINED,

@@ -492,7 +492,8 @@ def _mended_path_bytes(mending: paths.Mending | None, mend: Remedies, written: W
         if isinstance(made, paths.MendedPoses):
             say(text.poses_written(target, remedy, made, mending.before.robot, arm=written.arm,
                                    given_start=_given_start(mending.before)))  # fmt: skip
-            return paths.poses_bytes(written.source, made.matrices, made.times, made.given, deg=written.deg)
+            return paths.poses_bytes(written.source, made.matrices, made.times, made.given, deg=written.deg,
+                                     robot=mending.before.robot)  # fmt: skip
         form = f"; {text.NO_POSES[made]}"
     if remedy.interpolate == "linear":
         between = ""

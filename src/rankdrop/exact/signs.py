@@ -359,12 +359,12 @@ class Flag:
 
     @property
     def label(self) -> str:
-        """ "elbow +"; where the family is not named after a part, the factor, or the whole name if that is long."""
+        """ "elbow +"; where the family is not named after a part, the factor, or "factor of det J" if that is long."""
         mark = {None: "has no sign", 1: "+", -1: "−", 0: "0"}[self.sign]
         if self.called is not None and self.called.parts:
             return f"{self.called.short} {mark}"
         if self.called is not None and len(self.factor) > _LONG:
-            return f"{self.called} {mark}"
+            return f"factor of det J {mark}"
         if " " in self.factor:
             return f"({self.factor}) {mark}"
         return f"{self.factor} {mark}"

@@ -19,6 +19,7 @@ class NoteOn(StrEnum):
     TIP = "tip-chosen"
     LEFT_OUT = "joint-left-out"
     NO_LIMITS = "no-limits"
+    NO_AXIS = "no-axis"
     ONE_LIMIT = "limit-missing"
     NO_LIMIT = "infinite-limit"
     NO_RATE = "zero-velocity"

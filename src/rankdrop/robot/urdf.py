@@ -228,7 +228,7 @@ def from_tree(
             origin = origins.get(joint.name, np.eye(4))
         if not joint.moves:
             return Motion(origin)
-        kind, axis = _kind(tree, joint), _axis(tree, joint)
+        kind, axis = _kind(tree, joint), _axis(tree, joint, notes)
         lower, upper, velocity = _limits(tree, joint, notes)
         return Motion(origin, kind, axis, lower=lower, upper=upper, velocity=velocity, mimic=mimics.get(joint.name))
 
@@ -272,9 +272,10 @@ def joint_origin(tree: Tree, joint: TreeJoint, angles: Angles) -> Array:
     return from_xyz_rpy(xyz, [angles.take(word) for word in rpy.split()])
 
 
-def _axis(tree: Tree, joint: TreeJoint) -> Array:
+def _axis(tree: Tree, joint: TreeJoint, notes: list[RobotNote]) -> Array:
     element = joint.element.first("axis")
     if element is None:
+        notes.append(RobotNote(NoteOn.NO_AXIS, joint.name))
         return np.array([1.0, 0.0, 0.0])  # the default of the URDF specification
     where = tree.place_of(joint, "axis")
     text = element.attributes.get("xyz", "1 0 0")

@@ -33,12 +33,16 @@ _LABELS = {
 """Whether the larger part of a constraint is ω -> what its coefficients multiply, the larger part first."""
 
 
+_COEFFICIENT = 5e-5
+"""Coefficients of a constraint below it are not printed [1, m or rad/m]: a lever of 0.05 mm."""
+
+
 def constraint_text(lost: LostDirection) -> str:
     """What a lost direction does to the motions that remain: see `rankdrop.local.directions.constraint`."""
     values, turns = constraint_values(lost.direction, lost.length)
     labels = _LABELS[turns]
     text = ""
-    for i in np.flatnonzero(values).tolist():
+    for i in np.flatnonzero(np.abs(values) >= _COEFFICIENT).tolist():
         value = float(values[i])
         number = f"{_number(abs(value))} "
         if i < 3 and number == "1 ":

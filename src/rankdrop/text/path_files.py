@@ -31,8 +31,73 @@ MILLIMETRES_STATED = {
     "arrays": "divide poses[:, :3, 3] by 1000",
 }
 """How each form of poses states millimetres."""
-POSE_COLUMNS = "x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone; or matrices, m00 … m23 or m00 … m33"
+POSE_COLUMNS = (
+    "x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone; rx, ry, rz, or A, B, C, or W, P, R, or q1 … q4 as "
+    "makers write them; or matrices, m00 … m23 or m00 … m33"
+)
 """Columns of a table of poses."""
+_MAKERS_TURNS = {
+    ("rx", "ry", "rz"): "rotation vector [{0}]",
+    ("a", "b", "c"): "R = Rz(A)·Ry(B)·Rx(C) [{0}]",
+    ("w", "p", "r"): "R = Rz(R)·Ry(P)·Rx(W) [{0}]",
+    ("q1", "q2", "q3", "q4"): "quaternion with its real part q1 first",
+}
+MAKERS_UNITS = {
+    ("rx", "ry", "rz"): "Universal Robots: m and rad",
+    ("a", "b", "c"): "KUKA: mm and degrees",
+    ("w", "p", "r"): "FANUC: mm and degrees",
+    ("q1", "q2", "q3", "q4"): "ABB: mm",
+}
+"""Units of the makers, by what turns."""
+UNIT_IN_DOUBT = {
+    "length": "m or mm is in doubt: the lengths are not as the maker writes them",
+    "angle": "radians or degrees is in doubt: the angles are not as the maker writes them",
+}
+"""Errors of poses of a maker's form without a unit."""
+ROTATION_VECTORS = (
+    'a rotation vector "rx [rad]", "ry [rad]", "rz [rad]"; or "roll [deg]", "pitch [deg]", "yaw [deg]", '
+    "R = Rz(yaw)·Ry(pitch)·Rx(roll)"
+)
+"""How turns about x, y and z are written without doubt."""
+STATE_POSE_UNITS = {
+    "length": "write a unit behind each length, such as X 400mm or X 0.4m",
+    "angle": "write a unit behind each angle, such as B 90deg or B 1.57rad",
+}
+"""How a pose in a text states units."""
+URSCRIPT_UNITS = "other units need names: x 400mm, y 0mm, z 300mm, roll 180deg, pitch 0deg, yaw 0deg"
+ORDER_IN_DOUBT = "the order of the quaternion is in doubt: its real part is the first number or the last"
+POSE_TEXTS = "X, Y, Z and roll, pitch, yaw; qx, qy, qz, qw; rx, ry, rz; A, B, C; W, P, R; q1 … q4; or none of these"
+"""Names of a pose in a text."""
+RAISED = "Z counts from the height of axis 2, {0:.6g} mm above the base, as FANUC counts it"
+
+
+def makers_note(maker: str, turn: tuple[str, ...], length: str, angle: str) -> str:
+    """How poses of a maker's form are read: their order of turns and their units."""
+    return f"poses as {maker} writes them: {', '.join('xyz')} [{length}], {_MAKERS_TURNS[turn].format(angle)}"
+
+
+def passed_over_notes(names: Sequence[str]) -> tuple[str, ...]:
+    """A note on parts of a pose that say nothing of where the tip is; none where there are none."""
+    if not names:
+        return ()
+    return (f"not used: {', '.join(names)}",)
+
+
+def state_units(keys: tuple[str, ...]) -> str:
+    """How a table states the unit of lengths x, y, z, or of what turns."""
+    if keys[0] == "x":
+        return "name the columns x [mm], y [mm], z [mm], or x [m], y [m], z [m]"
+    if keys[0] == "rx":
+        return f"write {ROTATION_VECTORS}"
+    names = [key.upper() for key in keys]
+    return f"name the columns {_with_unit(names, 'deg')} or {_with_unit(names, 'rad')}"
+
+
+def _with_unit(names: Sequence[str], unit: str) -> str:
+    """Names of columns with a unit behind each."""
+    return ", ".join(f"{name} [{unit}]" for name in names)
+
+
 TRANSPOSED = "the matrices are transposed: write poses.transpose(0, 2, 1)"
 LAST_AXIS = "the poses are along the last axis: write numpy.moveaxis(poses, -1, 0)"
 ROTATIONS_ALONE = "these are rotations alone: add the translation as the fourth column"

@@ -215,10 +215,12 @@ def _verified_line(check: Any) -> str:
         off, turned = rounded_up(size * check.tool.off), rounded_up(1e3 * check.tool.turned)
         tip = f"; the tip stays within {off} mm and {turned} mrad"
     if check.evaluations == 1:
-        cover = "1 enclosure covers"
+        cover = "1 enclosure covers it"
+    elif check.evaluations == 0:
+        cover = "at its rows alone, without enclosures"
     else:
-        cover = f"{check.evaluations:,} enclosures cover"
-    return f"Verified: {cover} it{tip}; families {source}."
+        cover = f"{check.evaluations:,} enclosures cover it"
+    return f"Verified: {cover}{tip}; families {source}."
 
 
 def _never_lines(check: Any) -> Iterator[str]:

@@ -33,6 +33,8 @@ def interval_words(start: Any, end: Any) -> str:
     """Two places of a path: "between 1.2 and 1.8 s"."""
     if start.time is not None and end.time is not None:
         return f"between {start.time:.5g} and {end.time:.5g} s"
+    if row_words(start) == row_words(end):
+        return f"at row {row_words(start)}"
     return f"between rows {row_words(start)} and {row_words(end)}"
 
 

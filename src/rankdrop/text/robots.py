@@ -18,6 +18,7 @@ _NOTES = {
     NoteOn.BASE: "base {name!r} chosen: the root link",
     NoteOn.TIP: "tip {name!r} chosen: end of the longest chain, {joints}{fixed}{gripper}",
     NoteOn.LEFT_OUT: "joint {name!r} left out: its {end} link {other!r} is not in the file",
+    NoteOn.NO_AXIS: "joint {name!r} has no <axis>: it is X of the joint, as URDF says",
     NoteOn.NO_LIMITS: "joint {name!r} has no limits: it counts as unlimited",
     NoteOn.ONE_LIMIT: "joint {name!r} has no {end} limit: it is 0, the default of URDF",
     NoteOn.NO_LIMIT: "joint {name!r}: {end} {value:g} is read as no limit",

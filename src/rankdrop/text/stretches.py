@@ -185,6 +185,8 @@ def span_words(stretch: Any) -> str:
         rows = f"between rows {start.row} and {start.row + 1}"
         if start.share == end.share == 0.0 and start.row == end.row:
             rows = f"at row {start.row}"
+    elif row_words(start) == row_words(end):
+        rows = f"at row {row_words(start)}"
     else:
         rows = f"rows {row_words(start)} to {row_words(end)}"
     if start.time is None or end.time is None:

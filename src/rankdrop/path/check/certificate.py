@@ -130,7 +130,7 @@ def path_asked(
     """
     place, how = Path(file), options or PathOptions()
     if topic is None and holds_poses(place, robot):
-        poses = read_poses(place, deg=deg)
+        poses = read_poses(place, deg=deg, robot=robot)
         return AskedPath(
             place.name, file_hash(place), poses=poses.matrices, turned=poses.turned,
             tip=how.tip_tolerance * counted_length(robot), turn=how.turn_tolerance,

@@ -28,7 +28,7 @@ from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.pointing import TILTED, asked_task, fitting_task, followed_task, tilt_is_fixed, tilts_off
 from rankdrop.local.posture import by_habit
 from rankdrop.options import takes
-from rankdrop.path.check.follow import Followed, ToolBranch, follow
+from rankdrop.path.check.follow import Followed, ToolBranch, follow, missed_start
 from rankdrop.path.check.prove import Proof, prove
 from rankdrop.path.check.record import (
     CROSSING,
@@ -344,8 +344,8 @@ def check_poses(
     times = _times(t, len(wanted), "pose")
     resolved = followed_task(robot, task)
     check_tilt(robot, resolved, wanted, "poses")
-    first, solutions, moved = configuration_at(robot, wanted[0], resolved, start)
     tolerance = tip_tolerance(how, robot)
+    first, solutions, moved = _first_configuration(robot, wanted, resolved, start, tolerance)
     branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
     aim, targets = Aim(robot, resolved), poses_at(wanted, branch.place - 1.0)
     away, turned = tip_apart(aim, branch.q, targets)
@@ -512,6 +512,23 @@ def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
     if len(found) and robot.n <= task.m:
         return found[by_habit(robot, task, found)]
     return found
+
+
+def _first_configuration(
+    robot: Robot, poses: Array, task: Task, start: ArrayLike | None, tolerance: tuple[float, float]
+) -> tuple[Array, Array, float]:
+    """As `configuration_at`, and at a first pose that misses the singularity of the start by rounding this singularity,
+    where the branch leads straight away from it.
+    """
+    if start is not None:
+        given = _validate_start(robot, start)
+        met = missed_start(Aim(robot, task), poses[0], given)
+        if met is not None:
+            left = follow(robot, poses[:2], met, task, tolerance=tolerance, through=True)
+            if len(left.q) > 1 and np.linalg.norm(left.q[0] - met) <= _SAME:
+                away = float(np.linalg.norm((met - given) / joint_scale(robot, task)))
+                return met, within_limits(robot, poses[0], task), away
+    return configuration_at(robot, poses[0], task, start)
 
 
 def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, Array, float]:
@@ -725,7 +742,7 @@ def _read_path(robot: Robot, file: Path, question: PathQuestion) -> tuple[Poses 
     """
     deg, start = question.deg, question.start
     if question.topic is None and holds_poses(file, robot):
-        poses = read_poses(file, deg=deg)
+        poses = read_poses(file, deg=deg, robot=robot)
         return poses, length_hint(poses, reach(robot))
     if start is not None:
         raise OptionError("a start is for poses of the tip, these are joint values", where="start",

@@ -49,6 +49,9 @@ _SMALL = 1e-2  # σ_r at the end of a branch above which no singularity is its r
 _SINGULAR = 1e-6  # σ_r of a row below which the branch is at a singularity, and leaves it by its local geometry
 _ACROSS = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)  # σ_r of the row behind a singularity from which a step leads over it
 _ROUNDED = 2e-6  # of a pose: error of its printed digits [1]
+_FROM_START = 0.1  # of a pose: a start farther off is brought to it by Newton's method alone
+_MISSED = 1e-5  # σ_r of a start that counts as at a singularity that its pose misses by rounding
+_LEAVING = 0.5 ** np.arange(16)  # shares of the first move that are tried to leave it
 _NEXT_TO = 1e-12  # poses, from where a branch stops to the singularity that it steps over
 _TRUNCATED = 4  # steps of Newton's method without the weakest direction
 _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton leaves the lost joint motion alone [rad]
@@ -223,6 +226,34 @@ def follow(
     return _Walk(aim, wanted, limits, pull, tolerance, through).run(one_configuration(robot, start))
 
 
+def without_weakest(aim: Aim, target: Array, q: Array) -> Array:
+    """(n,) Newton's method from q (n,) towards a pose (1, 4, 4), the weakest direction left alone.
+
+    Steps are Δq = V₁ Σ₁⁻¹ U₁ᵀ e, of J = U Σ Vᵀ in scaled joints without its smallest singular value.
+    """
+    for _ in range(_TRUNCATED):
+        u, sigma, vt = np.linalg.svd(aim.jacobian(q[None])[0])
+        strong = aim.rank - 1
+        part = u[:, :strong].T @ aim.error(target, q[None])[0] / sigma[:strong]
+        q = q + vt[:strong].T @ part * aim.joints
+    return q
+
+
+def missed_start(aim: Aim, goal: Array, start: Array) -> Array | None:
+    """(n,) the singular configuration next to a start (n,) that a pose (4, 4) misses by as little as poses are rounded.
+
+    None where there is none, or the pose has one of the singularity itself.
+    """
+    if not aim.square or float(np.linalg.norm(aim.error(goal[None], start[None]))) > _FROM_START:
+        return None
+    met = without_weakest(aim, goal[None], start)
+    off = float(np.linalg.norm(aim.error(goal[None], met[None])))
+    sigma = singular_values(aim.robot, met, aim.task)[aim.rank - 1]
+    if _SAME < off <= _ROUNDED and sigma <= _MISSED:
+        return met
+    return None
+
+
 @dataclass(eq=False)
 class _Progress:
     """How far a branch was followed, and how its next step is taken.
@@ -310,6 +341,11 @@ class _Walk:
 
     def run(self, start: Array) -> Followed:
         """From the first pose on."""
+        met = missed_start(self.aim, self.poses[0], start)
+        if met is not None:
+            left = self._leave_miss(met)
+            if left is not None:
+                return self._walk(left)
         found, arrived = self.aim.solve(self.poses[:1], start[None])
         if not arrived[0]:
             return Followed(start[None][:0], np.zeros(0), False, 1.0, start, "start", 0)
@@ -319,7 +355,48 @@ class _Walk:
         now, last = found[0], len(self.poses) - 1.0
         if self.through and last > 0.0 and self._singular(now):
             now = self._turn_start(now)
-        progress = _Progress(now, self._side(now))
+        return self._walk(_Progress(now, self._side(now)))
+
+    def _leave_miss(self, met: Array) -> _Progress | None:
+        """Straight away from a singularity (n,) that the first pose misses by rounding; None where no row ahead is
+        straight on.
+
+        The row ahead and that half the way to it are solutions, in line with the singularity; the joints go straight
+        between them, within the tolerance of the tip.
+        """
+        if self.tolerance is None or not self.decides or len(self.poses) < 2:
+            return None
+        for share in _LEAVING:
+            ends = self._solutions_ahead(met, float(share))
+            if ends is None:
+                continue
+            step = self._straight_rows(np.array([0.0, share]), np.stack([met, ends]))
+            if step is not None:
+                self.missed.add(0.0)
+                progress = _Progress(met, 0.0)
+                progress.keep(*step, between=True, growth=_GROWING)
+                progress.side = self._side(progress.now)
+                return progress
+        return None
+
+    def _solutions_ahead(self, met: Array, share: float) -> Array | None:
+        """(n,) the configuration after a share of the first move, straight on from a singularity (n,); else None."""
+        at = np.array([share, share / 2.0])
+        targets = poses_at(self.poses, at)
+        guesses = np.stack([self._without_weakest(targets[k : k + 1], met) for k in range(2)])
+        found, arrived = self.aim.solve(targets, guesses)
+        step = (found - met) / self.aim.joints
+        size = float(np.linalg.norm(step[0]))
+        if not arrived.all() or size > _LONGEST or np.linalg.norm(step[1] - step[0] / 2.0) > _BENT * size / 2.0:
+            return None
+        sigma = singular_values(self.aim.robot, found[:1], self.aim.task)[0, self.aim.rank - 1]
+        if sigma < _ACROSS[-1] or self._joint_beyond_limit(found) >= 0:
+            return None
+        return np.asarray(found[0])
+
+    def _walk(self, progress: _Progress) -> Followed:
+        """From where a branch has begun to where it ends."""
+        last = len(self.poses) - 1.0
         while progress.place < last:
             self._look_at_work(progress)
             if progress.spent or not self._take_step(progress, last):
@@ -535,12 +612,7 @@ class _Walk:
 
     def _without_weakest(self, target: Array, q: Array) -> Array:
         """(n,) Newton's method from q towards a pose (1, 4, 4), the weakest direction left alone."""
-        for _ in range(_TRUNCATED):
-            u, sigma, vt = np.linalg.svd(self.aim.jacobian(q[None])[0])
-            strong = self.aim.rank - 1
-            part = u[:, :strong].T @ self.aim.error(target, q[None])[0] / sigma[:strong]
-            q = q + vt[:strong].T @ part * self.aim.joints
-        return q
+        return without_weakest(self.aim, target, q)
 
     def _as_far_ahead(self, place: float, behind: Array, now: Array) -> float | None:
         """The place as far ahead of a place as that of a configuration is behind it; None beyond the last pose."""

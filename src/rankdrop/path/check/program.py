@@ -20,7 +20,7 @@ from rankdrop.codec import Result
 from rankdrop.errors import OptionError
 from rankdrop.local.pointing import followed_task
 from rankdrop.path.check.check import PathQuestion, asked_for, check_curve, check_file
-from rankdrop.path.check.moves import ON_AXIS, STILL, Ended, FollowedMoves, MoveFollower
+from rankdrop.path.check.moves import STILL, Ended, FollowedMoves, MoveFollower
 from rankdrop.path.check.overrun import Overrun, overruns
 from rankdrop.path.check.record import (
     FREE,
@@ -38,6 +38,7 @@ from rankdrop.path.check.record import (
 )
 from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve, Index, Place, curve
+from rankdrop.path.read.makers import shoulder_height
 from rankdrop.path.read.program_file import read_program
 from rankdrop.path.read.program_record import BREAKS, Move, Program, Skipped, is_program
 from rankdrop.path.read.trajectory import TrajectoryError
@@ -355,7 +356,7 @@ def check_program(
     """
     task = followed_task(robot, question.task)
     if program.raised:
-        raised = _shoulder_height(robot)
+        raised = shoulder_height(robot)
     else:
         raised = 0.0
     follower = MoveFollower(robot, task, program, question, raised)
@@ -427,14 +428,3 @@ def _runs(program: Program) -> list[list[Move]]:
         elif item.reason in BREAKS and runs[-1]:
             runs.append([])
     return [run for run in runs if run]
-
-
-def _shoulder_height(robot: Robot) -> float:
-    """Height of axis 2 above the base [m], where axis 1 is the vertical axis of the base and axis 2 is horizontal."""
-    if len(robot.joints) < 2:
-        return 0.0
-    first, second = robot.joints[:2]
-    upright = abs(first.axis[2]) > 1.0 - ON_AXIS and float(np.hypot(*first.foot[:2])) <= ON_AXIS
-    if upright and abs(second.axis[2]) <= ON_AXIS:
-        return float(second.foot[2])
-    return 0.0

@@ -32,25 +32,52 @@ from rankdrop.path.read.csv_file import (
     read_table,
 )
 from rankdrop.path.read.files import text_of_file
+from rankdrop.path.read.makers import (
+    ABB,
+    ANGLES,
+    QUATERNION,
+    ROTATION_VECTOR,
+    WRITINGS,
+    Writing,
+    common_turns,
+    raised_by,
+    sizes_of,
+    writing_of,
+)
 from rankdrop.path.read.matrices import ENTRIES, TRANSLATION, as_stack, matrix_entries, poses_of
 from rankdrop.path.read.messages import OBJECTS, all_or_none, documents, is_double
 from rankdrop.path.read.trajectory import BAGS, TrajectoryError, check_times
 from rankdrop.robot.files import MOST_ROWS, RANGE, allowed_range, read_text
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
-from rankdrop.text.path_files import DEGREES_STATED, MILLIMETRES, MILLIMETRES_STATED, POSE_COLUMNS, TWO_TURNS
+from rankdrop.text.path_files import (
+    DEGREES_STATED,
+    MAKERS_UNITS,
+    MILLIMETRES,
+    MILLIMETRES_STATED,
+    POSE_COLUMNS,
+    RAISED,
+    ROTATION_VECTORS,
+    TWO_TURNS,
+    UNIT_IN_DOUBT,
+    makers_note,
+    state_units,
+)
 from rankdrop.text.words import MOST_TURNS
 
-QUATERNION, ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
 _LENGTHS = {"x", "y", "z"}
 _OTHER = {
     **{f"{long}{letter}": f"q{letter}" for long in ("q_", "quat_", "orientation_", "orientation.")
        for letter in "xyzw"},
     **{f"{long}{letter}": letter for long in ("p", "p_", "pos_", "position_", "position.", "t") for letter in "xyz"},
+    **{f"actual_tcp_pose_{place}": name for place, name in enumerate(("x", "y", "z", *ROTATION_VECTOR))},
 }  # fmt: skip
 """Other names of columns."""
+TURNS = (QUATERNION, ANGLES, *(writing.turn for writing in WRITINGS))
+"""Names of what turns, of every form."""
 _TURNS = {"orientation": QUATERNION, "rpy": ANGLES}
 _AXES = {"orientation": tuple("xyzw")}  # names of the numbers in an object
+_MEASURE: dict[tuple[str, ...], str] = {("x", "y", "z"): "length"}
 _UNIT_LENGTH = 1e-3  # a quaternion's length may be off by this: digits of a file
 _FAR = 20.0  # reaches: positions beyond it look like millimetres
 _UPPER, _WHOLE = ENTRIES[:12], ENTRIES
@@ -125,15 +152,17 @@ def _is_pose_array(shape: tuple[int, ...] | None, robot: Robot) -> bool:
 
 
 def _plain_lengths(words: list[str]) -> bool:
-    """Whether x, y and z are columns by themselves or with a unit in brackets, not as "x_mm"."""
-    return {_column_name(word) for word in words if not has_underscored_unit(word)} >= _LENGTHS
+    """Whether x, y and z are columns by themselves or with a unit in brackets, not as "x_mm", without q1 … q4."""
+    keys = {_column_name(word) for word in words if not has_underscored_unit(word)}
+    return keys >= _LENGTHS and not keys >= set(ABB)
 
 
-def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
+def read_poses(path: str | Path, *, deg: bool = False, robot: Robot | None = None) -> Poses:
     """Poses from a file.
 
     CSV: a line of names, x, y, z, and either qx, qy, qz, qw or roll, pitch, yaw (R = Rz·Ry·Rx, as in URDF), or the
-    entries m00 … m23 or m00 … m33 of matrices; a time column if there is one; units behind a name ("x [mm]",
+    entries m00 … m23 or m00 … m33 of matrices, or what makers write (`makers`: rx, ry, rz; A, B, C; W, P, R;
+    q1 … q4); a time column if there is one; units behind a name ("x [mm]",
     "roll [deg]", "m03 [mm]"), else metres and radians. JSON or YAML: a list, or an object with `poses` (a PoseArray, a
     Path), of objects with `position` ([x, y, z], or by name), `orientation` (the quaternion [x, y, z, w], or by name)
     or `rpy`, and `time`; `length`: "mm" and `angle`: "deg" beside `poses`. NumPy's files: matrices (N, 4, 4) or
@@ -142,6 +171,7 @@ def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
     Args:
         path: the file.
         deg: angles without a unit are in degrees.
+        robot: FANUC's Z counts from the height of its axis 2; None: from the base.
 
     Raises:
         TrajectoryError: with file, row or line, and column.
@@ -154,7 +184,7 @@ def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
     text = text_of_file(file)
     if ending in OBJECTS:
         return _poses_of_objects(loaded_poses(text, name, yaml=ending != ".json"), name, deg=deg)
-    return _poses_of_rows(text, name, deg=deg)
+    return _poses_of_rows(text, name, deg=deg, robot=robot)
 
 
 def length_hint(poses: Poses, reach: float) -> str | None:
@@ -210,6 +240,9 @@ def _measures(head: list[str]) -> Known:
         entries = {}
     kinds = {**dict.fromkeys(_LENGTHS, "length"), **dict.fromkeys(ANGLES, "angle"),
              **dict.fromkeys(QUATERNION, "number")}  # fmt: skip
+    writing = writing_of({_column_name(word) for word in head})
+    if writing is not None:
+        kinds |= dict.fromkeys(writing.turn, writing.measure)
 
     def measure(name: str) -> tuple[str, str] | None:
         if name.strip() in entries:
@@ -240,11 +273,67 @@ def pose_table(
     columns, time, _ = find_columns(table.head, table.head_place, _measures(table.head), deg=deg)
     if columns.keys() & set(ENTRIES):
         return table, columns, time, _matrix_keys(table, columns)
-    turn = next((keys for keys in (QUATERNION, ANGLES) if columns.keys() >= set(keys)), ())
+    turn: tuple[str, ...] = next((keys for keys in TURNS if columns.keys() >= set(keys)), ())
     if columns.keys() != {*_LENGTHS, *turn}:
         raise TrajectoryError("poses need other columns", where=table.head_place, got=", ".join(table.head),
                               allowed=POSE_COLUMNS)  # fmt: skip
+    for writing in WRITINGS:
+        if writing.turn == turn:
+            _take_makers_units(table, columns, writing, deg=deg)
     return table, columns, time, ("x", "y", "z", *turn)
+
+
+def _take_makers_units(
+    table: Table, columns: dict[Hashable, tuple[int, float]], writing: Writing, *, deg: bool
+) -> None:
+    """Give the columns of a maker's poses their factors, and note how they are read.
+
+    Units behind the names, or of angles `deg`, count; else those of the maker, where the numbers confirm them.
+
+    Raises:
+        TrajectoryError: a unit is in doubt.
+    """
+    length = _makers_unit(table, columns, ("x", "y", "z"), writing, deg=deg)
+    angle = ""
+    if writing.angle:
+        angle = _makers_unit(table, columns, writing.turn, writing, deg=deg)
+    table.notes += (makers_note(writing.maker, writing.turn, length, angle),)
+
+
+def _makers_unit(
+    table: Table, columns: dict[Hashable, tuple[int, float]], keys: tuple[str, ...], writing: Writing, *, deg: bool
+) -> str:
+    """The unit of three columns; their factors are set where the file does not state it.
+
+    Raises:
+        TrajectoryError: it is in doubt.
+    """
+    measure = _MEASURE.get(keys, "angle")
+    places = [columns[key][0] for key in keys]
+    names = ", ".join(table.head[place] for place in places)
+    stated = _stated_units(table, places, measure, deg=deg)
+    if keys == ROTATION_VECTOR and {"deg", "°"} & set(stated):
+        raise TrajectoryError("rx, ry, rz in degrees can be a rotation vector or angles about three axes",
+                              where=table.head_place, got=names, allowed=ROTATION_VECTORS)  # fmt: skip
+    if all(stated):
+        return " and ".join(dict.fromkeys(stated))
+    sizes = sizes_of(keys, table.block(places))
+    row = int(sizes.argmax())
+    unit = writing.unit_of(measure, float(sizes[row]))
+    if any(stated) or not unit:
+        raise TrajectoryError(UNIT_IN_DOUBT[measure], where=table.place(row), got=f"{sizes[row]:.6g} in {names}",
+                              allowed=MAKERS_UNITS[writing.turn], mend=state_units(keys))  # fmt: skip
+    for key in keys:
+        columns[key] = columns[key][0], UNITS[measure][unit]
+    return unit
+
+
+def _stated_units(table: Table, places: list[int], measure: str, *, deg: bool) -> list[str]:
+    """The units behind the names of columns, "" where there is none; of angles degrees with `deg`."""
+    default = ""
+    if deg and measure == "angle":
+        default = "deg"
+    return [name_and_unit(table.head[place])[1] or default for place in places]
 
 
 def _matrix_keys(table: Table, columns: dict[Hashable, tuple[int, float]]) -> tuple[str, ...]:
@@ -262,7 +351,7 @@ def _matrix_keys(table: Table, columns: dict[Hashable, tuple[int, float]]) -> tu
     return keys
 
 
-def _poses_of_rows(text: str, name: str, *, deg: bool) -> Poses:
+def _poses_of_rows(text: str, name: str, *, deg: bool, robot: Robot | None) -> Poses:
     table, columns, time, keys = pose_table(text, name, deg=deg)
     places, factors = zip(*(columns[key] for key in keys), strict=True)
     values = table.block(places) * np.array(factors)
@@ -272,7 +361,12 @@ def _poses_of_rows(text: str, name: str, *, deg: bool) -> Poses:
         matrices, notes = poses_of(values.reshape(len(values), -1, 4), table.place)
         return Poses(Path(name).name, matrices, table.times(time), True, unused, (*table.notes, *notes),
                      PoseForm.MATRIX_COLUMNS)  # fmt: skip
-    matrices = _matrices(values, keys[3:], table.place)
+    turn, turns = common_turns(keys[3:], values[:, 3:])
+    matrices = _matrices(np.hstack([values[:, :3], turns]), turn, table.place)
+    raised = raised_by(keys[3:], robot)
+    matrices[:, 2, 3] += raised
+    if raised:
+        table.notes += (RAISED.format(1e3 * raised),)
     if keys[3:] == ANGLES:
         stated = [deg or name_and_unit(table.head[place])[1] is not None for place in places[3:]]
         _refuse_degrees(values, table.place, PoseForm.COLUMNS, stated)

@@ -25,11 +25,12 @@ from rankdrop.errors import OptionError
 from rankdrop.path.curve import Index
 from rankdrop.path.read.arrays import ARRAY_ENDINGS, read_pose_array
 from rankdrop.path.read.csv_file import UNITS, delimiter_of, per_second
+from rankdrop.path.read.makers import ANGLES, QUATERNION, common_turns, makers_turn, raised_by
 from rankdrop.path.read.matrices import ENTRIES, as_stack
 from rankdrop.path.read.messages import OBJECTS
-from rankdrop.path.read.poses import ANGLES, QUATERNION, list_in, loaded_poses, pose_in, pose_table, unit_of
+from rankdrop.path.read.poses import list_in, loaded_poses, pose_in, pose_table, unit_of
 from rankdrop.robot.files import read_text
-from rankdrop.robot.model import Array
+from rankdrop.robot.model import Array, Robot
 from rankdrop.text.path_files import DECIMAL_COMMAS
 
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+")
@@ -55,7 +56,9 @@ def check_pose_target(source: Path, target: str) -> None:
                           typed="--fixed-as joints writes joint values")  # fmt: skip
 
 
-def poses_bytes(source: Path, matrices: Array, times: Array | None, given: Index, *, deg: bool = False) -> bytes:
+def poses_bytes(
+    source: Path, matrices: Array, times: Array | None, given: Index, *, deg: bool = False, robot: Robot | None = None
+) -> bytes:
     """The content of a file of poses with other rows.
 
     Args:
@@ -64,13 +67,14 @@ def poses_bytes(source: Path, matrices: Array, times: Array | None, given: Index
         times: (K,) [s]; None where the file has none.
         given: (K,) which row of the file each is, from 0; −1: a new one.
         deg: angles without a unit are in degrees.
+        robot: as of `read_poses`.
     """
     before = np.maximum.accumulate(np.where(given >= 0, given, 0))  # the row of the file before each
     if source.suffix.lower() in ARRAY_ENDINGS:
         return _arrays(source, matrices, times, given)
     if source.suffix.lower() in OBJECTS:
         return _objects(source, matrices, times, given, before, deg=deg)
-    return _table(source, matrices, times, given, before, deg=deg)
+    return _table(source, matrices, times, given, before, deg=deg, robot=robot)
 
 
 @dataclass(frozen=True)
@@ -97,9 +101,13 @@ class _Columns:
         return cells
 
 
-def _table(source: Path, matrices: Array, times: Array | None, given: Index, before: Index, *, deg: bool) -> bytes:
+def _table(
+    source: Path, matrices: Array, times: Array | None, given: Index, before: Index, *, deg: bool, robot: Robot | None
+) -> bytes:
     text = read_text(source)
     table, columns, time, keys = pose_table(text, str(source), deg=deg)
+    matrices = matrices.copy()
+    matrices[:, 2, 3] -= raised_by(keys[3:], robot)
     places, factors = zip(*(columns[key] for key in keys), strict=True)
     lines = _LINE.findall(text)
     rows = [number - 1 for number in table.lines]
@@ -136,7 +144,9 @@ def _numbers_of_row(matrix: Array, keys: tuple[str, ...], near: Array) -> list[f
     """The numbers of a row [m, rad] for a pose (4, 4): entries of the matrix, or x, y, z and what turns."""
     if keys[0] == ENTRIES[0]:
         return [float(x) for x in matrix.ravel()[: len(keys)]]
-    return _numbers(matrix, keys[3:], near[3:])
+    common, turns = common_turns(keys[3:], near[None, 3:])
+    numbers = np.array(_numbers(matrix, common, turns[0]))
+    return [*map(float, numbers[:3]), *map(float, makers_turn(keys[3:], numbers[3:], near[3:]))]
 
 
 def _arrays(source: Path, matrices: Array, times: Array | None, given: Index) -> bytes:

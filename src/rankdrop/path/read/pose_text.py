@@ -1,0 +1,267 @@
+"""A pose of the tip as engineers copy it from a program or a teach pendant.
+
+- URScript: p[x, y, z, rx, ry, rz]; m and the rotation vector in rad.
+- KRL: {X 100, Y 0, Z 500, A 0, B 90, C 0}, also with E6POS: and with S and T.
+- RAPID: [[x, y, z], [q1, q2, q3, q4], …]; mm, the real part first.
+- Names and values: X = 100 mm, Y = 0 mm, …, W = 180 deg, P = 0 deg, R = 0 deg; x 0.1, …, qw 1, qx 0, qy 0, qz 0.
+- Seven numbers with the order of the quaternion behind them: 0.1,0,0.5,1,0,0,0 wxyz.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from rankdrop.errors import OptionError, RankdropError
+from rankdrop.path.read.csv_file import UNITS
+from rankdrop.path.read.makers import (
+    ABB,
+    ANGLES,
+    QUATERNION,
+    ROTATION_VECTOR,
+    WRITINGS,
+    Writing,
+    common_turns,
+    raised_by,
+    sizes_of,
+    writing_of,
+)
+from rankdrop.path.read.program_record import flat, numbers_of
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.quantities import quantity
+from rankdrop.text.path_files import (
+    MAKERS_UNITS,
+    ORDER_IN_DOUBT,
+    POSE_TEXTS,
+    RAISED,
+    ROTATION_VECTORS,
+    STATE_POSE_UNITS,
+    UNIT_IN_DOUBT,
+    URSCRIPT_UNITS,
+    makers_note,
+    passed_over_notes,
+)
+
+_PLACE: tuple[str, ...] = ("x", "y", "z")
+_ITEM = re.compile(
+    r"(?P<name>[A-Za-z]\w*)(?:\s*[=:]\s*|\s+)(?P<value>[-+]?(?:[\d.(]|pi)[^\s,;=:]*)(?:\s*(?P<unit>mm|m|deg|°|rad)\b°?)?[\s,;]*"
+)
+_TYPE = re.compile(r"^(?:(?:E6)?POS|FRAME)\s*:", re.IGNORECASE)
+_ORDER = re.compile(r"(?P<numbers>.*?)[\s,;:(\[]*\b(?P<order>wxyz|xyzw)\b[\s)\]]*", re.IGNORECASE | re.DOTALL)
+_UNIT = re.compile(r"(?:mm|m|deg|°|rad)$")
+_POSTURE = frozenset(("s", "t", "f", "cf1", "cf4", "cf6", "cfx", "config", *(f"e{number}" for number in range(1, 7))))
+"""Names of parts of a target that say nothing of where the tip is."""
+_AS_TYPED = str.maketrans("−–", "--")
+
+
+@dataclass(frozen=True)
+class PoseText:
+    """A pose that was read.
+
+    Attributes:
+        numbers: x, y, z [m], then nothing, roll, pitch, yaw [rad], or a quaternion x, y, z, w.
+        notes: how it was read.
+    """
+
+    numbers: list[float]
+    notes: tuple[str, ...]
+
+
+def pose_of_text(text: str, where: str, *, deg: bool = False, robot: Robot | None = None) -> PoseText | None:
+    """A pose from a text of a maker's form or with names; None for a plain list of numbers.
+
+    Args:
+        text: as typed.
+        where: the option, for errors.
+        deg: angles without a unit are in degrees.
+        robot: FANUC's Z counts from the height of its axis 2; None: from the base.
+
+    Raises:
+        OptionError: names, units or the order of a quaternion are in doubt.
+
+    Example:
+        >>> pose_of_text("{X 100, Y 0, Z 500, A 0, B 90, C 0}", "--pose").numbers[:3]
+        [0.1, 0.0, 0.5]
+    """
+    plain = text.translate(_AS_TYPED).replace("π", "pi").strip()
+    if re.match(r"p\s*\[", plain):
+        return _of_urscript(plain[1:].strip(), where, deg=deg)
+    if plain.startswith("[") and plain[1:].lstrip().startswith("["):
+        return _of_rapid(plain, where)
+    ordered = _ORDER.fullmatch(plain)
+    if ordered is not None:
+        return _of_quaternion(ordered["numbers"], ordered["order"].lower(), where)
+    named = _named_values(plain)
+    if named is None:
+        return None
+    default = ""
+    if deg or re.match(r"\{[^{}]*\bA[\s=:]", plain):  # KRL
+        default = "deg"
+    return _of_names(named, where, default=default, deg=deg, robot=robot)
+
+
+def _of_urscript(text: str, where: str, *, deg: bool) -> PoseText:
+    values = flat(numbers_of(text), 6)
+    if values is None:
+        raise OptionError("a pose of URScript has six numbers", where=where, got=repr(f"p{text}"),
+                          allowed="p[x, y, z, rx, ry, rz]")  # fmt: skip
+    if deg:
+        raise OptionError("rx, ry, rz of p[…] are a rotation vector in radians", where=where, got="degrees",
+                          mend="deg=False", typed="leave --deg out")  # fmt: skip
+    made = np.array([values])
+    for keys, numbers in ((_PLACE, made[:, :3]), (ROTATION_VECTOR, made[:, 3:])):
+        _confirmed_unit(WRITINGS[0], keys, numbers, where, URSCRIPT_UNITS)
+    return _made(WRITINGS[0], made, "m", "rad")
+
+
+def _of_rapid(text: str, where: str) -> PoseText:
+    """A robtarget, or its first two groups.
+
+    Raises:
+        OptionError: it is none; two groups in metres: nobody knows which number of the quaternion is its real part.
+    """
+    groups = numbers_of(text) or []
+    place, turn = (flat(group, count) for group, count in zip([*groups, None, None][:2], (3, 4), strict=True))
+    if place is None or turn is None:
+        raise OptionError("this is no robtarget", where=where, got=repr(text),
+                          allowed="[[x, y, z], [q1, q2, q3, q4], …]")  # fmt: skip
+    writing = next(writing for writing in WRITINGS if writing.turn == ABB)
+    if writing.unit_of("length", float(np.abs(place).max())) != "mm":
+        raise OptionError(ORDER_IN_DOUBT, where=where, got=repr(text), allowed="lengths in mm, as RAPID has them",
+                          mend="write x,y,z and the quaternion, then wxyz or xyzw")  # fmt: skip
+    made = np.array([[*place, *turn]])
+    made[:, :3] *= UNITS["length"]["mm"]
+    return _made(writing, made, "mm", "")
+
+
+def _of_quaternion(numbers: str, order: str, where: str) -> PoseText:
+    """Three lengths and a quaternion; the order of its numbers is stated."""
+    words = [word for word in re.split(r"[\s,;\[\]()]+", numbers) if word]
+    if len(words) != 7:
+        raise OptionError("three lengths and a quaternion are seven numbers", where=where, got=f"{len(words)} numbers",
+                          allowed="x,y,z,qw,qx,qy,qz wxyz, or x,y,z,qx,qy,qz,qw xyzw")  # fmt: skip
+    values = [_value(word, "length", where) for word in words[:3]]
+    turn = dict(zip(order, (_value(word, "number", where) for word in words[3:]), strict=True))
+    return PoseText([*values, *(turn[key] for key in "xyzw")], ())
+
+
+def _named_values(text: str) -> list[tuple[str, str]] | None:
+    """Names in small letters and values with their units; None where the text is anything else."""
+    body = _TYPE.sub("", text.strip("{}").strip()).strip()
+    found, at = [], 0
+    while at < len(body):
+        item = _ITEM.match(body, at)
+        if item is None:
+            return None
+        found.append((item["name"].lower(), f"{item['value']} {item['unit'] or ''}".strip()))
+        at = item.end()
+    return found or None
+
+
+def _of_names(items: list[tuple[str, str]], where: str, *, default: str, deg: bool, robot: Robot | None) -> PoseText:
+    values = dict(items)
+    if len(values) < len(items):
+        raise OptionError("a name is given twice", where=where, got=", ".join(name for name, _ in items).upper())
+    writing = writing_of(set(values))
+    if writing is None:
+        return _of_common_names(values, where, deg=deg)
+    notes = _others(values, writing.turn, where)
+    place, length = _in_units(writing, "length", [values[key] for key in _PLACE], where)
+    if writing.measure == "number":
+        return _made(writing, np.hstack([place, [[_value(values[key], "number", where) for key in writing.turn]]]),
+                     length, "", notes, robot)  # fmt: skip
+    turns, angle = _in_units(writing, "angle", [values[key] for key in writing.turn], where, default)
+    return _made(writing, np.hstack([place, turns]), length, angle, notes, robot)
+
+
+def _of_common_names(values: dict[str, str], where: str, *, deg: bool) -> PoseText:
+    """x, y, z [m] and roll, pitch, yaw [rad], a quaternion, or nothing."""
+    turn: tuple[str, ...] = next((keys for keys in (QUATERNION, ANGLES) if values.keys() >= set(keys)), ())
+    measure = "angle"
+    if turn == QUATERNION:
+        measure = "number"
+    notes = _others(values, turn, where)
+    place = [_value(values[key], "length", where) for key in _PLACE]
+    return PoseText([*place, *(_value(values[key], measure, where, deg=deg) for key in turn)], notes)
+
+
+def _others(values: dict[str, str], turn: tuple[str, ...], where: str) -> tuple[str, ...]:
+    """A note on values that say nothing of where the tip is: of posture and external axes.
+
+    Raises:
+        OptionError: there are others, or a length is missing.
+    """
+    others = [name for name in values if name not in (*_PLACE, *turn)]
+    if not values.keys() >= set(_PLACE) or not set(others) <= _POSTURE:
+        raise OptionError("the names are not those of one pose", where=where, got=", ".join(values).upper(),
+                          allowed=POSE_TEXTS)  # fmt: skip
+    return passed_over_notes([name.upper() for name in others])
+
+
+def _in_units(writing: Writing, measure: str, words: list[str], where: str, default: str = "") -> tuple[Array, str]:
+    """(1, k) numbers in m or rad of quantities of a maker's pose, and their unit.
+
+    Args:
+        writing: the maker's form.
+        measure: "length" or "angle".
+        words: the quantities, with or without a unit.
+        where: for errors.
+        default: the unit of those without one; "": that of the maker, where the numbers confirm it.
+
+    Raises:
+        OptionError: the unit is in doubt.
+    """
+    keys = {"length": _PLACE}.get(measure, writing.turn)
+    units = [_UNIT.findall(word) or [default] for word in words]
+    stated = [unit[0] for unit in units]
+    if keys == ROTATION_VECTOR and {"deg", "°"} & set(stated):
+        raise OptionError("rx, ry, rz in degrees can be a rotation vector or angles about three axes", where=where,
+                          got=", ".join(words), allowed=ROTATION_VECTORS)  # fmt: skip
+    numbers = np.array([[_value(_UNIT.sub("", word).strip(), "number", where) for word in words]])
+    if not any(stated):
+        stated = [_confirmed_unit(writing, keys, numbers, where)] * len(words)
+    if not all(stated):
+        raise OptionError(UNIT_IN_DOUBT[measure], where=where, got=", ".join(words),
+                          mend=STATE_POSE_UNITS[measure])  # fmt: skip
+    return numbers * np.array([UNITS[measure][unit] for unit in stated]), " and ".join(dict.fromkeys(stated))
+
+
+def _confirmed_unit(writing: Writing, keys: tuple[str, ...], numbers: Array, where: str, mend: str = "") -> str:
+    """The unit of the maker, where the numbers (1, k) confirm it.
+
+    Raises:
+        OptionError: they do not.
+    """
+    measure = {_PLACE: "length"}.get(keys, "angle")
+    size = float(sizes_of(keys, numbers)[0])
+    unit = writing.unit_of(measure, size)
+    if not unit:
+        raise OptionError(UNIT_IN_DOUBT[measure], where=where, got=f"{size:.6g} in {', '.join(keys)}",
+                          allowed=MAKERS_UNITS[writing.turn], mend=mend or STATE_POSE_UNITS[measure])  # fmt: skip
+    return unit
+
+
+def _made(
+    writing: Writing, values: Array, length: str, angle: str, notes: tuple[str, ...] = (), robot: Robot | None = None
+) -> PoseText:
+    """The pose of numbers (1, 3 + k) [m, rad]."""
+    _, turns = common_turns(writing.turn, values[:, 3:])
+    place = values[0, :3].copy()
+    raised = raised_by(writing.turn, robot)
+    place[2] += raised
+    said = [makers_note(writing.maker, writing.turn, length, angle), *notes]
+    if raised:
+        said.append(RAISED.format(1e3 * raised))
+    return PoseText([*map(float, place), *map(float, turns[0])], tuple(said))
+
+
+def _value(word: str, measure: str, where: str, *, deg: bool = False) -> float:
+    """One quantity; an angle without a unit is in degrees with `deg`."""
+    if deg and measure == "angle" and not _UNIT.search(word):
+        return UNITS["angle"]["deg"] * _value(word, "number", where)
+    try:
+        return quantity(word, measure, where=where)
+    except RankdropError as error:
+        raise OptionError(**error.parts) from error

@@ -335,7 +335,7 @@ def test_explain_tells_what_each_failure_leaves(run) -> None:
     assert "4 joint4 0 0 5 of 6 can" in told
 
 
-@pytest.mark.by_hand
+@pytest.mark.slow
 def test_analyze_within_limits_tells_values_inside_and_shares(run) -> None:
     ended = run("analyze", "panda", "--limits", "--starts", "1500", "--exact", "off", "--quiet", "--full")
     told = " ".join(ended.out.split())

@@ -105,7 +105,7 @@ def test_a_printed_condition_can_be_pasted_back(z1: Conditions) -> None:
     assert z1.test(together).verdict == "exact"
 
 
-@pytest.mark.by_hand
+@pytest.mark.slow
 def test_no_line_is_longer_than_the_window(puma2: Conditions) -> None:
     for width in (60, 80):
         formulas = [line for section in puma2.sections() for line in section.lines if isinstance(line, Formula)]
@@ -137,7 +137,7 @@ def test_formulas_are_broken_before_signs_outside_of_brackets() -> None:
     assert formula(text, 200) == [text]
 
 
-@pytest.mark.by_hand
+@pytest.mark.slow
 def test_simple_angles_stand_on_one_line_long_conditions_on_their_own(puma2: Conditions, pa10: Conditions) -> None:
     assert condition_lines(pa10.families[1]) == ["θ2 = 0 or π; θ3 = ±π/2"]
     long = puma2.of_corank(2)[-1]

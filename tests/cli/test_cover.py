@@ -138,7 +138,7 @@ def test_a_higher_corank_is_explained_by_its_own_families(tmp_path: Path, run) -
     assert "proven to hold one" not in text
 
 
-@pytest.mark.by_hand
+@pytest.mark.slow
 def test_exit_codes_and_what_is_written(tmp_path: Path, run) -> None:
     out, file = tmp_path / "arm.cover", tmp_path / "arm.json"
     code, text, _ = run("almarkhi4", "--width", "10deg", "--out", out, "--json", file)

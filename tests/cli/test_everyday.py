@@ -184,7 +184,7 @@ def test_an_interrupt_while_analyze_derives_ends_with_130(run: Any, monkeypatch:
     assert "Interrupted" in ended.out  # the derivation comes first: no corank is finished
 
 
-@pytest.mark.by_hand
+@pytest.mark.slow
 def test_many_joints_have_rank_and_singular_values(run: Any, tmp_path: Path) -> None:
     path = tmp_path / "long.toml"
     rows = "".join(f'[[joints]]\na = 0.{i + 10}\nalpha = "{i % 3 * 45} deg"\n' for i in range(40))
@@ -265,7 +265,7 @@ def test_every_command_that_reads_a_configuration_reads_degrees() -> None:
     assert [name for name, here in options.items() if reading & here and "--deg" not in here] == []
 
 
-@pytest.mark.by_hand
+@pytest.mark.slow
 def test_the_same_words_stand_beside_an_option_in_every_command(run: Any) -> None:
     """--quiet, --threads and --deg mean the same everywhere, so they are told in the same words."""
     told: dict[str, set[str]] = {}

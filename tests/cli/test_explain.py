@@ -161,9 +161,7 @@ def test_a_rise_has_digits_that_show_it_and_a_speed_that_is_not_checked_is_said(
     assert "Lost: nothing. Speed is not checked: the arm's file has no joint rates." in asked
 
 
-@pytest.mark.by_hand_at("140", "60")
 @pytest.mark.slow
-@pytest.mark.slow_at("140", "60")
 @pytest.mark.parametrize("width", [60, 80, 140])
 def test_no_number_is_broken_and_no_line_too_long(run, width: int) -> None:
     eight = ("fetch8", "--q", "0 0.1 0.2 0.3 0.4 0.5 0.6 0.7")

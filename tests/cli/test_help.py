@@ -24,8 +24,6 @@ def test_the_list_of_commands_is_in_groups_and_short(process: Any) -> None:
     assert process(COLUMNS="80").out == process("help", COLUMNS="80").out == text
 
 
-@pytest.mark.spread(2)
-@pytest.mark.by_hand_at("analyze", "explain", "path")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_line_of_a_command_is_the_first_of_its_page(run: Any, name: str) -> None:

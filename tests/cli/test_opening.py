@@ -44,7 +44,6 @@ def test_every_command_that_opens_an_arm_is_here() -> None:
     assert opening == set(OPENING)
 
 
-@pytest.mark.spread(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("command", OPENING)
 def test_a_missing_argument_is_named_as_the_option_to_type(run, command: str, arm: Path) -> None:

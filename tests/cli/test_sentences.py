@@ -37,10 +37,7 @@ OUTPUTS = {
     "jacobian": ("jacobian", "ur5"),
 }
 ALLOWED = {
-    r"^lies on: ": "a list of families",
-    r"^(here|at every configuration): ": "a list of what the axes have in common",
     r"^joints( |$)": "a list of names",
-    r"^source ": "quotes where the numbers come from",
     r" = 0( |$|;)": "a condition, not a sentence",
 }
 """Sentences that may be longer, and why."""
@@ -71,9 +68,8 @@ def printed() -> dict[str, str]:
     return {}
 
 
-@pytest.mark.spread(11)
 @pytest.mark.slow
-@pytest.mark.by_hand_at("remarks", "conditions", "ideal")
+@pytest.mark.by_hand_at("remarks")
 @pytest.mark.parametrize("key", OUTPUTS)
 def test_no_sentence_of_a_default_output_is_longer_than_can_be_read(
     key: str, run: Any, printed: dict[str, str]
@@ -91,7 +87,7 @@ SIX = {
 """Arms of six kinds, the last one on a slide, and a configuration of each [°, m]."""
 
 
-@pytest.mark.by_hand
+@pytest.mark.slow
 @pytest.mark.shipped
 @pytest.mark.parametrize("arm", SIX)
 def test_no_sentence_is_longer_on_any_of_six_arms(arm: str, run: Any) -> None:
@@ -128,29 +124,36 @@ points = 3
 """Variants of the smallest arm, with everything that is told of them."""
 
 
-@pytest.mark.by_hand
+MOTION: dict[str, tuple[tuple[str, ...], ...]] = {
+    "sweep": (("sweep", "designs.toml", "--workers", "1"), ("sweep", "designs.toml", "--workers", "1", "--all")),
+    "monitor": (("monitor", "ur5e", "--header", "-"),),  # comments; lines of numbers have no words
+    "path": (("path", "ur5e", "path.csv"),),
+    "remedies": (("path", "ur5e", "path.csv", "--remedies"),),
+    "verify": (
+        ("nearest", "planar3r", "--q", "0.3,1.2,0.4", "--certificate", "ball.json"), ("verify", "ball.json"),
+    ),
+    "aspects": (("aspects", "ur5e", "--poses", "2"),),
+    "through": (("through", "planar2r", "--q", "0,0", "--along", "-1,0"),),
+    "tolerant": (("tolerant", "planar3r", "--starts", "30"),),
+    "cover": (("cover", "planar3r", "--width", "0.4"),),
+    "compare": (
+        ("compare", "planar2r", "planar3r", "--task", "planar-position", "--starts", "50", "--workers", "1"),
+    ),
+}  # fmt: skip
+"""Commands about motion and proofs, those of one key in turn in one folder."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("key", MOTION)
 def test_no_sentence_about_motion_or_proofs_is_longer(
-    run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    key: str, run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     start, end = np.radians([0, -60, 60, -40, 50, 0]), np.radians([40, -100, -20, 10, -30, 60])
     rows = [start + share * (end - start) for share in np.linspace(0.0, 1.0, 20)]
     Path("path.csv").write_text("\n".join(",".join(f"{x:.6f}" for x in row) for row in rows), encoding="utf-8")
     Path("designs.toml").write_text(DESIGNS, encoding="utf-8")
-    for line in (
-        ("sweep", "designs.toml", "--workers", "1"),
-        ("sweep", "designs.toml", "--workers", "1", "--all"),
-        ("monitor", "ur5e", "--header", "-"),  # comments; lines of numbers have no words
-        ("path", "ur5e", "path.csv"),
-        ("path", "ur5e", "path.csv", "--remedies"),
-        ("nearest", "planar3r", "--q", "0.3,1.2,0.4", "--certificate", "ball.json"),
-        ("verify", "ball.json"),
-        ("aspects", "ur5e", "--poses", "2"),
-        ("through", "planar2r", "--q", "0,0", "--along", "-1,0"),
-        ("tolerant", "planar3r", "--starts", "30"),
-        ("cover", "planar3r", "--width", "0.4"),
-        ("compare", "planar2r", "planar3r", "--task", "planar-position", "--starts", "50", "--workers", "1"),
-    ):
+    for line in MOTION[key]:
         out = run(*line, width=2000).out
         assert out, line
         assert too_long(out) == [], line
@@ -158,7 +161,7 @@ def test_no_sentence_about_motion_or_proofs_is_longer(
 
 
 def test_every_exception_is_met(printed: dict[str, str]) -> None:
-    if len(printed) < len(OUTPUTS):
+    if len(printed) < len(OUTPUTS) - 1:  # one of them by hand
         pytest.skip("runs after the outputs above")
     whole = "\n".join(printed.values())
     unmet = [pattern for pattern in ALLOWED if not any(re.search(pattern, one) for one in sentences(whole))]

@@ -87,13 +87,19 @@ def lengthy(family: Family) -> bool:
 
 
 def first_by_kinematics(monitor: Monitor, family: Family, q: Array) -> float:
-    """|D⁺F|: to the tangent plane of F = 0 at q; F is of the task's weakest directions, derivatives from the base."""
+    """|D⁺F|: to the tangent plane of F = 0 at q, seen from the base.
+
+    F = left^T J V2: V2 spans the null space of U1^T J, and left^T J lies in it. The border splits the task as seen from
+    the base: u is the direction that is weakest at q, taken there; U1 is its orthogonal complement.
+    """
     robot, task, rank = monitor.robot, monitor.task, monitor.generic_rank - family.corank
     scale = joint_scale(robot, task)
     here = replace(task, length_scale=task.scale(robot), frame=SPACE)  # derivatives are taken there
     # u^T J of the task is (T^T u)^T J seen from the base
     shift = task_jacobian(robot, q, task) @ np.linalg.pinv(task_jacobian(robot, q, here))
-    u, at = shift.T @ block(robot, q, task, 0).u2, block(robot, q, here, 0)
+    weakest, at = shift.T @ block(robot, q, task, 0).u2[:, rank], block(robot, q, here, 0)
+    weakest = weakest / np.linalg.norm(weakest)
+    u = np.column_stack([np.linalg.svd(weakest[None])[2][1:].T, weakest])
     jacobian, slopes = at.u2 @ at.f @ at.v2.T, np.einsum("ap,psk,js->ajk", at.u2, at.d, at.v2)
     strong, weak = (u.T @ jacobian)[:rank], (u.T @ jacobian)[rank]
     left = u[:, rank] - u[:, :rank] @ np.linalg.lstsq(strong.T, weak, rcond=None)[0]
@@ -125,7 +131,6 @@ def watched(name: str) -> tuple[Monitor, Array]:
     return Monitor(found.robot, found.task, found.families), q
 
 
-@pytest.mark.by_hand_at("gen3")
 @pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_rank_and_directions_are_those_of_the_decomposition(name):
@@ -146,7 +151,6 @@ def test_rank_and_directions_are_those_of_the_decomposition(name):
         assert np.abs(j[row] @ still).max(initial=0.0) < 2e-9
 
 
-@pytest.mark.by_hand_at("gen3")
 @pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_residuals_and_families_are_those_of_the_equations(name):
@@ -177,7 +181,6 @@ def test_residuals_and_families_are_those_of_the_equations(name):
             assert chosen.corank == seen.corank[row] > best[0]
 
 
-@pytest.mark.by_hand_at("gen3")
 @pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_without_conditions_the_distance_is_sigma_over_its_slope(name):
@@ -200,7 +203,6 @@ def test_without_conditions_the_distance_is_sigma_over_its_slope(name):
     assert (seen.distance[seen.corank > 0] == 0).all()
 
 
-@pytest.mark.by_hand_at("gen3")
 @pytest.mark.slow_at("gen3")
 @pytest.mark.parametrize("name", ARMS)
 def test_one_at_a_time_gives_the_same_bits(name):

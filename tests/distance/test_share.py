@@ -111,7 +111,7 @@ def test_values_are_told_inside_the_range(panda):
     (row,) = panda.of_corank(2)
     inside = inside_limits(row, robot)
     assert inside.holds
-    shown = {one.number: one.values for one in inside.shown(row).pinned}
+    shown = {one.number: one.values for one in inside.with_values_inside(row).pinned}
     for number, values in shown.items():
         assert all(robot.lower[number - 1] <= value <= robot.upper[number - 1] for value in values)
     assert shown[6] == pytest.approx([3.3614], abs=1e-3)

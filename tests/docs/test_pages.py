@@ -36,8 +36,6 @@ def outputs() -> dict[str, str]:
 
 
 @pytest.mark.slow_at("postures-11")
-@pytest.mark.spread(2)
-@pytest.mark.by_hand_at("postures-10", "postures-8", "postures-9")
 @pytest.mark.slow_at("from-a-pose-7", "postures-10", "postures-8", "postures-9")
 @pytest.mark.slow_at("index-0", "start-1", "postures-6", "start-2")
 @pytest.mark.parametrize(
@@ -63,7 +61,6 @@ def test_commands_print_what_is_shown(
         printed = printed.partition(wanted)[2]
 
 
-@pytest.mark.by_hand_at("comparing-designs", "inside-limits", "nearly-ideal", "tool-offset")
 @pytest.mark.slow_at("from-a-pose")
 @pytest.mark.slow_at("nearly-ideal", "comparing-designs", "paths", "postures", "tool-offset", "inside-limits")
 @pytest.mark.parametrize("page", PAGES, ids=[page.stem for page in PAGES])

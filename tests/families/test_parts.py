@@ -73,7 +73,7 @@ def test_the_first_sentence_names_parts_of_the_arm(name: str, start: str) -> Non
     assert first_sentence(name).startswith(start)
 
 
-@pytest.mark.by_hand
+@pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())
 def test_no_first_sentence_speaks_of_screws_or_axes(name: str) -> None:
     found = shipped(name)

@@ -52,7 +52,7 @@ def cell(tmp_path: Path) -> Path:
 def test_the_families_of_the_cell_under_the_names_of_its_joints(cell: Path) -> None:
     ended = run(cell, "analyze", "cell.xacro", "--arg", "rail_length:=4", "--starts", "2000", "--json", "cell.json")
     assert ended.returncode == 0, ended.stderr
-    assert "1 rail, 2 a1, 3 a2, 4 a3, 5 a4, 6 a5, 7 a6" in " ".join(ended.stdout.split())
+    assert "joints: q1 rail, θ2 a1, θ3 a2, θ4 a3, θ5 a4, θ6 a5, θ7 a6" in " ".join(ended.stdout.split())
     record = json.loads((cell / "cell.json").read_text(encoding="utf-8"))
     assert record["verdict"] == "verified"
     rail = next(joint for joint in record["robot"]["joints"] if joint["name"] == "rail")

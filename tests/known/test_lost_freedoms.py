@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from rankdrop.families.lost import LostFreedom, MotionKind
 from rankdrop.families.record import Family
 from rankdrop.kinematics import jacobian
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.known import shipped, shipped_record
+from rankdrop.results.known import known_names, shipped, shipped_record
 from rankdrop.results.old_files import freedoms_of_sentences
 from rankdrop.task import BODY, Frame
 from rankdrop.text.lost import lost_line, lost_note, lost_sentence, lost_sentences
@@ -38,6 +38,23 @@ def test_shipped_sentences_are_those_of_the_facts_and_lead_back_to_them(name: st
         for mine, other in zip(family.lost_freedoms, again, strict=True):
             assert (mine.frame, mine.everywhere, mine.length) == (other.frame, other.everywhere, other.length)
             assert mine.direction == pytest.approx(other.direction, abs=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.shipped
+def test_every_shipped_sentence_is_made_of_the_facts_of_today() -> None:
+    for name in known_names():
+        told = {one["id"]: one["lost_words"] for one in shipped_record(name)["families"]}
+        assert {one.id: list(lost_sentences(one.lost_freedoms)) for one in shipped(name).families} == told, name
+
+
+def test_a_half_is_rounded_alike_in_every_unit_of_length() -> None:
+    """Fetch on its slide loses vy − 0.03265 m·ωx: a half of the last digit, which fell one way in m, another in km."""
+    tied = LostFreedom((0.0, 0.9994674145, 0.0, -0.0326326111, 0.0, 0.0), Frame(4, 4), everywhere=True)
+    for power in range(-9, 10):
+        sentence = lost_sentence(replace(tied, length=10.0**power))
+        number = sentence.split("− ")[1].split(" m·")[0].replace("−", "-")
+        assert f"{float(number):.2e}".startswith("3.27"), sentence
 
 
 @pytest.mark.shipped

@@ -54,7 +54,7 @@ def test_crossings_take_fifteen_lines_and_the_whole_forty(tmp_path: Path, capsys
             outputs[option] = capsys.readouterr().out
         lines = outputs[()].splitlines()
         title = lines.index("Singularities on the path")
-        assert title <= 12
+        assert title <= 16  # the verdict, with a remedy or why there is none
         assert len(lines) - title - 1 <= 15
         assert len(lines) <= 40
         assert max(map(len, lines)) <= 80
@@ -224,12 +224,12 @@ def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> N
     code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv",
                          "--json", tmp_path / "bad.json")  # fmt: skip
     assert code == 3  # of the path as it is
-    assert "Remedies: blend, base shift (checked again: free, proven)." in out
+    assert "Remedies: detour, blend, base shift (checked again: free, proven)." in out
     assert "flip: 1 tried" in out
-    assert "good.csv: mended by blend, checked again: free" in " ".join(err.split())
+    assert "good.csv: mended by detour, checked again: free" in " ".join(err.split())
     record = json.loads((tmp_path / "bad.json").read_text())
     Draft202012Validator(load_schema("path")).validate(record)
-    assert [one["kind"] for one in record["remedies"]["found"]] == ["blend", "base shift"]
+    assert [one["kind"] for one in record["remedies"]["found"]] == ["detour", "blend", "base shift"]
     described = load_schema("path")["$defs"]
     assert set(record["remedies"]) == set(described["remedies"]["properties"])
     assert set(record["remedies"]["found"][0]) == set(described["found"]["properties"])
@@ -255,7 +255,7 @@ def test_interrupted_remedies_keep_what_is_done(tmp_path: Path, run, monkeypatch
     monkeypatch.setattr("rankdrop.path.mend.remedies.shifts", stop)
     code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv")
     assert code == 130
-    assert "Remedies: blend (checked again: free, proven), interrupted: not all kinds were tried." in out
+    assert "Remedies: detour, blend (checked again: free, proven), interrupted: not all kinds were tried." in out
     assert "interrupted: what was proven so far holds" in " ".join(err.split())
     assert (tmp_path / "good.csv").exists()
 

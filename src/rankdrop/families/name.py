@@ -78,6 +78,44 @@ class Detail:
     brief: bool = False
 
 
+_GROUPS = {
+    Geometry.STRETCHED: 0, Geometry.NEARLY_STRETCHED: 0, Geometry.LINE_MEETS_ALL: 0, Geometry.LINE_THROUGH_TIP: 0,
+    Geometry.AGAINST: 2, Geometry.AXES_MEET_IN_PLANE: 2,
+}  # fmt: skip
+"""Groups of joints that a relation has; every other relation has one, `ALIGNED` one or more."""
+_OF_CENTRE = {Geometry.COPLANAR_WITH_CENTRE, Geometry.CENTRE_ON_AXIS, Geometry.CENTRE_IN_PLANE}
+_OF_PLANE = {Geometry.CENTRE_IN_PLANE, Geometry.AXES_MEET_IN_PLANE}
+_BRIEF = {Geometry.PARALLEL, Geometry.PERPENDICULAR}
+
+
+def contradiction_of_detail(detail: Detail) -> str:
+    """What a detail lacks, or has too much of, for its geometry; "" where it is whole.
+
+    Example:
+        >>> contradiction_of_detail(Detail(Geometry.COPLANAR, ((1, 2),)))
+        ''
+        >>> contradiction_of_detail(Detail(Geometry.COPLANAR))
+        '"in one plane" has 0 groups of joints, not 1'
+    """
+    geometry, groups = detail.geometry, len(detail.joints)
+    wanted = _GROUPS.get(geometry, 1)
+    enough = groups == wanted or (geometry is Geometry.ALIGNED and groups > 1)
+    if not enough:
+        return f'"{geometry}" has {groups} groups of joints, not {wanted}'
+    if not all(detail.joints):
+        return f'"{geometry}" has a group without joints'
+    if (detail.centre is not None) != (geometry in _OF_CENTRE):
+        return f'"{geometry}" {_HAS[detail.centre is not None]} centre'
+    if (detail.plane is not None) != (geometry in _OF_PLANE):
+        return f'"{geometry}" {_HAS[detail.plane is not None]} plane'
+    if detail.brief and geometry not in _BRIEF:
+        return f'"{geometry}" has no brief form'
+    return ""
+
+
+_HAS = {True: "speaks of no", False: "lacks its"}
+
+
 @dataclass(frozen=True, slots=True)
 class LowRank:
     """All joint screws (`full`: of the pose; else columns of the task) have this rank, and no smaller set is known."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, get_type_hints
 
 from rankdrop.codec import Record, restore
-from rankdrop.families.name import Detail, FamilyName, LowRank, Shorter
+from rankdrop.families.name import Detail, FamilyName, LowRank, Shorter, contradiction_of_detail
 from rankdrop.local.dependence import Dependence
 from rankdrop.results.old_files import name_of_words
 
@@ -33,7 +33,7 @@ def name_from_dict(record: Record) -> FamilyName:
     """The name of a record made by the table `CALLED`: entries that are missing have their defaults.
 
     Raises:
-        ValueError: an entry that is no fact of a name.
+        ValueError: an entry that is no fact of a name, or a relation without the joints that it is about.
 
     Example:
         >>> str(name_from_dict({"parts": ["wrist"], "relations": [{"geometry": "on one line", "joints": [[4, 6]]}]}))
@@ -41,6 +41,11 @@ def name_from_dict(record: Record) -> FamilyName:
     """
     relations = restore(tuple[Detail, ...], record.get("relations", ()))
     dependent = restore(tuple[Dependence, ...], record.get("dependent", ()))
+    wrong = [*filter(None, map(contradiction_of_detail, relations))]
+    if not all(screws.joints for screws in dependent):
+        wrong.append("a dependent set has no joints")
+    if wrong:
+        raise ValueError(f"the name of a family contradicts itself: {wrong[0]}")
     details: tuple[Detail | Dependence | LowRank, ...] = (
         *(replace(relation, joints=tuple(map(_before, relation.joints))) for relation in relations),
         *(replace(screws, joints=_before(screws.joints), slides=_before(screws.slides)) for screws in dependent),
@@ -51,6 +56,25 @@ def name_from_dict(record: Record) -> FamilyName:
         shorter |= Shorter[word.upper()]
     fields = {name: restore(kind, record[name]) for name, kind in _KINDS.items() if name in record}
     return FamilyName(**fields, details=details, shorter=shorter)
+
+
+def joints_of_name(name: FamilyName) -> set[int]:
+    """Numbers of the joints that a name is about, from 1.
+
+    Example:
+        >>> joints_of_name(name_from_dict({"relations": [{"geometry": "on one line", "joints": [[4, 6]]}]}))
+        {4, 6}
+    """
+    joints = {one.number for one in (*name.bound, *(values.joint for values in name.values))}
+    joints.discard(0)  # "with a condition", of a name that leaves out on which joints
+    for detail in name.details:
+        if isinstance(detail, LowRank):
+            joints.add(detail.joints)
+        elif isinstance(detail, Detail):
+            joints.update(joint + 1 for group in detail.joints for joint in group)
+        else:
+            joints.update(joint + 1 for joint in (*detail.joints, *detail.slides))
+    return joints
 
 
 def _before(joints: Iterable[int]) -> tuple[int, ...]:

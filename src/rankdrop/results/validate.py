@@ -18,6 +18,7 @@ from rankdrop.families.lost import LostFreedom
 from rankdrop.families.record import CorankSummary, Derivation, Family, Pin, SpeedDistances
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
+from rankdrop.results.names import joints_of_name
 from rankdrop.results.settings import Residual, Settings
 from rankdrop.robot.files import RANGE, allowed_range
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
@@ -238,7 +239,9 @@ def _check_family(analysis: _Analysed, family: Family, where: str) -> None:
     require(
         (once, "each joint is pinned, free or coupled, once", where, kinds, f"1 … {n}"),
         (fits, "more points hold than were tested", where, None, None),
-    )
+        (joints_of_name(family.called) <= set(kinds), "the name is about a joint that the arm does not have",
+         f"{where}.called", max(joints_of_name(family.called), default=0), f"1 … {n}"),
+    )  # fmt: skip
     _check_equations(family, n, where)
     _check_rank(analysis, family, where)
     for i, pin in enumerate(family.pinned):

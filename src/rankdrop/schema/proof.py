@@ -149,6 +149,15 @@ EXPLAINED = table(
     places=(many(PLACES), "", lambda account: account.spots[:_MOST_PLACES]),
     places_in_all=(Count, "", lambda account: len(account.spots)),
 )
+
+
+def _needed(covered: Any) -> Any:
+    """The estimate of the work, where a covering ended early: one read again from its file has no estimate."""
+    if covered.covering.stopped is None:
+        return UNSET
+    return covered.covering.needed or UNSET
+
+
 COVER_FILE = file(
     "cover",
     "Written by `rankdrop cover --json`: boxes of the joint space that hold every singular configuration, and "
@@ -159,8 +168,8 @@ COVER_FILE = file(
     sentence=str,
     complete=(bool, "the whole joint space was covered; else nothing is said of the rest"),
     stopped=(str | None, "", lambda covered: covering_end_words(covered.covering.stopped) or None),
-    needed=(optional(Count), "enclosures that all of it takes, estimated from random ways down its tree; since 0.3",
-        lambda covered: covered.covering.needed or UNSET),
+    needed=(optional(Count), "of a covering that ended early: enclosures that all of it takes, estimated from random "
+        "ways down its tree; since 0.3", _needed),
     joints=(many(Positive), "", attrgetter("covering.plan.variables")),
     ranges=(many(row(num("joint"), 2)), "",
         lambda covered: list(zip(covered.covering.plan.lower, covered.covering.plan.upper, strict=True))),

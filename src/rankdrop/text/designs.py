@@ -32,8 +32,8 @@ UNITS = {"families": "", "aspects": "", "near": "share", "slow": "share", "sigma
 """Of every measure."""
 MEANINGS = {
     "families": "number of families of every corank",
-    "aspects": "number of connected sets of regular configurations, joint limits ignored; – where it is not proven; "
-    "cuspidal: the arm can change its posture without a singularity (proven); undecided: no such change was found in "
+    "aspects": "number of connected sets of regular configurations, joint limits ignored; – where it is not proven. "
+    "Cuspidal: the arm can change its posture without a singularity (proven). Undecided: no such change was found in "
     f"{POSES} poses",
     "near": "share of the joint space near any family",
     "slow": "share of the configurations inside the limits at which some straight motion of the tool is slow",

@@ -139,7 +139,10 @@ def _triple(vector: Array, length: float = 1.0) -> str:
 
 def _number(value: float) -> str:
     steady = float(f"{value:.8g}")  # 0.7345 is one number, however its last bits fell
-    return f"{steady:.3g}".replace("-", "−")
+    return f"{steady * _HALF_UP:.3g}".replace("-", "−")
+
+
+_HALF_UP = 1.0 + 1e-10  # halves are rounded away from zero: 0.03265 m and 32.65 mm have the same digits
 
 
 def frame_name(frame: Frame, power: int = 0) -> str:

@@ -270,7 +270,7 @@ def _after_no_remedy(check: Any) -> str:
     bounds = f"{advise('tool-tilt', '…')}, {advise('base-shift', '…')} or larger {advise('bump', '…')} and "
     wider = f"no remedy was found; {bounds}{advise('detour', '…')} allow more"
     if check.verdict == "crossing" and check.tool is None:
-        return f"{_joint_move(check)}; for a tool move {wider}"
+        return f"{_joint_move(check)}. For a tool move {wider}"
     return wider
 
 

@@ -378,3 +378,14 @@ def test_ways_out_of_a_high_order_are_printed() -> None:
     rows = next(section.rows for section in found.sections(full=True) if section.title == "How to get out")
     assert sum(" per " in " ".join(row) for row in rows) == len(orders)
     assert [superscript(k) for k in (2, 5, 12)] == ["²", "⁵", "¹²"]
+
+
+def test_a_part_far_from_its_condition_gives_way_to_what_the_axes_have_in_common() -> None:
+    """A leg with the axes of EVE R3 (hip z, x, y, knee y, ankle y, x): "wrist 45° from above axis 1" at θ2 = 90°."""
+    x, y, z, hip, knee, ankle = (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0), (0, 0, -0.4), (0, 0, -0.8)
+    axes = [(z, hip), (x, hip), (y, hip), (y, knee), (y, ankle), (x, ankle)]
+    leg = from_screws([revolute(axis, at) for axis, at in axes], order="linear-first")
+    q = [0.3, np.pi / 2, 0.5, 0.7, 1.1, 0.2]
+    found = explain(leg, q, analysis=analyze(leg, starts=200, exact="off"), evaluations=0)
+    assert [round(np.degrees(special.off)) for special in found.summary.place] == [45]
+    assert " is singular: shoulder: axis 1 parallel to 3, 4, 5." in str(found)

@@ -8,7 +8,7 @@ from math import degrees, radians
 
 import numpy as np
 
-from rankdrop.families.name import FamilyName
+from rankdrop.families.name import Detail, FamilyName
 from rankdrop.families.parts import FamilyParts, parts_of
 from rankdrop.families.record import Family
 from rankdrop.local.special import Shape, Special, specials_at
@@ -80,6 +80,15 @@ def _detail(special: Special, names: Sequence[str]) -> str:
     value = round(degrees(special.value), 1) + 0.0
     shown, off = f"{short(180.0 if value == -180.0 else value, 4)}°", f"{short(degrees(special.off), 2)}°"
     return words[special.shape].format(joint=joint, axis=special.joint, value=shown, off=off)
+
+
+def names_no_reason(specials: Sequence[Special], family: Family) -> bool:
+    """Whether the parts are all far from their conditions and the family has a relation of axes that says more.
+
+    A leg with axis 1 parallel to 3, 4, 5 (joint 2 at 90°) would be called "elbow: arm 21° from folded".
+    """
+    related = any(isinstance(detail, Detail) for detail in family.called.details)
+    return bool(specials) and related and all(special.off > _NEAR for special in specials)
 
 
 def place_name(robot: Robot, task: Task, family: Family) -> str:

@@ -12,12 +12,13 @@ from textwrap import wrap
 import numpy as np
 
 from rankdrop.configuration import Cause
+from rankdrop.families.record import Family
 from rankdrop.local.slowest import StraightMotion
 from rankdrop.options import advise
 from rankdrop.results.explained import Difference, DifferenceKind, Summary
 from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array, Robot
-from rankdrop.text.special import parts_words, special_words
+from rankdrop.text.special import family_title, names_no_reason, parts_words, special_words
 from rankdrop.text.words import (
     NO_JOG,
     NOT_SEARCHED,
@@ -145,8 +146,10 @@ def summary_lines(explanation: Explanation) -> tuple[str, ...]:
     templates, following = _templates(explanation), _next_words(explanation)
     facts = _summary_facts(explanation, summary)
     size = f"rank {rank.rank} computed to {power(rank.sigma_error)}"
-    name, parts = facts["name"], parts_words(summary.place)
-    for shown, here in ((2, name), (1, name), (0, name), (0, parts or name)):
+    name, parts = str(facts["name"]), parts_words(summary.place)
+    if not parts or _telling_family(explanation) is not None:
+        parts = name
+    for shown, here in ((2, name), (1, name), (0, name), (0, parts)):
         facts["name"] = here
         if summary.lost:
             facts["lost"] = motions_words(summary.lost, shown)
@@ -214,7 +217,7 @@ def _summary_facts(explanation: Explanation, summary: Summary) -> dict[str, obje
     if summary.radius:
         proven = f"; none within {short(below(degrees(summary.radius), 3))}° (proven)"
     return _measured_values(explanation) | {
-        "name": special_words(summary.place, names) or summary.family or "family unknown",
+        "name": _name_words(explanation, summary, names),
         "pinned": _pinned_words(explanation.robot, summary),
         "place": place,
         "never": motions_words(explanation.lost.never.tolist()),
@@ -223,6 +226,23 @@ def _summary_facts(explanation: Explanation, summary: Summary) -> dict[str, obje
         "source": "the exact conditions" if summary.exact else _SOURCES[summary.source],
         "proven": proven,
     }
+
+
+def _telling_family(explanation: Explanation) -> Family | None:
+    """The family here, where its axes say more and the parts of the arm are far from their conditions."""
+    summary = explanation.summary
+    for family in (incidence.family for incidence in explanation.met):
+        if family.id == summary.family_id and names_no_reason(summary.place, family):
+            return family
+    return None
+
+
+def _name_words(explanation: Explanation, summary: Summary, names: Sequence[str]) -> str:
+    """What the singularity is called: by the parts that are special; by its axes where these are far from it."""
+    family = _telling_family(explanation)
+    if family is not None:
+        return family_title(explanation.robot, explanation.task, family)
+    return special_words(summary.place, names) or summary.family or "family unknown"
 
 
 def _pinned_words(robot: Robot, summary: Summary) -> str:

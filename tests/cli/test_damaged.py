@@ -147,7 +147,7 @@ LIES: dict[str, tuple[Place, Callable[[Any], Any], str]] = {
     ),
     "a relation without its centre": (
         ("families", 0, "called"), set_to({"relations": [{"geometry": "centre on an axis", "joints": [[1]]}]}),
-        FIRST + r": .*\"centre on an axis\" lacks its centre",
+        FIRST + r": .*\"centre on an axis\" has a centre where it needs none, or none",
     ),
     "a name of a joint too many": (
         ("families", 0, "called"), set_to({"relations": [{"geometry": "parallel", "joints": [[1, 9]]}]}),

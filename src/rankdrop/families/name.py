@@ -88,32 +88,26 @@ _OF_PLANE = {Geometry.CENTRE_IN_PLANE, Geometry.AXES_MEET_IN_PLANE}
 _BRIEF = {Geometry.PARALLEL, Geometry.PERPENDICULAR}
 
 
-def contradiction_of_detail(detail: Detail) -> str:
-    """What a detail lacks, or has too much of, for its geometry; "" where it is whole.
+def check_detail(detail: Detail) -> None:
+    """Refuse a detail that lacks something, or has too much, for its geometry.
 
-    Example:
-        >>> contradiction_of_detail(Detail(Geometry.COPLANAR, ((1, 2),)))
-        ''
-        >>> contradiction_of_detail(Detail(Geometry.COPLANAR))
-        '"in one plane" has 0 groups of joints, not 1'
+    Raises:
+        ValueError: another number of groups of joints, an empty group, a centre or a plane that its geometry has not or
+            that is missing, or a brief form that there is none of.
     """
     geometry, groups = detail.geometry, len(detail.joints)
     wanted = _GROUPS.get(geometry, 1)
     enough = groups == wanted or (geometry is Geometry.ALIGNED and groups > 1)
     if not enough:
-        return f'"{geometry}" has {groups} groups of joints, not {wanted}'
+        raise ValueError(f'"{geometry}" has {groups} groups of joints, not {wanted}')
     if not all(detail.joints):
-        return f'"{geometry}" has a group without joints'
+        raise ValueError(f'"{geometry}" has a group without joints')
     if (detail.centre is not None) != (geometry in _OF_CENTRE):
-        return f'"{geometry}" {_HAS[detail.centre is not None]} centre'
+        raise ValueError(f'"{geometry}" has a centre where it needs none, or none')
     if (detail.plane is not None) != (geometry in _OF_PLANE):
-        return f'"{geometry}" {_HAS[detail.plane is not None]} plane'
+        raise ValueError(f'"{geometry}" has a plane where it needs none, or none')
     if detail.brief and geometry not in _BRIEF:
-        return f'"{geometry}" has no brief form'
-    return ""
-
-
-_HAS = {True: "speaks of no", False: "lacks its"}
+        raise ValueError(f'"{geometry}" has no brief form')
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,8 +33,8 @@ _LABELS = {
 """Whether the larger part of a constraint is ω -> what its coefficients multiply, the larger part first."""
 
 
-_COEFFICIENT = 5e-5
-"""Coefficients of a constraint below it are not printed [1, m or rad/m]: a lever of 0.05 mm."""
+_SMALLEST = 5e-5
+"""Coefficients of a constraint below it are not printed, lengths divided by the length scale."""
 
 
 def constraint_text(lost: LostDirection) -> str:
@@ -42,7 +42,9 @@ def constraint_text(lost: LostDirection) -> str:
     values, turns = constraint_values(lost.direction, lost.length)
     labels = _LABELS[turns]
     text = ""
-    for i in np.flatnonzero(np.abs(values) >= _COEFFICIENT).tolist():
+    sizes = np.abs(values)
+    sizes[3:] *= lost.length if turns else 1.0 / lost.length  # without a unit, as the larger part is
+    for i in np.flatnonzero(sizes >= _SMALLEST).tolist():
         value = float(values[i])
         number = f"{_number(abs(value))} "
         if i < 3 and number == "1 ":

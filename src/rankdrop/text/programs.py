@@ -120,8 +120,28 @@ def _end_lines(check: Any) -> Iterator[str]:
             yield f"cannot be followed {_in_line(move.line, move.text)} ({_why(part.ended, check.robot)})"
 
 
+def _other_configurations(ended: Any) -> str:
+    """The configuration data of a robtarget that no solution has, and those of the solutions."""
+    others = "; ".join(map(_quarters, ended.available[:_CONFIGURATIONS]))
+    more = ""
+    if len(ended.available) > _CONFIGURATIONS:
+        more = f" and {len(ended.available) - _CONFIGURATIONS} more"
+    return (f"no solution within the joint limits has cf1, cf4, cf6 = {_quarters(ended.move.target.posture.quarters)} "
+            f"of its target; available: {others}{more}")  # fmt: skip
+
+
+def _quarters(numbers: Sequence[int]) -> str:
+    """Configuration data as numbers: "0, −1, 0"."""
+    return ", ".join(map(str, numbers)).replace("-", "−")
+
+
+_CONFIGURATIONS = 12  # that are printed
+
+
 def _why(ended: Any, robot: Robot) -> str:
     """Why a move cannot be followed."""
+    if ended.available:
+        return _other_configurations(ended)
     if ended.branch is None:
         return _CAUSES[ended.cause]
     branch = ended.branch

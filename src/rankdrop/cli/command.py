@@ -572,7 +572,7 @@ def parse_pose(text: str, *, deg: bool, option: str = "--pose", robot: arms.Robo
 
 def _makers_pose(text: str, option: str, robot: arms.Robot | None, *, deg: bool) -> list[float] | None:
     """The numbers of a pose in a maker's form, with notes on how it is read; None for a plain list of numbers."""
-    from rankdrop.path.read.pose_text import pose_of_text
+    from rankdrop.path import pose_of_text
 
     made = pose_of_text(text, option, deg=deg, robot=robot)
     if made is None:

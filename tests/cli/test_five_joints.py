@@ -10,7 +10,7 @@ import pytest
 from rankdrop.distance.monitor import Monitor, arm_header
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import jacobian, pose
-from rankdrop.local.pointing import level_task, pointing_task, tool_stays_level, turn_follows
+from rankdrop.local.pointing import asked_task, level_task, pointing_task, tool_stays_level, turn_follows
 from rankdrop.path.check.check import check_path, check_poses
 from rankdrop.poses.branches import inverse
 from rankdrop.robot.dh import from_dh
@@ -286,3 +286,28 @@ def test_four_joints_say_where_the_position_alone_is_singular(
     assert (sigma[2] < 1e-12) == singular
     text = one_line(run("explain", str(path), "--q", f"0.3,-0.6,1.2,{last!r}").out)
     assert ("For position alone (--task position) it is singular here, rank 2 of 3." in text) == singular
+
+
+@pytest.mark.parametrize(("rows", "singular"), [
+    ([(0.4, 0.0, 0.0), (0.3, 0.0, 0.0)], 0.0),
+    ([(0.0, np.pi / 2, 0.2), (0.3, 0.0, 0.0)], np.pi / 2),
+])  # fmt: skip
+def test_two_joints_that_place_a_tool_are_asked_about_its_position(
+    rows: list[tuple[float, float, float]], singular: float
+) -> None:
+    """By hand: two links in a plane lose rank where stretched; pan and tilt where the tip is above axis 1."""
+    arm = from_dh([(a, alpha, d, 0.0) for a, alpha, d in rows], convention="standard")
+    asked = asked_task(arm, resolve_task("pose", arm))
+    assert asked.name == "position"
+    step = 1e-6  # the Jacobian by differences
+    for second, rank in ((singular, 1), (singular + 0.7, 2)):
+        q = np.array([0.3, second])
+        columns = [(pose(arm, q + step * axis)[:3, 3] - pose(arm, q - step * axis)[:3, 3]) / (2 * step)
+                   for axis in np.eye(2)]  # fmt: skip
+        assert np.linalg.matrix_rank(np.array(columns), tol=1e-6) == rank
+        assert explain(arm, q, asked, evaluations=0).rank.rank == rank
+
+
+def test_two_joints_that_turn_a_tool_alone_keep_the_pose() -> None:
+    arm = from_dh([(0.0, np.pi / 2, 0.2, 0.0), (0.0, 0.0, 0.0, 0.0)], convention="standard")
+    assert asked_task(arm, resolve_task("pose", arm)).name == "pose"

@@ -361,6 +361,10 @@ def test_krl_signs_and_rapid_quarters_choose_the_solution() -> None:
     refused = check_program(abb, rapid.read(text, "a.mod"), ASK)
     assert refused.parts[0].ended is not None
     assert str(refused.parts[0].ended.cause) == "no such posture"
+    assert {(0, 1, -2), (0, -1, 0)} <= set(refused.parts[0].ended.available)
+    said = " ".join(refused.summary)
+    assert "has cf1, cf4, cf6 = 3, 3, 3 of its target; available: " in said
+    assert "; 0, −1, 0; " in said
     alone = check_program(abb, rapid.read(text[text.index("MoveJ"):], "a.mod"), ASK)  # no move begins anywhere
     assert "Moves" not in [section.title for section in alone.sections()]
 

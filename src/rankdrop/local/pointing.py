@@ -11,8 +11,9 @@ joint can do, and ask for what no joint can: such an arm keeps the pose, its ran
 With four joints a palletiser holds its tool level: a parallelogram, or joints that follow others, cancel every tilt.
 It is programmed by position and yaw (`scara`).
 
-Three joints that place the tool in space leave none to turn it: such an arm is programmed by position. The six rows of
-a pose have rank 3 there even where the arm is stretched, since the columns still turn the tool.
+Two or three joints that place the tool leave none to turn it: such an arm is programmed by position. The six rows of a
+pose have full rank there even where the arm is stretched, since the columns still turn the tool. Two joints with axes
+that meet at the tip only turn it: such an arm keeps the pose.
 """
 
 from __future__ import annotations
@@ -100,20 +101,23 @@ def level_task(robot: Robot, task: Task) -> Task | None:
 
 
 def position_task(robot: Robot, task: Task) -> Task | None:
-    """Position in place of a pose, for an arm of three joints that place its tool in space; None for other arms.
+    """Position in place of a pose, for an arm of two or three joints that place its tool; None for other arms.
 
     Args:
         robot: the arm.
         task: what it is asked for.
 
     Returns:
-        The task `position` at the same point and on the same length scale, where the arm has three variables, and pose
-        and position have rank 3 almost everywhere.
+        The task `position` at the same point and on the same length scale, where the arm has two or three variables,
+        and pose and position have that rank almost everywhere.
     """
-    if robot.n != _PLACE_ROWS or task.m != _ROWS + 1:
+    if robot.n not in (_PLACE_ROWS - 1, _PLACE_ROWS) or task.m != _ROWS + 1:
+        return None
+    moved = jacobian(robot, sample(robot, task, _SAMPLES, 0))[..., :3, :]  # the tip, in m or m/rad
+    if np.abs(moved).max() <= _TILT * max(1.0, reach(robot)):
         return None
     found = replace(resolve_task(PLACED, robot, frame=task.frame), length_scale=task.length_scale)
-    if generic_rank(robot, task) == _PLACE_ROWS == generic_rank(robot, found):
+    if generic_rank(robot, task) == robot.n == generic_rank(robot, found):
         return found
     return None
 
@@ -124,7 +128,7 @@ def fitting_task(robot: Robot, task: Task) -> Task | None:
 
 
 def asked_task(robot: Robot, task: Task) -> Task:
-    """The task asked in place of a pose of an arm with three to five joints, else the task itself."""
+    """The task asked in place of a pose of an arm with two to five joints, else the task itself."""
     return fitting_task(robot, task) or task
 
 
@@ -165,7 +169,7 @@ def tool_stays_level(robot: Robot, task: Task) -> bool:
 
 
 def place_alone(robot: Robot, task: Task) -> bool:
-    """Whether position stands for the pose of an arm of three joints that place its tool."""
+    """Whether position stands for the pose of an arm of two or three joints that place its tool."""
     pose = Task("pose", (0, 1, 2, 3, 4, 5), length_scale=task.length_scale)
     other = position_task(robot, pose)
     return other is not None and robot.task != task.name and task.rows == other.rows

@@ -482,6 +482,7 @@ PROGRAM_SKIPPED = table(
     line=(Positive, "of the program"),
     text=(str, "of that line"),
     reason=(Literal["variable", "changed", "expression", "incomplete", "pulses", "circle", "spline", "relative",
+                     "after joint values", "after a pose", "relative turn",
                     "other move", "base frame", "routine", "branch", "loop", "call", "tool frame", "other"],
         "why it was not read"),
     words=(str, "the reason in words", lambda skipped: why_skipped(skipped.reason)),

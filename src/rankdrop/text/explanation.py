@@ -96,7 +96,7 @@ def _never_lines(explanation: Explanation) -> Iterator[str]:
         yield f"{NEVER_TILTS}."
         return
     if place_alone(robot, task):
-        yield f"{PLACES_ALONE}."
+        yield f"{PLACES_ALONE.format(robot.n)}."
         return
     other = pointing_task(robot, task)
     if other is not None:

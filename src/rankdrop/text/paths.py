@@ -230,7 +230,7 @@ def _never_lines(check: Any) -> Iterator[str]:
     elif tool_stays_level(check.robot, check.task):
         yield f"{NEVER_TILTS}."
     elif place_alone(check.robot, check.task):
-        yield f"{PLACES_ALONE}."
+        yield f"{PLACES_ALONE.format(check.robot.n)}."
     elif pointing_task(check.robot, check.task) is not None:
         yield f"{NEVER_TURNS.format(check.robot.n)}. {advise('task', 'tool-axis-free')} checks position and tool axis."
 

@@ -30,7 +30,10 @@ _REASONS = {
     "pulses": "target is in pulses: pulses per degree are not in the file",
     "circle": "circular moves are not read",
     "spline": "splines are not read",
-    "relative": "relative moves and offsets are not read",
+    "relative": "relative moves and offsets are not read: where the move before ended is not known from the file",
+    "after joint values": "the move is relative to a target of joint values: write its pose, or make it absolute",
+    "after a pose": "joint values are added to a target that is a pose: write its joint values",
+    "relative turn": "turns relative to the base frame are not read: add #TOOL, or write the pose",
     "other move": "moves of this kind are not read",
     "base frame": "target is in a user frame, base or work object without its numbers in the move",
     "routine": "another routine begins; from where it is called is not known",
@@ -117,8 +120,28 @@ def _end_lines(check: Any) -> Iterator[str]:
             yield f"cannot be followed {_in_line(move.line, move.text)} ({_why(part.ended, check.robot)})"
 
 
+def _other_configurations(ended: Any) -> str:
+    """The configuration data of a robtarget that no solution has, and those of the solutions."""
+    others = "; ".join(map(_quarters, ended.available[:_CONFIGURATIONS]))
+    more = ""
+    if len(ended.available) > _CONFIGURATIONS:
+        more = f" and {len(ended.available) - _CONFIGURATIONS} more"
+    return (f"no solution within the joint limits has cf1, cf4, cf6 = {_quarters(ended.move.target.posture.quarters)} "
+            f"of its target; available: {others}{more}")  # fmt: skip
+
+
+def _quarters(numbers: Sequence[int]) -> str:
+    """Configuration data as numbers: "0, −1, 0"."""
+    return ", ".join(map(str, numbers)).replace("-", "−")
+
+
+_CONFIGURATIONS = 12  # that are printed
+
+
 def _why(ended: Any, robot: Robot) -> str:
     """Why a move cannot be followed."""
+    if ended.available:
+        return _other_configurations(ended)
     if ended.branch is None:
         return _CAUSES[ended.cause]
     branch = ended.branch

@@ -60,11 +60,13 @@ class Ended:
         move: the move.
         cause: why.
         branch: how far the tip was followed on its line: place 1 is its beginning, 2 its end; None for other causes.
+        available: cf1, cf4, cf6 of the solutions within the joint limits, where the target states others.
     """
 
     move: Move
     cause: Cause
     branch: Followed | None = None
+    available: tuple[tuple[int, int, int], ...] = ()
 
 
 @dataclass(eq=False)
@@ -130,7 +132,7 @@ class MoveFollower:
             return
         first = self._at_first_pose(move, before)
         if isinstance(first, Cause):
-            followed.ended = Ended(move, first)
+            followed.ended = self._ended(move, first)
             return
         followed.rows.append(first)
         if before is None:
@@ -177,7 +179,7 @@ class MoveFollower:
                 solutions = self._solutions(goal)
             chosen = self._in_posture(solutions, now, move.target.posture)
             if chosen is None:
-                followed.ended = Ended(move, Cause.POSTURE if len(solutions) else Cause.UNREACHED)
+                followed.ended = self._ended(move, Cause.POSTURE if len(solutions) else Cause.UNREACHED)
                 return
             end = chosen
         step = np.abs(end - now)
@@ -305,6 +307,15 @@ class MoveFollower:
         if key not in self.solved:
             self.solved[key] = within_limits(self.robot, goal, self.task)
         return self.solved[key]
+
+    def _ended(self, move: Move, cause: Cause) -> Ended:
+        """A move to a pose that was not made; where its target states another posture, with those that there are."""
+        if cause is not Cause.POSTURE or move.target.posture.quarters is None or self.robot.n < 6:
+            return Ended(move, cause)
+        every = np.concatenate([self._add_whole_turns(solution) for solution in self._solutions(self._pose(move))])
+        quarters = np.floor(every[:, [0, 3, 5]] / (pi / 2) + _AT_ZERO).astype(int).tolist()
+        available = {(first, fourth, sixth) for first, fourth, sixth in quarters}
+        return Ended(move, cause, available=tuple(sorted(available)))
 
     def _in_posture(self, solutions: Array, near: Array | None, posture: Posture) -> Array | None:
         """The solution in a posture that is nearest to a configuration, whole turns within the limits included."""

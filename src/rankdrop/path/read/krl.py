@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from rankdrop.path.read.program_record import (
+    BREAKS,
     Language,
     Listing,
     Names,
@@ -36,11 +37,13 @@ from rankdrop.path.read.program_record import (
 from rankdrop.robot.model import Array
 
 _MOVES: dict[str, Literal["joint", "line"]] = {"PTP": "joint", "SPTP": "joint", "LIN": "line", "SLIN": "line"}
+_RELATIVE: dict[str, Literal["joint", "line"]] = {
+    "PTP_REL": "joint", "SPTP_REL": "joint", "LIN_REL": "line", "SLIN_REL": "line",
+}  # fmt: skip
 _OTHER_MOVES = {
     **dict.fromkeys(("CIRC", "SCIRC"), Reason.CIRCLE),
     **dict.fromkeys(("SPL", "SPLINE", "ENDSPLINE", "PTP_SPLINE"), Reason.SPLINE),
-    **dict.fromkeys(("PTP_REL", "LIN_REL", "CIRC_REL", "SPTP_REL", "SLIN_REL", "SPL_REL", "SCIRC_REL"),
-                    Reason.RELATIVE),
+    **dict.fromkeys(("CIRC_REL", "SPL_REL", "SCIRC_REL"), Reason.RELATIVE),
     **dict.fromkeys(("ASYPTP", "MOVE_EMI"), Reason.OTHER_MOVE),
 }  # fmt: skip
 _FLOW = {
@@ -90,6 +93,7 @@ class _Reader:
     def __init__(self, name: str, names: Names, listing: Listing) -> None:
         self.name, self.names, self.listing = name, names, listing
         self.state, self.routines = _State(), 0
+        self.last: Target | None = None  # of the move before, its pose in the base frame of the arm; None: not known
 
     def take(self, count: int, line: str) -> None:
         """Read one line, which has a number."""
@@ -101,19 +105,36 @@ class _Reader:
         if _begins_routine(word, rest):
             self.routines += 1
             if self.routines > 1:
-                self.listing.skip(count, line, Reason.ROUTINE)
+                self._skip(count, line, Reason.ROUTINE)
         elif word in _MOVES:
-            kind = _MOVES[word]
             target, after = _target(rest, self.names, where)
-            speed = self.state.speed_of(kind, after, self.names)
-            blend = any(word in after.upper() for word in _BLENDS)
-            self.listing.move(count, line, kind, in_base(target, self.state.base), speed, blend=blend)
+            self._move(count, line, _MOVES[word], in_base(target, self.state.base), after)
+        elif word in _RELATIVE:
+            target, after = _relative_target(rest, self.last, self.state.base, where)
+            self._move(count, line, _RELATIVE[word], target, after)
         elif word == "$BASE" and not _is_label(rest):
             self.state.base = _frame(rest, self.names, where)
         else:
             reason = self._why_skipped(word, rest)
             if reason is not None:
-                self.listing.skip(count, line, reason)
+                self._skip(count, line, reason)
+
+    def _move(
+        self, count: int, line: str, kind: Literal["joint", "line"], target: Target | Reason, after: str
+    ) -> None:  # fmt: skip
+        """Keep a move, with what stands behind its target."""
+        speed = self.state.speed_of(kind, after, self.names)
+        blend = any(word in after.upper() for word in _BLENDS)
+        self.listing.move(count, line, kind, target, speed, blend=blend)
+        self.last = None
+        if isinstance(target, Target):
+            self.last = target
+
+    def _skip(self, count: int, line: str, reason: Reason) -> None:
+        """Keep a line that was not read; after some of them nobody knows where the arm is."""
+        self.listing.skip(count, line, reason)
+        if reason in BREAKS or reason is Reason.LOOP:  # a relative move ends elsewhere in each pass of a loop
+            self.last = None
 
     def _why_skipped(self, word: str, rest: str) -> Reason | None:
         """Why a line that is no move is not read; None where it is, or means nothing for the moves."""
@@ -254,6 +275,55 @@ def _target(rest: str, names: Names, where: str) -> tuple[Target | Reason, str]:
     if after.startswith((":", "(", "[", ".")):
         return Reason.EXPRESSION if after[0] != "[" else Reason.VARIABLE, after
     return names.target(name[0].upper()), after
+
+
+def _relative_target(rest: str, last: Target | None, base: Array | None, where: str) -> tuple[Target | Reason, str]:
+    """The target of a relative move, and what follows it.
+
+    Args:
+        rest: {A1 …}, added to joint values, or {X …, A …}; others are zero. #TOOL behind it: T = T₀ ΔT,
+            in the axes of the tool; else p = p₀ + R_base Δp. How a turn in the base frame is added is not known here.
+        last: where the move before ended; None: not known.
+        base: (4, 4) the base frame of the program; None: not known.
+        where: for errors.
+    """
+    found = split_bracket(rest, "{")
+    values = _components(rest)
+    if found is None or values is None:
+        return Reason.EXPRESSION, rest
+    after = found[1].strip()
+    if last is None:
+        return Reason.RELATIVE, after
+    if any(key in values for key in _AXES):
+        return _joints_added(values, last, where), after
+    return _frame_added(values, last, base, where, in_tool="#TOOL" in after.upper()), after
+
+
+def _frame_added(
+    values: dict[str, float], last: Target, base: Array | None, where: str, *, in_tool: bool
+) -> Target | Reason:  # fmt: skip
+    """The pose that a relative move ends at; arguments as of `_relative_target`."""
+    if last.pose is None:
+        return Reason.RELATIVE_TO_JOINTS
+    step = angle_target([values.get(key, 0.0) for key in _PLACE + _TURN], where).pose
+    assert step is not None
+    if in_tool:
+        return Target(pose=last.pose @ step)
+    if any(values.get(key, 0.0) for key in _TURN):
+        return Reason.RELATIVE_TURN
+    if base is None:
+        return Reason.BASE
+    pose = last.pose.copy()
+    pose[:3, 3] += base[:3, :3] @ step[:3, 3]
+    return Target(pose=pose)
+
+
+def _joints_added(values: dict[str, float], last: Target, where: str) -> Target | Reason:
+    """Joint values that a relative move ends at [deg, mm]."""
+    if last.joints is None:
+        return Reason.RELATIVE_TO_POSE
+    steps = [values.get(key, 0.0) for key in _AXES + _MORE_AXES]
+    return joint_target([joint + step for joint, step in zip(last.joints, steps, strict=False)], where)
 
 
 def _literal(text: str, where: str) -> Target | Reason:

@@ -55,6 +55,9 @@ class Reason(StrEnum):
     CIRCLE = "circle"
     SPLINE = "spline"
     RELATIVE = "relative"
+    RELATIVE_TO_JOINTS = "after joint values"
+    RELATIVE_TO_POSE = "after a pose"
+    RELATIVE_TURN = "relative turn"
     OTHER_MOVE = "other move"
     BASE = "base frame"
     ROUTINE = "routine"
@@ -66,7 +69,8 @@ class Reason(StrEnum):
 
 
 MOVES = frozenset((Reason.VARIABLE, Reason.CHANGED, Reason.EXPRESSION, Reason.INCOMPLETE, Reason.PULSES, Reason.CIRCLE,
-                   Reason.SPLINE, Reason.RELATIVE, Reason.OTHER_MOVE, Reason.BASE))  # fmt: skip
+                   Reason.SPLINE, Reason.RELATIVE, Reason.RELATIVE_TO_JOINTS,
+                   Reason.RELATIVE_TO_POSE, Reason.RELATIVE_TURN, Reason.OTHER_MOVE, Reason.BASE))  # fmt: skip
 """Reasons of lines that move the arm: what they do was not read."""
 BREAKS = MOVES | {Reason.ROUTINE, Reason.BRANCH}
 """Reasons after which nobody knows from this file where the arm is."""

@@ -88,32 +88,22 @@ _OF_PLANE = {Geometry.CENTRE_IN_PLANE, Geometry.AXES_MEET_IN_PLANE}
 _BRIEF = {Geometry.PARALLEL, Geometry.PERPENDICULAR}
 
 
-def contradiction_of_detail(detail: Detail) -> str:
-    """What a detail lacks, or has too much of, for its geometry; "" where it is whole.
+def is_whole(detail: Detail) -> bool:
+    """Whether a detail has the groups of joints, the centre and the plane of its geometry, and no other.
 
     Example:
-        >>> contradiction_of_detail(Detail(Geometry.COPLANAR, ((1, 2),)))
-        ''
-        >>> contradiction_of_detail(Detail(Geometry.COPLANAR))
-        '"in one plane" has 0 groups of joints, not 1'
+        >>> is_whole(Detail(Geometry.COPLANAR, ((1, 2),))), is_whole(Detail(Geometry.COPLANAR))
+        (True, False)
     """
     geometry, groups = detail.geometry, len(detail.joints)
-    wanted = _GROUPS.get(geometry, 1)
-    enough = groups == wanted or (geometry is Geometry.ALIGNED and groups > 1)
-    if not enough:
-        return f'"{geometry}" has {groups} groups of joints, not {wanted}'
-    if not all(detail.joints):
-        return f'"{geometry}" has a group without joints'
-    if (detail.centre is not None) != (geometry in _OF_CENTRE):
-        return f'"{geometry}" {_HAS[detail.centre is not None]} centre'
-    if (detail.plane is not None) != (geometry in _OF_PLANE):
-        return f'"{geometry}" {_HAS[detail.plane is not None]} plane'
-    if detail.brief and geometry not in _BRIEF:
-        return f'"{geometry}" has no brief form'
-    return ""
-
-
-_HAS = {True: "speaks of no", False: "lacks its"}
+    enough = groups == _GROUPS.get(geometry, 1) or (geometry is Geometry.ALIGNED and groups > 1)
+    return (
+        enough
+        and all(detail.joints)
+        and (detail.centre is not None) == (geometry in _OF_CENTRE)
+        and (detail.plane is not None) == (geometry in _OF_PLANE)
+        and (not detail.brief or geometry in _BRIEF)
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, get_type_hints
 
 from rankdrop.codec import Record, restore
-from rankdrop.families.name import Detail, FamilyName, LowRank, Shorter, contradiction_of_detail
+from rankdrop.families.name import Detail, FamilyName, LowRank, Shorter, is_whole
 from rankdrop.local.dependence import Dependence
 from rankdrop.results.old_files import name_of_words
 
@@ -41,11 +41,11 @@ def name_from_dict(record: Record) -> FamilyName:
     """
     relations = restore(tuple[Detail, ...], record.get("relations", ()))
     dependent = restore(tuple[Dependence, ...], record.get("dependent", ()))
-    wrong = [*filter(None, map(contradiction_of_detail, relations))]
+    for relation in relations:
+        if not is_whole(relation):
+            raise ValueError(f'a name\'s relation "{relation.geometry}" lacks its joints, centre or plane, or has others')
     if not all(screws.joints for screws in dependent):
-        wrong.append("a dependent set has no joints")
-    if wrong:
-        raise ValueError(f"the name of a family contradicts itself: {wrong[0]}")
+        raise ValueError("a dependent set of a name has no joints")
     details: tuple[Detail | Dependence | LowRank, ...] = (
         *(replace(relation, joints=tuple(map(_before, relation.joints))) for relation in relations),
         *(replace(screws, joints=_before(screws.joints), slides=_before(screws.slides)) for screws in dependent),
@@ -65,15 +65,17 @@ def joints_of_name(name: FamilyName) -> set[int]:
         >>> joints_of_name(name_from_dict({"relations": [{"geometry": "on one line", "joints": [[4, 6]]}]}))
         {4, 6}
     """
-    joints = {one.number for one in (*name.bound, *(values.joint for values in name.values))}
+    joints = {variable.number for variable in name.bound} | {values.joint.number for values in name.values}
     joints.discard(0)  # "with a condition", of a name that leaves out on which joints
     for detail in name.details:
         if isinstance(detail, LowRank):
             joints.add(detail.joints)
-        elif isinstance(detail, Detail):
-            joints.update(joint + 1 for group in detail.joints for joint in group)
+            continue
+        if isinstance(detail, Detail):
+            members = sum(detail.joints, ())
         else:
-            joints.update(joint + 1 for joint in (*detail.joints, *detail.slides))
+            members = (*detail.joints, *detail.slides)
+        joints.update(joint + 1 for joint in members)
     return joints
 
 

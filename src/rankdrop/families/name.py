@@ -88,26 +88,22 @@ _OF_PLANE = {Geometry.CENTRE_IN_PLANE, Geometry.AXES_MEET_IN_PLANE}
 _BRIEF = {Geometry.PARALLEL, Geometry.PERPENDICULAR}
 
 
-def check_detail(detail: Detail) -> None:
-    """Refuse a detail that lacks something, or has too much, for its geometry.
+def is_whole(detail: Detail) -> bool:
+    """Whether a detail has the groups of joints, the centre and the plane of its geometry, and no other.
 
-    Raises:
-        ValueError: another number of groups of joints, an empty group, a centre or a plane that its geometry has not or
-            that is missing, or a brief form that there is none of.
+    Example:
+        >>> is_whole(Detail(Geometry.COPLANAR, ((1, 2),))), is_whole(Detail(Geometry.COPLANAR))
+        (True, False)
     """
     geometry, groups = detail.geometry, len(detail.joints)
-    wanted = _GROUPS.get(geometry, 1)
-    enough = groups == wanted or (geometry is Geometry.ALIGNED and groups > 1)
-    if not enough:
-        raise ValueError(f'"{geometry}" has {groups} groups of joints, not {wanted}')
-    if not all(detail.joints):
-        raise ValueError(f'"{geometry}" has a group without joints')
-    if (detail.centre is not None) != (geometry in _OF_CENTRE):
-        raise ValueError(f'"{geometry}" has a centre where it needs none, or none')
-    if (detail.plane is not None) != (geometry in _OF_PLANE):
-        raise ValueError(f'"{geometry}" has a plane where it needs none, or none')
-    if detail.brief and geometry not in _BRIEF:
-        raise ValueError(f'"{geometry}" has no brief form')
+    enough = groups == _GROUPS.get(geometry, 1) or (geometry is Geometry.ALIGNED and groups > 1)
+    return (
+        enough
+        and all(detail.joints)
+        and (detail.centre is not None) == (geometry in _OF_CENTRE)
+        and (detail.plane is not None) == (geometry in _OF_PLANE)
+        and (not detail.brief or geometry in _BRIEF)
+    )
 
 
 @dataclass(frozen=True, slots=True)

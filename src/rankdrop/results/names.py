@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, get_type_hints
 
 from rankdrop.codec import Record, restore
-from rankdrop.families.name import Detail, FamilyName, LowRank, Shorter, check_detail
+from rankdrop.families.name import Detail, FamilyName, LowRank, Shorter, is_whole
 from rankdrop.local.dependence import Dependence
 from rankdrop.results.old_files import name_of_words
 
@@ -42,9 +42,10 @@ def name_from_dict(record: Record) -> FamilyName:
     relations = restore(tuple[Detail, ...], record.get("relations", ()))
     dependent = restore(tuple[Dependence, ...], record.get("dependent", ()))
     for relation in relations:
-        check_detail(relation)
+        if not is_whole(relation):
+            raise ValueError(f'a name\'s relation "{relation.geometry}" lacks its joints, centre or plane, or has others')
     if not all(screws.joints for screws in dependent):
-        raise ValueError("the name of a family contradicts itself: a dependent set has no joints")
+        raise ValueError("a dependent set of a name has no joints")
     details: tuple[Detail | Dependence | LowRank, ...] = (
         *(replace(relation, joints=tuple(map(_before, relation.joints))) for relation in relations),
         *(replace(screws, joints=_before(screws.joints), slides=_before(screws.slides)) for screws in dependent),
@@ -64,18 +65,17 @@ def joints_of_name(name: FamilyName) -> set[int]:
         >>> joints_of_name(name_from_dict({"relations": [{"geometry": "on one line", "joints": [[4, 6]]}]}))
         {4, 6}
     """
-    named = list(name.bound)
-    named += [values.joint for values in name.values]
-    joints = {joint.number for joint in named}
+    joints = {variable.number for variable in name.bound} | {values.joint.number for values in name.values}
     joints.discard(0)  # "with a condition", of a name that leaves out on which joints
     for detail in name.details:
         if isinstance(detail, LowRank):
             joints.add(detail.joints)
-        elif isinstance(detail, Detail):
-            for group in detail.joints:
-                joints.update(joint + 1 for joint in group)
+            continue
+        if isinstance(detail, Detail):
+            members = sum(detail.joints, ())
         else:
-            joints.update(joint + 1 for joint in (*detail.joints, *detail.slides))
+            members = (*detail.joints, *detail.slides)
+        joints.update(joint + 1 for joint in members)
     return joints
 
 

@@ -347,6 +347,11 @@ def check_poses(
     tolerance = tip_tolerance(how, robot)
     first, solutions, moved = _first_configuration(robot, wanted, resolved, start, tolerance)
     branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
+    if not len(branch.q):
+        raise ConfigurationError(
+            "the first pose lies next to a singularity of the start, where the solver ends on no configuration of it",
+            where="poses, pose 1", mend="write the pose with more digits, or begin a little farther on",
+        )  # fmt: skip
     aim, targets = Aim(robot, resolved), poses_at(wanted, branch.place - 1.0)
     away, turned = tip_apart(aim, branch.q, targets)
     missed = aim.missed(targets, branch.q)

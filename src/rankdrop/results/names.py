@@ -43,8 +43,7 @@ def name_from_dict(record: Record) -> FamilyName:
     dependent = restore(tuple[Dependence, ...], record.get("dependent", ()))
     for relation in relations:
         if not is_whole(relation):
-            wrong = "lacks its joints, centre or plane, or has others"
-            raise ValueError(f'a name\'s relation "{relation.geometry}" {wrong}')
+            raise ValueError(f'relation "{relation.geometry}" lacks its joints, centre or plane, or has others')
     if not all(screws.joints for screws in dependent):
         raise ValueError("a dependent set of a name has no joints")
     details: tuple[Detail | Dependence | LowRank, ...] = (

@@ -10,6 +10,7 @@ import pytest
 from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
+from rankdrop.path.check.check import check_poses
 from rankdrop.path.check.follow import follow
 from rankdrop.path.check.tool_line import poses_between
 from rankdrop.poses.inverse import Aim, rotation
@@ -242,3 +243,22 @@ def test_a_line_that_misses_a_wrist_by_however_little_is_followed(degrees: float
     found = follow(robot, ends, back.last, limits=False, tolerance=(1e-4, 1e-3))
     assert found.complete
     assert abs(np.degrees(found.q[-1, 3] - found.q[0, 3])) > 100.0
+
+
+def test_a_first_pose_that_the_solver_does_not_reach_is_refused_in_a_sentence(rng: np.random.Generator) -> None:
+    """Wrists straight at the start, the first pose with six digits: checked, or refused with how to mend it."""
+    arm = open_robot("ur5e")
+    for _ in range(12):
+        q = rng.uniform(-0.8, 0.8, 6) + np.array([0.0, -1.0, 1.0, 0.0, 0.0, 0.0])
+        q[4] = 0.0
+        poses = pose(arm, np.stack([q, q + 0.05 * rng.normal(size=6)]))
+        poses[0, :3, 3] = poses[0, :3, 3].round(6)
+        left, _, right = np.linalg.svd(poses[0, :3, :3].round(6))
+        poses[0, :3, :3] = left @ right
+        told = ""
+        try:
+            check = check_poses(arm, poses, start=q, branches=False)
+            rows = len(check.tool.q)
+        except ConfigurationError as error:
+            rows, told = 0, str(error)
+        assert rows > 0 or "next to a singularity" in told

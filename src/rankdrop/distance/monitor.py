@@ -340,9 +340,9 @@ class Monitor:
         self.step(one_configuration(self.robot, q))
         distance, residual, away = self._watcher.apart()
         order, count = self._order[:-1], len(self.families)
-        found = Nearby(np.full(count, np.nan), np.full(count, np.nan), np.full((count, self.robot.n), np.nan))
-        found.distance[order], found.residual[order], found.away[order] = distance, residual, away
-        return found
+        nearest = Nearby(np.full(count, np.nan), np.full(count, np.nan), np.full((count, self.robot.n), np.nan))
+        nearest.distance[order], nearest.residual[order], nearest.away[order] = distance, residual, away
+        return nearest
 
 
 def compile_families(families: Sequence[Family], robot: Robot, task: Task) -> _core.Families:
@@ -395,11 +395,11 @@ def _thresholds(start: float, stop: float) -> tuple[float, float]:
 
 
 def _rates(robot: Robot, rates: ArrayLike | None) -> Array:
-    found = np.array([joint.velocity for joint in robot.variables] if rates is None else rates, dtype=np.float64)
-    if found.shape != (robot.n,) or not (found > 0.0).all():
+    limits = np.array([joint.velocity for joint in robot.variables] if rates is None else rates, dtype=np.float64)
+    if limits.shape != (robot.n,) or not (limits > 0.0).all():
         raise OptionError("these are no joint rates", where="rates", got=np.asarray(rates).tolist(),
                           allowed=f"{robot.n} positive numbers")  # fmt: skip
-    return found
+    return limits
 
 
 Value = int | float | str | list[int] | list[float] | list[str]

@@ -242,10 +242,10 @@ def _reaches_zero(family: Family, scale: Array, rng: np.random.Generator, _rows:
     system = family.system
     moves = np.array([j for j in range(q.shape[1]) if j + 1 in family.coupled])
     moving = np.isin(np.arange(q.shape[1]), moves)
-    found = np.zeros(len(q), dtype=np.bool_)
+    reaches = np.zeros(len(q), dtype=np.bool_)
     may = _may_be_near(system, q, scale, moves, within)
     for attempt in range(1 + _AROUND):
-        rows = np.flatnonzero(~found)
+        rows = np.flatnonzero(~reaches)
         if not len(rows):
             break
         centre, reach = q[rows], within[rows]
@@ -266,8 +266,8 @@ def _reaches_zero(family: Family, scale: Array, rng: np.random.Generator, _rows:
         x, _ = system.solve(x, along=np.eye(x.shape[1])[:, moves], iterations=20)  # pinned joints held
         there = np.abs(system.values(x)).max(axis=1) <= REACHED
         distance = np.linalg.norm((x - centre) / scale, axis=1)
-        found[rows] = there & (distance <= reach)
-    return found
+        reaches[rows] = there & (distance <= reach)
+    return reaches
 
 
 def _may_be_near(system: System, q: Array, scale: Array, moves: NDArray[np.intp], within: Array) -> Mask:

@@ -228,20 +228,20 @@ def _climb_from_starts(
     model: Evaluate, starts: Array, box: tuple[Array, Array], progress: Progress | None
 ) -> tuple[int, Array]:
     """How many starts were climbed from, and (done, n) where they came to, best first."""
-    found: list[Lowest] = []
+    climbs: list[Lowest] = []
     done = 0
     try:
         while done < len(starts):
-            found.append(descend(model, starts[done : done + _PART], box, iterations=_FIRST, effort=_QUICK))
-            done += len(found[-1].q)
+            climbs.append(descend(model, starts[done : done + _PART], box, iterations=_FIRST, effort=_QUICK))
+            done += len(climbs[-1].q)
             if progress is not None:
                 progress(done, len(starts))
     except KeyboardInterrupt:
         pass
-    if not found:
+    if not climbs:
         return 0, starts[:0]
-    order = np.argsort(np.concatenate([part.value for part in found]), kind="stable")
-    return done, np.concatenate([part.q for part in found])[order]
+    order = np.argsort(np.concatenate([part.value for part in climbs]), kind="stable")
+    return done, np.concatenate([part.q for part in climbs])[order]
 
 
 def _polish_maxima(
@@ -255,11 +255,11 @@ def _polish_maxima(
             chosen.append(row)
     if not chosen:
         return []
-    found = descend(model, np.array(chosen[: _CHOSEN * show]) / scale, box, iterations=_LAST)
-    order = np.argsort(found.value, kind="stable")
-    turned = _settle_idle_joints(robot, found.q[order] * scale, box, scale, free)
+    polished = descend(model, np.array(chosen[: _CHOSEN * show]) / scale, box, iterations=_LAST)
+    order = np.argsort(polished.value, kind="stable")
+    turned = _settle_idle_joints(robot, polished.q[order] * scale, box, scale, free)
     kept: list[tuple[Array, float, float]] = []
-    for at, value, slope in zip(turned, -found.value[order], found.slope[order], strict=True):
+    for at, value, slope in zip(turned, -polished.value[order], polished.slope[order], strict=True):
         near = (_difference(robot, at, other[0]).max() < 1e-3 and abs(value - other[1]) < _SAME for other in kept)
         if not any(near):
             kept.append((at, float(value), float(slope)))

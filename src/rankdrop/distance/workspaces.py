@@ -116,8 +116,8 @@ def workspace(robot: Robot, task: Task, families: Sequence[Family], *, seed: int
     images = []
     for family in families:
         if family.corank == 1:
-            found = members(robot, task, family, IMAGES, seed)
-            images.append((family.id, section(pose(robot, found)[:, :3, 3])))
+            points = members(robot, task, family, IMAGES, seed)
+            images.append((family.id, section(pose(robot, points)[:, :3, 3])))
     return Workspace(
         section, edges[0], edges[1], counts.astype(np.int64), tips, section(walls), one_sided, tuple(images), seed
     )

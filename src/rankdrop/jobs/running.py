@@ -147,21 +147,21 @@ class Folder:
         Raises:
             ResultFileError: the folder cannot be made or written, or holds another job, or something else.
         """
-        found = cls(Path(path), job)
-        note = found.path / JOB
+        folder = cls(Path(path), job)
+        note = folder.path / JOB
         try:
-            found.path.joinpath(PARTS).mkdir(parents=True, exist_ok=True)
+            folder.path.joinpath(PARTS).mkdir(parents=True, exist_ok=True)
             if note.exists():
-                if read_file(note, _LARGEST) != found._note():
+                if read_file(note, _LARGEST) != folder._note():
                     raise ResultFileError(
                         "the folder holds another job", where=str(path), got=_describe_note(note),
                         allowed=f"{job.kind} {job.sha256[:12]}", mend="name another folder, or remove this one",
                     )  # fmt: skip
             else:
-                replace_file(note, found._note())
+                replace_file(note, folder._note())
         except OSError as error:
             raise ResultFileError(f"cannot use the folder: {error.strerror or error}", where=str(path)) from error
-        return found
+        return folder
 
     def _note(self) -> bytes:
         record = {"schema": "rankdrop/job/1", "items": self.job.items, "sha256": self.job.sha256,
@@ -311,10 +311,10 @@ def progress_of(path: str | Path) -> Progress:
 
 def _describe_note(note: Path) -> str:
     try:
-        found = _read_note(note)
+        note_read = _read_note(note)
     except (ResultFileError, OSError):
         return f"a {JOB} that is not of a job"
-    return f"{found.job.kind} {found.sha256[:12]} of version {found.job.version[:40]}"
+    return f"{note_read.job.kind} {note_read.sha256[:12]} of version {note_read.job.version[:40]}"
 
 
 def _read_note(note: Path) -> Any:

@@ -117,9 +117,9 @@ def blame(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPENDENT) 
 
     Args, Raises: as `circuits_at`.
     """
-    found = circuits_at(robot, q, task, tolerance)
+    circuits = circuits_at(robot, q, task, tolerance)
     corank = generic_rank(robot, task) - int((singular_values(robot, q, task) > tolerance).sum())
-    return make_all(found, robot.n, corank)
+    return make_all(circuits, robot.n, corank)
 
 
 def make_all(circuits: Sequence[Circuit], n: int, nullity: int) -> tuple[Circuit, ...]:
@@ -201,12 +201,12 @@ def shared_circuits(
     Returns:
         Tuples of indices from 0, small ones first.
     """
-    found: list[tuple[int, ...]] = []
+    supports: list[tuple[int, ...]] = []
     for members in _circuits_by_size(columns, tolerance):
-        found += map(tuple, members[:most].tolist())
-        if most is not None and len(found) >= most:
-            return found[:most]
-    return found
+        supports += map(tuple, members[:most].tolist())
+        if most is not None and len(supports) >= most:
+            return supports[:most]
+    return supports
 
 
 def _circuits_by_size(columns: Array, tolerance: float) -> Iterator[NDArray[np.intp]]:

@@ -413,7 +413,7 @@ def lost_without(robot: Robot, q: ArrayLike, task: Task, coranks: Mapping[int, i
     place, frames = one_configuration(robot, q), _candidates(task.frame, len(robot.joints))
     links, length = link_poses(robot, place), counted_as_radian(robot)
     always = _always_blocked(robot, place, task)
-    found: dict[int, FramedDirections] = {}
+    by_joint: dict[int, FramedDirections] = {}
     for corank in sorted(set(coranks.values())):
         joints = [joint for joint, lost in coranks.items() if lost == corank]
         blocked = _blocked_without(robot, place, task, corank, joints)  # (J, p, 6)
@@ -426,8 +426,8 @@ def lost_without(robot: Robot, q: ArrayLike, task: Task, coranks: Mapping[int, i
         basis = _readable(own.reshape(together, -1, 6), around.reshape(together, len(always), 6), corank)
         directions = basis.reshape(len(joints), len(frames), corank, 6)
         for joint, seen_by_frame in zip(joints, directions, strict=True):
-            found[joint] = _simplest_frame(robot, seen_by_frame, frames)
-    return found
+            by_joint[joint] = _simplest_frame(robot, seen_by_frame, frames)
+    return by_joint
 
 
 def _lost_in_frames(robot: Robot, q: Array, task: Task, corank: int, frames: Sequence[Frame]) -> Array:

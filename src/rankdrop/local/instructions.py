@@ -85,25 +85,25 @@ def executed(
     """
     current, steps = screws, list[Executed]()
     for name, first, last in instructions:
-        found: Array | OrderedSubset | Products | int
+        outcome: Array | OrderedSubset | Products | int
         match name:
             case "newscrews":
                 current = current.newscrews(first, last)
-                found = current.screws[first:last]
+                outcome = current.screws[first:last]
             case "readoss":
                 rows = current.screws.copy()
                 rows[first - 1 : last] = screws.readoss(first, last)
                 current = OrderedScrewSet(rows, screws.tolerance)
-                found = current.readoss(first, last)
+                outcome = current.readoss(first, last)
             case "msos":
-                found = current.msos(first, last)
+                outcome = current.msos(first, last)
             case "subspace":
-                found = current.subspace(first, last)
+                outcome = current.subspace(first, last)
             case "dimension":
-                found = current.dimension(first, last)
+                outcome = current.dimension(first, last)
             case _:
                 raise OptionError("there is no such instruction", got=repr(name), allowed=", ".join(_INSTRUCTIONS))
-        steps.append(Executed(name, first, last, found))
+        steps.append(Executed(name, first, last, outcome))
     return tuple(steps)
 
 

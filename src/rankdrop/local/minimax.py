@@ -135,18 +135,18 @@ def _promised_within(
     q: Array, values: Array, tensor: Array, tau: Array, mixed: Array, box: tuple[Array, Array] | None, effort: int
 ) -> Promise:
     """`promised_step`, with joints that stand at the edge of the box held where the step would leave it."""
-    found = promised_step(values, tensor, tau, mixed, effort)
+    promised = promised_step(values, tensor, tau, mixed, effort)
     if box is None:
-        return found
+        return promised
     held = np.zeros(q.shape, dtype=np.bool_)
     for _ in range(q.shape[1]):
-        out = ((q <= box[0]) & (found[0] < 0.0)) | ((q >= box[1]) & (found[0] > 0.0))
+        out = ((q <= box[0]) & (promised[0] < 0.0)) | ((q >= box[1]) & (promised[0] > 0.0))
         if not (out & ~held).any():
             break
         held |= out
         free = np.where(held[:, None, None, None, :], 0.0, tensor)
-        found = promised_step(values, free, tau, found[3], effort)
-    return found
+        promised = promised_step(values, free, tau, promised[3], effort)
+    return promised
 
 
 def gradient_tensor(robot: Robot, q: ArrayLike, task: Task, rank: int) -> tuple[Array, Array]:
@@ -228,8 +228,8 @@ def stays_up(problem: Problem, q: Array) -> Mask:
 def brought_down(problem: Problem, q: Array, *, iterations: int = 200, effort: int = EFFORT) -> Lowest:
     """σ[rank] descended from (B, n) configurations to where it is least nearby; `q` of the result in rad and m."""
     scale = problem.scale
-    found = descend(tied_model(problem), q / scale, _box(problem), iterations=iterations, effort=effort)
-    return replace(found, q=found.q * scale)
+    descent = descend(tied_model(problem), q / scale, _box(problem), iterations=iterations, effort=effort)
+    return replace(descent, q=descent.q * scale)
 
 
 def _box(problem: Problem) -> tuple[Array, Array] | None:

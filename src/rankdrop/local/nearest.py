@@ -157,10 +157,10 @@ def nearest_singularity(
     there_task = replace(there_task, length_scale=there_task.scale(there))  # the reach is worked out once
     problem = Problem(there, there_task, asked.corank, tolerances, asked.limits)
     first = np.array([into_metres(robot, one) for one in extra]).reshape(-1, robot.n)
-    found = _nearest(problem, into_metres(robot, centre), first, asked)
-    if found is None or there is robot:
-        return found
-    return _out_of_metres(found, robot)
+    nearest = _nearest(problem, into_metres(robot, centre), first, asked)
+    if nearest is None or there is robot:
+        return nearest
+    return _out_of_metres(nearest, robot)
 
 
 def _nearest(problem: Problem, centre: Array, first: Array, asked: NearestOptions) -> Nearest | None:
@@ -301,13 +301,13 @@ def _sheets(walk: _Walk, here: Configuration, starts: Array, known: Array | None
     for end in ends[far > least][:_LOOKED_AT]:
         if not walk.is_new(end, told) or not walk.is_minimum(end, seed):
             continue
-        found = walk.finest(end[None])
-        if found is not None:
-            lost = problem.rank + 1 - int((problem.sigma(found[0]) > problem.tolerances.singular).sum())
-            foot = walk.foot_from(here.metric.q, found[0])
+        finest = walk.finest(end[None])
+        if finest is not None:
+            lost = problem.rank + 1 - int((problem.sigma(finest[0]) > problem.tolerances.singular).sum())
+            foot = walk.foot_from(here.metric.q, finest[0])
             distance = float(problem.length(foot - here.metric.q))
-            yield Elsewhere(distance, tuple(out_of_metres(here.robot, found[0]).tolist()), lost)
-            told = np.concatenate([told, found[0][None]])
+            yield Elsewhere(distance, tuple(out_of_metres(here.robot, finest[0]).tolist()), lost)
+            told = np.concatenate([told, finest[0][None]])
 
 
 def check_joints(problem: Problem) -> None:
@@ -455,8 +455,8 @@ class _Walk:
             early = self._feet(np.concatenate([given, around]), np.inf)
             nearest = float(early[1].min(initial=np.inf))
             late = self._feet(self._nearer(ball, nearest), nearest)
-        found = self._with_lost(*(np.concatenate(both) for both in zip(early, late, strict=True)))
-        second = self._settle_nearest(self._gather_ends(found, len(given) + sum(NEWTON)))
+        ends = self._with_lost(*(np.concatenate(both) for both in zip(early, late, strict=True)))
+        second = self._settle_nearest(self._gather_ends(ends, len(given) + sum(NEWTON)))
         if second.settled or second.finest is None:
             return second
         return self._confirm_nearest(second, known, self._nearer(few, self.distance(second.finest[0])))
@@ -481,10 +481,10 @@ class _Walk:
         agreed = abs(known - nearest) <= SAME or 2 * walked.agreeing(nearest) >= len(starts)
         return replace(joined, settled=joined.settled or agreed)
 
-    def _gather_ends(self, found: tuple[Array, ...], begun: int) -> _Ends:
+    def _gather_ends(self, ends: tuple[Array, ...], begun: int) -> _Ends:
         """Ends (C, n), their distances (C,), and starts that got lost, if any."""
-        lost = sum(len(more) for more in found[2:])
-        return _Ends(_best(found[0], found[1]), found[1], lost, begun)
+        lost = sum(len(more) for more in ends[2:])
+        return _Ends(_best(ends[0], ends[1]), ends[1], lost, begun)
 
     def _settle_nearest(self, ends: _Ends) -> _Ends:
         """Ends of which the nearest has gone on to the last digit, and whether it needs no further start."""

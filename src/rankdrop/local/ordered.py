@@ -176,11 +176,11 @@ class OrderedScrewSet:
     @cached_property
     def _dimensions(self) -> dict[tuple[int, int], int]:
         """Dimension of the span of every run (first, last), short runs first."""
-        rows, n, found = self._rows(self.screws), len(self), dict[tuple[int, int], int]()
+        rows, n, dimensions = self._rows(self.screws), len(self), dict[tuple[int, int], int]()
         for size in range(1, n + 1):
             ranks = _ranks(np.stack([rows[i : i + size] for i in range(n - size + 1)]), self.tolerance)
-            found |= {(i, i + size - 1): int(rank) for i, rank in enumerate(ranks, 1)}
-        return found
+            dimensions |= {(i, i + size - 1): int(rank) for i, rank in enumerate(ranks, 1)}
+        return dimensions
 
     def dimension(self, first: int, last: int) -> int:
         """Dimension of the span of a run."""
@@ -274,11 +274,11 @@ def ordered_subsets(robot: Robot, q: ArrayLike, task: Task) -> tuple[OrderedSubs
         [(1, 5), (3, 7)]
     """
     elsewhere, runs = _elsewhere(robot, task), _screws_at(robot, one_configuration(robot, q)).subsets()
-    found = []
+    subsets = []
     for run in runs:
         generic = all(other.dimension(run.first, run.last) == run.dimension for other in elsewhere)
-        found.append(replace(run, generic=generic))
-    return tuple(found)
+        subsets.append(replace(run, generic=generic))
+    return tuple(subsets)
 
 
 def _screws_at(robot: Robot, q: Array) -> OrderedScrewSet:

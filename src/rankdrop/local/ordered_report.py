@@ -247,7 +247,7 @@ def _verdict(
 
 
 def _disagreements(joints: Sequence[JointVerdict], trials: Sequence[Trial]) -> tuple[Disagreement, ...]:
-    found = [Disagreement(joint.remark) for joint in joints if joint.remark.kind is not RemarkKind.AGREES]
+    disagreements = [Disagreement(joint.remark) for joint in joints if joint.remark.kind is not RemarkKind.AGREES]
     named: dict[tuple[int, int], list[int]] = {}
     for trial in trials:
         actuators = named.setdefault(trial.subset, [])
@@ -255,8 +255,8 @@ def _disagreements(joints: Sequence[JointVerdict], trials: Sequence[Trial]) -> t
             actuators.append(trial.actuator)
     runs = tuple((first, last, tuple(sorted(actuators))) for (first, last), actuators in named.items())
     if len({actuators for _, _, actuators in runs}) > 1:
-        found.append(Disagreement(None, runs))
-    return tuple(found)
+        disagreements.append(Disagreement(None, runs))
+    return tuple(disagreements)
 
 
 def _first_order(screws: OrderedScrewSet, number: int, dimension: int, generic: int) -> tuple[float, float]:

@@ -149,13 +149,13 @@ _Axes = NDArray[np.intp]
 
 def _turns(axis: _Axes, angle: Array) -> Array:
     """(..., o, 3, 3) turns about one axis each (o,) by angles (..., o)."""
-    found = np.zeros((*angle.shape, 3, 3))
+    turns = np.zeros((*angle.shape, 3, 3))
     each, i, j = np.arange(len(axis)), (axis + 1) % 3, (axis + 2) % 3
     sine, cosine = np.sin(angle), np.cos(angle)
-    found[..., each, axis, axis] = 1.0
-    found[..., each, i, i] = found[..., each, j, j] = cosine
-    found[..., each, j, i], found[..., each, i, j] = sine, -sine
-    return found
+    turns[..., each, axis, axis] = 1.0
+    turns[..., each, i, i] = turns[..., each, j, j] = cosine
+    turns[..., each, j, i], turns[..., each, i, j] = sine, -sine
+    return turns
 
 
 def _axes(orders: Sequence[str]) -> Iterator[_Axes]:
@@ -189,11 +189,11 @@ def euler_rates(angles: Array, orders: Sequence[str]) -> Array:
     i, j, k = _axes(orders)
     first = _turns(i, angles[..., 0])
     second = first @ _turns(j, angles[..., 1])
-    each, found = np.arange(len(i)), np.zeros((*angles.shape, 3))
-    found[..., each, i, 0] = 1.0
+    each, rates = np.arange(len(i)), np.zeros((*angles.shape, 3))
+    rates[..., each, i, 0] = 1.0
     axes = np.eye(3)
-    found[..., 1], found[..., 2] = (first @ axes[j][..., None])[..., 0], (second @ axes[k][..., None])[..., 0]
-    return found
+    rates[..., 1], rates[..., 2] = (first @ axes[j][..., None])[..., 0], (second @ axes[k][..., None])[..., 0]
+    return rates
 
 
 def _outer() -> Array:
@@ -493,9 +493,10 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
     coordinates = _every_coordinates(rotation)
     measures = _rate_measures(coordinates)
     turned = float(np.linalg.norm(coordinates["rotvec"]))
-    found = {name: _describe(name, coordinates[name], *measures[name], turned, tolerances) for name in NAMES}
-    others = tuple(part for name, part in found.items() if name not in MAIN)
-    return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"], others)
+    representations = {name: _describe(name, coordinates[name], *measures[name], turned, tolerances) for name in NAMES}
+    others = tuple(part for name, part in representations.items() if name not in MAIN)
+    zyz, rpy, quaternion, rotvec = (representations[name] for name in MAIN)
+    return Representations(arm, zyz, rpy, quaternion, rotvec, others)
 
 
 def _every_coordinates(rotation: Array) -> dict[str, Array]:

@@ -64,9 +64,9 @@ def pointing_task(robot: Robot, task: Task) -> Task | None:
     if robot.n != _ROWS or task.m != _ROWS + 1:
         return None
     frame = replace(BODY, point=task.frame.point)
-    found = replace(resolve_task(POINTING, robot, frame=frame), length_scale=task.length_scale)
-    if generic_rank(robot, task) == _ROWS == generic_rank(robot, found) and not _rolls_tool(robot, task):
-        return found
+    pointing = replace(resolve_task(POINTING, robot, frame=frame), length_scale=task.length_scale)
+    if generic_rank(robot, task) == _ROWS == generic_rank(robot, pointing) and not _rolls_tool(robot, task):
+        return pointing
     return None
 
 
@@ -94,9 +94,9 @@ def level_task(robot: Robot, task: Task) -> Task | None:
     tilts = jacobian(robot, sample(robot, task, _SAMPLES, 0))[..., 3:5, :]
     if np.abs(tilts).max() > _TILT:
         return None
-    found = replace(resolve_task(LEVEL, robot, frame=task.frame), length_scale=task.length_scale)
-    if generic_rank(robot, task) == _LEVEL_ROWS == generic_rank(robot, found):
-        return found
+    level = replace(resolve_task(LEVEL, robot, frame=task.frame), length_scale=task.length_scale)
+    if generic_rank(robot, task) == _LEVEL_ROWS == generic_rank(robot, level):
+        return level
     return None
 
 

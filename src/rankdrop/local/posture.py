@@ -174,7 +174,7 @@ def _fold_share(points: Array) -> Array:
     ways = np.diff(points, axis=1)
     longest = np.linalg.norm(ways, axis=2).max(axis=0)
     kept = np.flatnonzero(longest > _LONG)
-    found = np.zeros(len(points))
+    share = np.zeros(len(points))
     inside = points[:, kept, None] + _POINTS[:, None] * ways[:, kept, None]  # (N, S, T, 3)
     units = ways[:, kept] / np.maximum(np.linalg.norm(ways[:, kept], axis=2, keepdims=True), 1e-12)
     for a in range(len(kept)):
@@ -182,12 +182,12 @@ def _fold_share(points: Array) -> Array:
             between = float(longest[kept[a] + 1 : kept[b]].sum())
             if b == a + 1:
                 back = -(units[:, a] * units[:, b]).sum(axis=1)
-                found += np.clip((back - _SHARP) / (1.0 - _SHARP), 0.0, 1.0)
+                share += np.clip((back - _SHARP) / (1.0 - _SHARP), 0.0, 1.0)
             room = min(_APART, 0.5 * between)
             if room > 0.01:
                 apart = np.linalg.norm(inside[:, a, :, None] - inside[:, b, None], axis=3).min(axis=(1, 2))
-                found += np.clip(1.0 - apart / room, 0.0, 1.0) ** 2
-    return np.minimum(found, 1.0)
+                share += np.clip(1.0 - apart / room, 0.0, 1.0) ** 2
+    return np.minimum(share, 1.0)
 
 
 def candidates(robot: Robot, task: Task, count: int, seed: int) -> Array:

@@ -254,7 +254,7 @@ def _rates_along(
         shares = np.where(rates == 0.0, 0.0, np.abs(rates) / limits)
     sizes, largest = np.abs(rates / parts.joints), shares.max(axis=1)
     worst = np.where(largest > 0.0, shares.argmax(axis=1), sizes.argmax(axis=1)).tolist()
-    found = []
+    in_directions = []
     for row, (name, twist) in enumerate(motions):
         unit = "rad/s"
         if twist[:3].any():  # of the weakest ℓ m/s is the unit
@@ -267,8 +267,8 @@ def _rates_along(
             most, number, norm = float(largest[row]), worst[row], sqrt(float(sizes[row] @ sizes[row]))
             costs = (True, tuple(rates[row].tolist()), norm, number + 1, robot.variables[number].name,
                      1.0 / most if most else inf, float(speeds[row]), exact)  # fmt: skip
-        found.append(DirectionRates(name, tuple(twist.tolist()), unit, *costs))
-    return found
+        in_directions.append(DirectionRates(name, tuple(twist.tolist()), unit, *costs))
+    return in_directions
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,9 +76,9 @@ def away_from_singularity(robot: Robot, q: ArrayLike, task: Task | str | None = 
         TaskError: there is no such task.
     """
     resolved = resolve_task(task, robot)
-    found = block(robot, q, resolved, generic_rank(robot, resolved) - 1)
-    left, _, right = np.linalg.svd(found.f)  # u_r and v_r in the bases of the block
-    gradient = np.einsum("...a,...abj,...b->...j", left[..., :, 0], found.d, right[..., 0, :])
+    at_points = block(robot, q, resolved, generic_rank(robot, resolved) - 1)
+    left, _, right = np.linalg.svd(at_points.f)  # u_r and v_r in the bases of the block
+    gradient = np.einsum("...a,...abj,...b->...j", left[..., :, 0], at_points.d, right[..., 0, :])
     return np.asarray(gradient * joint_scale(robot, resolved) ** 2)
 
 
@@ -266,7 +266,7 @@ def readable_parts(columns: Array) -> Array:
     if count in (0, size):
         return np.eye(size)[:, :count]
     projector = columns @ columns.T
-    found = []
+    parts = []
     for members in _blocks(np.abs(projector) > _COUPLED):
         inner = projector[np.ix_(members, members)]
         dimension = round(float(np.trace(inner)))
@@ -279,8 +279,8 @@ def readable_parts(columns: Array) -> Array:
             local = _pivot_columns(inner)
         placed = np.zeros((size, dimension))
         placed[members] = local[:, :dimension]
-        found.append(placed)
-    return np.concatenate(found, axis=1)
+        parts.append(placed)
+    return np.concatenate(parts, axis=1)
 
 
 def _blocks(coupled: NDArray[np.bool_]) -> list[list[int]]:
@@ -292,14 +292,14 @@ def _blocks(coupled: NDArray[np.bool_]) -> list[list[int]]:
 
 def _pivot_columns(projector: Array) -> Array:
     """Orthonormal columns from the projector's own, the longest remaining one first (earlier ones win ties)."""
-    rest, found = projector.copy(), []
+    rest, pivots = projector.copy(), []
     for _ in range(round(float(np.trace(projector)))):
         lengths = np.linalg.norm(rest, axis=0)
         pivot = int(np.argmax(lengths >= lengths.max() - 1e-9))
         unit = rest[:, pivot] / lengths[pivot]
-        found.append(unit)
+        pivots.append(unit)
         rest = rest - np.outer(unit, unit @ rest)
-    return np.column_stack(found)
+    return np.column_stack(pivots)
 
 
 def _closed_form(scaled: Array, rank: int) -> Array:

@@ -76,8 +76,8 @@ def relations_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tupl
     structural = [group for group in groups if _holds(elsewhere, group)]
     structural += [group for group in always if group not in groups and len(group[1]) > 2 and _holds(here, group)]
     special = [group for group in groups if group not in structural]
-    found = [_relation(here, *group, group in structural) for group in special + structural]
-    return tuple(sorted(found, key=lambda r: (r.structural, _ORDER.index(r.kind), r.joints)))
+    relations = [_relation(here, *group, group in structural) for group in special + structural]
+    return tuple(sorted(relations, key=lambda r: (r.structural, _ORDER.index(r.kind), r.joints)))
 
 
 @lru_cache(maxsize=16)
@@ -95,9 +95,9 @@ def _groups(scene: Scene) -> list[Group]:
     aligned = {indices(row & ~scene.slides) for row in line[turns]}
     parallel = {indices(row) for row in together} - aligned
     points = {indices(on[i, j] & ~scene.slides) for i, j in combinations(turns, 2) if meet[i, j]}
-    found = [("aligned", group) for group in aligned] + [("parallel", group) for group in parallel]
-    found += [("concurrent" if len(group) > 2 else "intersecting", group) for group in points]
-    return [(kind, group) for kind, group in found if len(group) > 1]
+    groups = [("aligned", group) for group in aligned] + [("parallel", group) for group in parallel]
+    groups += [("concurrent" if len(group) > 2 else "intersecting", group) for group in points]
+    return [(kind, group) for kind, group in groups if len(group) > 1]
 
 
 def _holds(scene: Scene, group: Group) -> bool:

@@ -225,17 +225,17 @@ def _kind_of_all(robot: Robot, q: Array, dimension: int) -> str:
 def _losses(robot: Robot, task: Task, q: Array) -> list[Loss]:
     """Structural sets with what they lose in this task: joints − rank of their columns."""
     columns = task_jacobian(robot, q, task)
-    found = []
+    losses = []
     for system in systems_at(robot, q):
         if not system.structural:
             continue
         chosen = frozenset(number - 1 for number in system.numbers)
         lost = len(chosen) - int((np.linalg.svd(columns[:, sorted(chosen)])[1] > DEPENDENT).sum())
         if lost > 0:
-            found.append(Loss(chosen, lost, system.kind, system.dimension))
+            losses.append(Loss(chosen, lost, system.kind, system.dimension))
     for i in np.flatnonzero(np.linalg.norm(columns, axis=0) <= DEPENDENT).tolist():
-        found.append(Loss(frozenset({i}), 1))
-    return found
+        losses.append(Loss(frozenset({i}), 1))
+    return losses
 
 
 def _disjoint_choices(losses: list[Loss]) -> Iterator[tuple[Loss, ...]]:

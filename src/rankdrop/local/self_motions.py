@@ -175,11 +175,11 @@ def self_motion(
             points, end = trace.run(unit)
             if len(points) > 1 or _ENDED[end.reason] == LIMIT:
                 break
-    found = read_only(np.array(points))
-    errors = read_only(np.linalg.norm(where.error(found), axis=-1))
-    sigma = read_only(task_sigma(robot, found, here.task)[:, verdict.generic_rank - 1])
-    travelled = float(np.linalg.norm(np.diff(found, axis=0) / where.joints, axis=1).sum())
-    return SelfMotion(found, errors, sigma, travelled, end, verdict.nullity, verdict.corank)
+    motion = read_only(np.array(points))
+    errors = read_only(np.linalg.norm(where.error(motion), axis=-1))
+    sigma = read_only(task_sigma(robot, motion, here.task)[:, verdict.generic_rank - 1])
+    travelled = float(np.linalg.norm(np.diff(motion, axis=0) / where.joints, axis=1).sum())
+    return SelfMotion(motion, errors, sigma, travelled, end, verdict.nullity, verdict.corank)
 
 
 def _units(place: Configuration, wanted: Array | None) -> tuple[list[Array], End]:

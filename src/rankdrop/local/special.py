@@ -108,14 +108,14 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
         >>> [(one.part.value, one.joint, one.exact) for one in found]
         [('wrist', 5, True)]
     """
-    found = _measured(robot, task, q)
-    exact = [one for one in found if one.exact]
+    specials = _measured(robot, task, q)
+    exact = [one for one in specials if one.exact]
     if len(exact) > max(corank, 1):
         free = _without_cost(robot, task)
         costly = [one for one in exact if (one.part, one.joint) not in free]
         if len(costly) >= max(corank, 1):
             exact = costly
-    chosen = exact or sorted(found, key=lambda one: one.off)[: max(corank, 1)]
+    chosen = exact or sorted(specials, key=lambda one: one.off)[: max(corank, 1)]
     order = [*Part]
     return tuple(sorted(chosen, key=lambda one: order.index(one.part)))
 
@@ -146,7 +146,7 @@ def _without_cost(robot: Robot, task: Task) -> frozenset[tuple[Part, int]]:
     """Conditions that lose no rank where they hold alone, at a random configuration moved onto them."""
     turns, moves = bool({3, 4, 5} & set(task.rows)), bool({0, 1, 2} & set(task.rows))
     rank = generic_rank(robot, task)
-    found: set[tuple[Part, int]] = set()
+    free: set[tuple[Part, int]] = set()
     for q in np.random.default_rng(4).uniform(-2.0, 2.0, (_STRUCTURE, robot.n)):
         for special in _candidates(robot, q, turns, moves):
             if special.shape in (Shape.ABOVE_AXIS, Shape.TIP_ABOVE_AXIS):
@@ -155,8 +155,8 @@ def _without_cost(robot: Robot, task: Task) -> frozenset[tuple[Part, int]]:
                 place = q.copy()
                 place[special.joint - 1] = special.value
             if place is not None and singular_values(robot, place, task)[rank - 1] > _COSTS:
-                found.add((special.part, special.joint))
-    return frozenset(found)
+                free.add((special.part, special.joint))
+    return frozenset(free)
 
 
 def _moved_above_axis(robot: Robot, q: Array, turns: bool) -> Array | None:
@@ -192,12 +192,12 @@ def _triples(count: int, turns: bool, sliding: bool) -> list[tuple[Part, int]]:
 
     The wrist counts where the task turns, with five axes or more, or with three where slides carry it.
     """
-    found = []
+    triples = []
     if sliding or (turns and count >= 5):
-        found.append((Part.WRIST, count - 2))
+        triples.append((Part.WRIST, count - 2))
     if count >= ARM_AXES:
-        found.append((Part.SHOULDER, count - ARM_AXES + 1))
-    return found
+        triples.append((Part.SHOULDER, count - ARM_AXES + 1))
+    return triples
 
 
 def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Special]:

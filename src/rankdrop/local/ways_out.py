@@ -252,7 +252,7 @@ def escape(
     nearby = bool(place.corank and place.sigma[place.rank] > place.tolerances.singular)
     if nearby:  # q itself is regular: denials hold elsewhere
         avoidable, edge = avoidable or None, None
-    found = Escape(
+    ways_out = Escape(
         corank=place.corank,
         single=single,
         best_pair=pair,
@@ -268,8 +268,8 @@ def escape(
         floor=place.floor,
     )
     if place is here:
-        return found
-    return _out_of_metres(found, here.robot)
+        return ways_out
+    return _out_of_metres(ways_out, here.robot)
 
 
 _STEP = Annotated[float, option("Length of motions", unit="rad", ge=1e-3, le=1.0)]
@@ -299,14 +299,14 @@ def _out_of_metres(escape: Escape, robot: Robot) -> Escape:
 def _single(place: Configuration, step: float) -> tuple[JointEscape, ...]:
     """Every joint alone, ranked."""
     units = np.eye(len(place.q))
-    found = departures(place, units)
+    leaving = departures(place, units)
     gains = measured_gains(place, units)
     steps, sigma = single_motions(place, step)
     receives = receptors(place)
     down, up = place.room
     out = []
     for j, joint in enumerate(place.robot.variables):
-        (gain, order, rate, first), unit = found[j], float(place.scale[j])
+        (gain, order, rate, first), unit = leaving[j], float(place.scale[j])
         out.append(
             JointEscape(
                 number=j + 1,
@@ -365,13 +365,13 @@ def _describe_motions(place: Configuration, motions: Array) -> list[Direction]:
     units = np.where(inside[:, None], motions / np.maximum(lengths, 1e-300)[:, None], 0.0)
     units[~inside, 0] = 1.0  # no motion at all: some unit vector has to stand there
     lengths = np.where(inside, lengths, 0.0)
-    found = departures(place, units)
+    leaving = departures(place, units)
     reached = scores(place, units * lengths[:, None])
     sigma = place.last(place.q + units * lengths[:, None] * place.scale)
     return [
         _direction(place, units[i], made, float(lengths[i]), float(sigma[i]), gain=int(reached[i, 0]) - place.rank,
                    inside=bool(inside[i]))
-        for i, made in enumerate(found)
+        for i, made in enumerate(leaving)
     ]  # fmt: skip
 
 

@@ -159,11 +159,12 @@ class Analysis(Result):
                 path of the element.
         """
         if isinstance(record, dict):
-            found = record.get("schema")
+            schema = record.get("schema")
         else:
-            found = None
-        if found != SCHEMA:
-            raise ResultFileError("this is not an analysis that can be read", got=value_in_error(found), allowed=SCHEMA)
+            schema = None
+        if schema != SCHEMA:
+            got = value_in_error(schema)
+            raise ResultFileError("this is not an analysis that can be read", got=got, allowed=SCHEMA)
         if believe:
             return cls._from_dict(record)
         check_record("analysis", record)

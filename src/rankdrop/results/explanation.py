@@ -483,11 +483,11 @@ class Explanation(Result):
                 if self._is_slow_family(sheet.q, sheet.corank, sheet.distance):
                     continue
                 place = np.array(sheet.q)
-                found = self.incidences_at(place, sheet.corank)[0].family, sheet.distance, place
-                if self._is_same_again(found[0], place):
-                    same.append(found)
+                nearest = self.incidences_at(place, sheet.corank)[0].family, sheet.distance, place
+                if self._is_same_again(nearest[0], place):
+                    same.append(nearest)
                     continue
-                others.append(found)
+                others.append(nearest)
                 break
         others = others or same[:1]
         if not others:

@@ -183,16 +183,16 @@ def part(plan: dict[str, Any], chunk: int) -> bytes:
     first = chunk * plan["size"]
     count = min(plan["size"], plan["starts"] - first)
     q0 = _starts(own, inner, first, count, plan["seed"], plan["limits"])
-    found = refine(
+    solved = refine(
         own, q0, plan["corank"], task=inner, seed=plan["seed"], limits=plan["limits"], first=first, threads=1
     )
-    there = np.flatnonzero(found.outcome == Outcome.CONVERGED)
-    q, sigma = out_of_units(robot, found.q[there]), found.sigma[there]
-    if found.rank:
-        kept = sigma[:, found.rank - 1]
+    there = np.flatnonzero(solved.outcome == Outcome.CONVERGED)
+    q, sigma = out_of_units(robot, solved.q[there]), solved.sigma[there]
+    if solved.rank:
+        kept = sigma[:, solved.rank - 1]
     else:
         kept = np.full(len(there), np.nan)
-    return _table(robot, plan["corank"], first + there + 1, q, sigma[:, found.rank], kept, found.iterations[there])
+    return _table(robot, plan["corank"], first + there + 1, q, sigma[:, solved.rank], kept, solved.iterations[there])
 
 
 def _starts(robot: Robot, task: Task, first: int, count: int, seed: int, limits: bool) -> Array:

@@ -193,9 +193,9 @@ def _known_name(robot: Robot, task: Task, *, any_tip: bool) -> str | None:
     for tip in (True, False)[: 1 + (any_tip and task.m == 6)]:
         mine = geometry(robot, tip=tip)
         for name in candidates(robot, tip=tip):
-            found = shipped(name)
-            if np.abs(geometry(found.robot, tip=tip) - mine).max() <= _SAME and (
-                found.task.rows == task.rows and (task.m == 6 or found.task.frame == task.frame)
+            analysis = shipped(name)
+            if np.abs(geometry(analysis.robot, tip=tip) - mine).max() <= _SAME and (
+                analysis.task.rows == task.rows and (task.m == 6 or analysis.task.frame == task.frame)
             ):
                 return name
     return None
@@ -217,8 +217,8 @@ def candidates(robot: Robot, *, tip: bool = True) -> tuple[str, ...]:
 
     Makers build one geometry under several names: the robot's own name comes first.
     """
-    found = _index().get(coarse_fingerprint(robot, tip=tip), ())
-    return tuple(sorted(found, key=lambda name: (name != robot.name, name)))
+    names = _index().get(coarse_fingerprint(robot, tip=tip), ())
+    return tuple(sorted(names, key=lambda name: (name != robot.name, name)))
 
 
 def known_names() -> tuple[str, ...]:
@@ -238,8 +238,9 @@ def shipped(name: str) -> Analysis:
     if name not in known_names():
         allowed = ", ".join(known_names())
         raise ResultFileError("there is no shipped analysis of this arm", got=repr(name), allowed=allowed)
-    found = Analysis.from_dict(shipped_record(name), believe=True)  # tests/results/test_known.py does not
-    return replace(found, settings=replace(found.settings, version=VERSION))  # which ships it, and answers the same
+    analysis = Analysis.from_dict(shipped_record(name), believe=True)  # tests/results/test_known.py does not
+    settings = replace(analysis.settings, version=VERSION)  # which ships it, and answers the same
+    return replace(analysis, settings=settings)
 
 
 def shipped_record(name: str) -> Record:

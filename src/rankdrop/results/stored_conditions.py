@@ -176,8 +176,8 @@ def _remarks(record: Record) -> tuple[DerivationRemark, ...]:
 def _unreal(record: Record) -> UnrealSet:
     """A set without a known real point; what excludes one is a sentence of the file."""
     facts = {name: value for name, value in record.items() if name != "proof"}
-    found: UnrealSet = restore(UnrealSet, facts | {"negative": negative_of_sentence(record["proof"])})
-    return found
+    unreal: UnrealSet = restore(UnrealSet, facts | {"negative": negative_of_sentence(record["proof"])})
+    return unreal
 
 
 def _freedoms(record: Record, robot: Robot, task: Task) -> tuple[LostFreedom, ...]:
@@ -224,26 +224,26 @@ def _family(
 def _terms(f: Polynomial) -> list[list[Any]]:
     """[[variable, power, …], coefficient] per term, coefficients as whole numbers or "p/q"."""
     names = f.context().names()
-    found = []
+    terms = []
     for exponents, value in f.terms():
         powers: list[Any] = []
         for name, power in zip(names, exponents, strict=True):
             if power:
                 powers += [name, int(power)]
         number = Fraction(int(value.p), int(value.q))
-        found.append([powers, str(number)])
-    return found
+        terms.append([powers, str(number)])
+    return terms
 
 
 def _polynomial(ring: Ring, terms: Sequence[Sequence[Any]]) -> Polynomial:
-    module, found = flint(), {}
+    module, coefficients = flint(), {}
     for powers, value in terms:
         exponents = [0] * len(ring.names)
         for name, power in zip(powers[::2], powers[1::2], strict=True):
             exponents[ring.index[name]] = power
         number = Fraction(value)
-        found[tuple(exponents)] = module.fmpq(number.numerator, number.denominator)
-    return ring.half.from_dict(found)
+        coefficients[tuple(exponents)] = module.fmpq(number.numerator, number.denominator)
+    return ring.half.from_dict(coefficients)
 
 
 def known_conditions(

@@ -270,13 +270,13 @@ def _check_equations(family: Family, n: int, where: str) -> None:
 
 
 def _check_rank(analysis: _Analysed, family: Family, where: str) -> None:
-    tolerances, found = analysis.settings.tolerances, analysis.residual_of(family)
+    tolerances, residual = analysis.settings.tolerances, analysis.residual_of(family)
     lost, place, rows = family.lost_directions, f"{where}.lost_directions", list(analysis.task.rows)
     require(
-        (found.equation <= tolerances.explained, "the witness does not satisfy the equations", f"{where}.witness",
-         f"{found.equation:.3g}", f"up to {tolerances.explained:g}"),
-        (found.sigma <= tolerances.singular < found.kept, "the witness has another corank", f"{where}.witness",
-         f"σ that vanish up to {found.sigma:.3g}, σ that stay from {found.kept:.3g}",
+        (residual.equation <= tolerances.explained, "the witness does not satisfy the equations", f"{where}.witness",
+         f"{residual.equation:.3g}", f"up to {tolerances.explained:g}"),
+        (residual.sigma <= tolerances.singular < residual.kept, "the witness has another corank", f"{where}.witness",
+         f"σ that vanish up to {residual.sigma:.3g}, σ that stay from {residual.kept:.3g}",
          f"corank {family.corank}, cut at {tolerances.singular:g}"),
         (lost.shape == (family.corank, 6) and len(family.lost_freedoms) == family.corank,
          "one direction and one sentence for each lost freedom", place, len(lost), family.corank),

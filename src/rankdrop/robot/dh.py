@@ -59,21 +59,21 @@ def limits(given: Mapping[str, Any], kind: JointKind, where: Where) -> dict[str,
     Raises:
         RobotError: not a number, lower above upper, or a velocity that is not positive.
     """
-    found = {
+    limits_read = {
         key: quantity(given.get(key, none), kind.measure, where=where(key), rate=key == "velocity", endless=True)
         for key, none in (("lower", -inf), ("upper", inf), ("velocity", inf))
     }
-    if found["lower"] > found["upper"]:
+    if limits_read["lower"] > limits_read["upper"]:
         raise RobotError(
             "lower limit above upper limit", where=where("lower"), allowed="lower ≤ upper",
             got=f"lower {given['lower']}, upper {given['upper']}", mend="exchange or correct the two limits",
         )
-    if found["velocity"] <= 0.0:
+    if limits_read["velocity"] <= 0.0:
         raise RobotError(
             "the largest velocity is not positive", where=where("velocity"), got=given["velocity"],
             allowed="a rate > 0", mend="leave the key out where it is not known",
         )
-    return found
+    return limits_read
 
 
 def turn_notes(joints: Iterable[Joint], *, units: bool = True) -> list[RobotNote]:

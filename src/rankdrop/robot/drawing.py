@@ -78,14 +78,14 @@ class Drawing:
         Raises:
             RobotError: as `open_robot`.
         """
-        found = cls(name, tip, base, as_written)
-        kind = found.nominal.source.kind
+        drawing = cls(name, tip, base, as_written)
+        kind = drawing.nominal.source.kind
         text, file = source_text(name) or ("", "")
         is_table = kind in ("dh", "catalogue") and "convention" in parsed_toml(text, file)
         is_urdf = kind == "urdf" and text != ""
         if is_table or is_urdf:
-            return replace(found, text=text, file=file)
-        return found
+            return replace(drawing, text=text, file=file)
+        return drawing
 
     @cached_property
     def nominal(self) -> Robot:
@@ -176,19 +176,19 @@ class Drawing:
         inner = {place: place.sign * x for place, x in values.items() if place.part not in ENDS}
         ends = {place: place.sign * x for place, x in values.items() if place.part in ENDS}
         if inner:
-            found = self._read_with_values(inner)
+            robot = self._read_with_values(inner)
         else:
-            found = self.nominal
+            robot = self.nominal
         for end in ENDS:
             given = {place.key: x for place, x in ends.items() if place.part == end}
             numbers = [given.get(key, 0.0) for key in FRAME]
             if given:
-                found = _transform_end(found, end, from_xyz_rpy(numbers[:3], numbers[3:]))
+                robot = _transform_end(robot, end, from_xyz_rpy(numbers[:3], numbers[3:]))
             else:
-                found = found
+                robot = robot
         if name is None:
-            return found
-        return replace(found, name=name)
+            return robot
+        return replace(robot, name=name)
 
     def _read_with_values(self, values: Mapping[Place, float]) -> Robot:
         if self._rows is not None:
@@ -232,11 +232,11 @@ def _tree_edit(values: Mapping[Place, float]) -> Callable[[Tree], None]:
 
 
 def _child(element: Element, tag: str) -> Element:
-    found = element.first(tag)
-    if found is None:
-        found = Element(tag, {}, element.line)
-        element.children.append(found)
-    return found
+    child = element.first(tag)
+    if child is None:
+        child = Element(tag, {}, element.line)
+        element.children.append(child)
+    return child
 
 
 def _transform_end(robot: Robot, end: str, pose: Array) -> Robot:

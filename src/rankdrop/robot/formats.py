@@ -160,8 +160,8 @@ def _root_tag(text: str) -> str:
             at = text.find("-->", at + 4)
             if at < 0:
                 break
-        elif found := _TAG.match(text, at):
-            return found[1]
+        elif match := _TAG.match(text, at):
+            return match[1]
         else:
             at += 1
     return ""

@@ -117,7 +117,7 @@ def read_tolerance(text: str, *, where: str = "--ideal") -> Tolerance:
         (0.001, None)
     """
     allowed = "a length (µm, um, mm, cm, m), an angle (deg, °, rad, mrad) or both, such as 1mm,0.5deg"
-    found: dict[str, float] = {}
+    sizes: dict[str, float] = {}
     for part in text.split(","):
         if len(part) <= LONGEST_TEXT:
             match = _ONE.fullmatch(part)
@@ -127,10 +127,10 @@ def read_tolerance(text: str, *, where: str = "--ideal") -> Tolerance:
         if match is None or units is None:
             raise OptionError("this is not a tolerance", where=where, got=repr(text), allowed=allowed)
         key = "length" if units is _UNITS else "angle"
-        if key in found:
+        if key in sizes:
             raise OptionError(f"the {key} is given twice", where=where, got=repr(text), allowed=allowed)
-        found[key] = float(match[1]) * units[match[2]]
-    given = Tolerance(**found)
+        sizes[key] = float(match[1]) * units[match[2]]
+    given = Tolerance(**sizes)
     _check(given, where)
     return given
 
@@ -197,8 +197,8 @@ def near_ideal(robot: Robot) -> Near | None:
 
     Its tolerance is the smallest of two digits that finds all of it.
     """
-    found, changes = square_up(robot, angle=NEAR, length=NEAR * extent(robot))
-    gained = what_holds(found, robot)
+    ideal, changes = square_up(robot, angle=NEAR, length=NEAR * extent(robot))
+    gained = what_holds(ideal, robot)
     if not gained:
         return None
     length, twist, angle = (
@@ -350,10 +350,10 @@ def _in_points(points: Iterable[tuple[int, ...]]) -> set[tuple[int, ...]]:
 
 
 def _chain_pairs(pairs: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
-    found: list[tuple[int, ...]] = []
+    neighbours: list[tuple[int, ...]] = []
     for pair in sorted(pairs):
-        if found and found[-1][-1] == pair[0]:
-            found[-1] = (*found[-1], *pair[1:])
+        if neighbours and neighbours[-1][-1] == pair[0]:
+            neighbours[-1] = (*neighbours[-1], *pair[1:])
         else:
-            found.append(pair)
-    return found
+            neighbours.append(pair)
+    return neighbours

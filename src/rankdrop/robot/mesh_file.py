@@ -65,29 +65,29 @@ def read_meshes(paths: Sequence[Path]) -> dict[Path, list[Part] | RankdropError]
     Where that process crashes or meets a limit, each file is read by a process of its own, until three have crashed.
     """
     files = list(dict.fromkeys(paths))
-    found: dict[Path, list[Part] | RankdropError] = {
+    meshes: dict[Path, list[Part] | RankdropError] = {
         path: RobotError("the arm has too many mesh files", where=str(path), allowed=f"at most {MOST_MESHES}")
         for path in files[MOST_MESHES:]
     }
     files = files[:MOST_MESHES]
     if not files:
-        return found
+        return meshes
     try:
-        return found | _read_together(files)
+        return meshes | _read_together(files)
     except RankdropError as error:
         if len(files) == 1:
-            return found | {files[0]: error}
+            return meshes | {files[0]: error}
     crashes = 0
     for path in files:
         if crashes == _CRASHES:
-            found[path] = RobotError("the mesh is not read: other meshes of the arm crash the reader", where=str(path))
+            meshes[path] = RobotError("the mesh is not read: other meshes of the arm crash the reader", where=str(path))
             continue
         try:
-            found |= _read_together([path])
+            meshes |= _read_together([path])
         except RankdropError as error:
             crashes += 1
-            found[path] = error
-    return found
+            meshes[path] = error
+    return meshes
 
 
 def _read_together(files: list[Path]) -> dict[Path, list[Part] | RankdropError]:
@@ -101,14 +101,14 @@ def _read_together(files: list[Path]) -> dict[Path, list[Part] | RankdropError]:
                           cpu=CPU + int(_SECONDS * size / 1e6))  # fmt: skip
     with np.load(io.BytesIO(content)) as arrays:
         about = json.loads(str(arrays["about"]))
-        found: dict[Path, list[Part] | RankdropError] = {}
+        meshes: dict[Path, list[Part] | RankdropError] = {}
         for i, (path, told) in enumerate(zip(files, about, strict=True)):
             if "error" in told:
-                found[path] = RobotError(**told["error"])
+                meshes[path] = RobotError(**told["error"])
                 continue
-            found[path] = [Part(arrays[f"v{i}_{k}"], arrays[f"f{i}_{k}"], tuple(colour))
+            meshes[path] = [Part(arrays[f"v{i}_{k}"], arrays[f"f{i}_{k}"], tuple(colour))
                            for k, colour in enumerate(told["colours"])]  # fmt: skip
-    return found
+    return meshes
 
 
 def mesh_parts(names: list[str]) -> bytes:

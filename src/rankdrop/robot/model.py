@@ -284,15 +284,15 @@ class Robot:
 
         A joint that follows it by −1/2 or 2/3 turns a whole number of times in 2 or 3 turns of its leader.
         """
-        found = [1] * self.n
+        turns = [1] * self.n
         for joint, driver in zip(self.joints, self.drivers, strict=True):
             share = Fraction(joint.multiplier).limit_denominator(MOST_TURNS)
-            found[driver] = lcm(found[driver], share.denominator)
+            turns[driver] = lcm(turns[driver], share.denominator)
             if joint.kind is not JointKind.REVOLUTE or abs(float(share) - joint.multiplier) > _SAME_RATIO:
-                found[driver] = 0
-            if found[driver] > MOST_TURNS:
-                found[driver] = 0
-        return _read_only_array(found)
+                turns[driver] = 0
+            if turns[driver] > MOST_TURNS:
+                turns[driver] = 0
+        return _read_only_array(turns)
 
     def _repr_html_(self) -> str:
         """For notebooks: the joints with their kinds and limits, angles in degrees."""

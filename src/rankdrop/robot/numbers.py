@@ -229,7 +229,7 @@ def numbers_of(robot: Robot, *, angle: float, length: float) -> list[Numbers]:
 
 def section_numbers(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Numbers]:
     """The numbers of n axes with their n + 1 normals."""
-    found = []
+    numbers = []
     for i, line in enumerate(lines):
         (before, _, start), (after, near, far), z = normals[i], normals[i + 1], line[0]
         phase, d = _turn(before, after, z), dot(near - start, z)
@@ -238,8 +238,8 @@ def section_numbers(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Nu
             next_z = lines[i + 1][0]
             twist, a = _turn(z, next_z, after), dot(far - near, after)
             tilt = asin(max(-1.0, min(1.0, dot(next_z, after))))
-        found.append(Numbers(phase, d, a, twist, tilt))
-    return found
+        numbers.append(Numbers(phase, d, a, twist, tilt))
+    return numbers
 
 
 def parallel_runs(numbers: Sequence[Numbers]) -> list[list[int]]:
@@ -255,14 +255,14 @@ def parallel_runs(numbers: Sequence[Numbers]) -> list[list[int]]:
 
 def offsets_along(numbers: Sequence[Numbers], run: Sequence[int]) -> list[float]:
     """The offsets of axes that are parallel, all in the direction of the first [m]; only their sum moves axes."""
-    sign, found = 1.0, []
+    sign, values = 1.0, []
     for k in run:
-        found.append(sign * numbers[k].d)
+        values.append(sign * numbers[k].d)
         if abs(numbers[k].twist) < 1.0:
             sign *= 1.0
         else:
             sign *= -1.0
-    return found
+    return values
 
 
 def parallel(twist: float) -> bool:
@@ -357,8 +357,8 @@ def changes_between(old: Robot, new: Robot, *, angle: float, length: float) -> t
     before = numbers_of(old, angle=angle, length=length)
     after = numbers_of(new, angle=angle, length=length)
     first, last = (angle_between(x, y) for x, y in zip(_ends(old), _ends(new), strict=True))
-    found = [*_differences(before, after), Change("base", (1,), first, 0.0), Change("tip", (len(before),), last, 0.0)]
-    return tuple(change for change in found if change.by > NOTHING)
+    changes = [*_differences(before, after), Change("base", (1,), first, 0.0), Change("tip", (len(before),), last, 0.0)]
+    return tuple(change for change in changes if change.by > NOTHING)
 
 
 def _differences(before: Sequence[Numbers], after: Sequence[Numbers]) -> Iterator[Change]:
@@ -419,11 +419,11 @@ def exact_rotation(turn: Array, angle: float) -> Array:
     # det(turn) = sign · det(block), so the block is a rotation or one with its last column reversed
     nearest = round(atan2(block[1, 0] - sign * block[0, 1], block[0, 0] + sign * block[1, 1]) / step)
     c, s = cos_sin(nearest * step)
-    found = np.zeros((3, 3))
-    found[row, column] = sign
-    found[np.ix_(rows, columns)] = [[c, -sign * s], [s, sign * c]]
-    if angle_between(found, turn) <= angle:
-        return found
+    rotation = np.zeros((3, 3))
+    rotation[row, column] = sign
+    rotation[np.ix_(rows, columns)] = [[c, -sign * s], [s, sign * c]]
+    if angle_between(rotation, turn) <= angle:
+        return rotation
     return nearest_rotation(turn)
 
 
@@ -433,10 +433,10 @@ def exact_direction(direction: Array, angle: float) -> Array:
     out = int(np.argmin(np.abs(direction)))
     i, j = (out + 1) % 3, (out + 2) % 3
     c, s = cos_sin(round(atan2(direction[j], direction[i]) / step) * step)
-    found = np.zeros(3)
-    found[i], found[j] = c, s
-    if norm(found - direction) <= angle:
-        return found
+    exact = np.zeros(3)
+    exact[i], exact[j] = c, s
+    if norm(exact - direction) <= angle:
+        return exact
     return direction
 
 
@@ -487,15 +487,15 @@ def square_up(robot: Robot, *, angle: float = SQUARE, length: float | None = Non
         limit = meeting(robot)
     else:
         limit = length
-    found = robot
+    ideal = robot
     for _ in range(_PASSES):
-        before, found = found, _sections_squared(_frames_squared(found, angle), angle, limit)
-        if _have_same_home(before, found):
-            found = before
+        before, ideal = ideal, _sections_squared(_frames_squared(ideal, angle), angle, limit)
+        if _have_same_home(before, ideal):
+            ideal = before
             break
-    if _have_same_home(robot, found):
+    if _have_same_home(robot, ideal):
         return robot, ()
-    return found, changes_between(robot, found, angle=angle, length=limit)
+    return ideal, changes_between(robot, ideal, angle=angle, length=limit)
 
 
 def meeting(robot: Robot) -> float:
@@ -536,10 +536,10 @@ def _frames_squared(robot: Robot, angle: float) -> Robot:
 
 def _pose_squared(pose: Array, unit: float, angle: float, length: float = 0.0) -> Array:
     """Pose of one frame in another, rotation exact; parts of the way up to `length` are zero."""
-    found = np.eye(4)
-    found[:3, :3] = exact_rotation(pose[:3, :3], angle)
-    found[:3, 3] = np.where(np.abs(pose[:3, 3]) <= length, 0.0, tidy(pose[:3, 3], unit))
-    return found
+    squared = np.eye(4)
+    squared[:3, :3] = exact_rotation(pose[:3, :3], angle)
+    squared[:3, 3] = np.where(np.abs(pose[:3, 3]) <= length, 0.0, tidy(pose[:3, 3], unit))
+    return squared
 
 
 def _screw_squared(joint: Joint, before: _Frame, after: _Frame, unit: float, angle: float) -> Array:
@@ -582,10 +582,10 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
         pose = times(pose, translation(numbers.a, 0.0, 0.0), rotation("x", numbers.twist))
     at_tip = _pose_squared(times(inverse(robot.joints[-1].frame), robot.home), unit, min(angle, SQUARE))
     home = times(joints[-1].frame, at_tip)
-    found = replace(robot, joints=tuple(joints), home=home)
-    if _have_same_home(robot, found):
+    ideal = replace(robot, joints=tuple(joints), home=home)
+    if _have_same_home(robot, ideal):
         return robot
-    return found
+    return ideal
 
 
 def _exact(given: Numbers, unit: float, angle: float, length: float) -> Numbers:
@@ -596,17 +596,17 @@ def _exact(given: Numbers, unit: float, angle: float, length: float) -> Numbers:
 
 def _cancel_offsets(made: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
     """Offsets along parallel axes add up; where they cancel but for `length`, they cancel exactly."""
-    found = list(made)
-    for run in parallel_runs(found):
-        if run[0] == 0 or run[-1] == len(found) - 1 or any(slides[k] for k in run):
+    remaining = list(made)
+    for run in parallel_runs(remaining):
+        if run[0] == 0 or run[-1] == len(remaining) - 1 or any(slides[k] for k in run):
             continue  # no normal before the first axis and after the last; the offset of a slide is a variable
-        offsets = offsets_along(found, run)
+        offsets = offsets_along(remaining, run)
         if 0.0 < abs(sum(offsets)) <= length:
             last = max(i for i, d in enumerate(offsets) if d != 0.0)
             place = run[last]
-            same_way = offsets[last] == found[place].d
-            found[place] = replace(found[place], d=-sum(offsets[:last]) if same_way else sum(offsets[:last]))
-    return found
+            same_way = offsets[last] == remaining[place].d
+            remaining[place] = replace(remaining[place], d=-sum(offsets[:last]) if same_way else sum(offsets[:last]))
+    return remaining
 
 
 def _have_same_home(first: Robot, two: Robot) -> bool:
@@ -628,15 +628,15 @@ def as_intended(robot: Robot, angles: Angles) -> Robot:
         robot = replace(robot, notes=(*robot.notes, turns))
     if angles.as_written:
         return robot
-    found, changes = square_up(robot)
+    intended, changes = square_up(robot)
     rounded = [abs(change) for change in angles.changes if abs(change) > NOTHING]
     if not rounded and not changes:
-        return found
+        return intended
     turned, moved = largest_changes(changes)
     note = RobotNote(
         NoteOn.SQUARED, rounded=Moved(len(rounded), max(rounded, default=0.0)), turned=turned, moved=moved
     )
-    return replace(found, notes=(*found.notes, note))
+    return replace(intended, notes=(*intended.notes, note))
 
 
 def largest_changes(changes: Sequence[Change]) -> tuple[Moved, Moved]:

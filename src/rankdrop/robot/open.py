@@ -140,12 +140,12 @@ def source_text(name_or_path: str) -> tuple[str, str] | None:
     Raises:
         UnknownRobotError, RobotError: as `open_robot`.
     """
-    found = _resolve(name_or_path)
-    if isinstance(found, str):
-        return _catalog_files()[found].read_text(encoding="utf-8"), f"catalogue {found}.toml"
-    if found.suffix.lower() == ".xacro":
+    source = _resolve(name_or_path)
+    if isinstance(source, str):
+        return _catalog_files()[source].read_text(encoding="utf-8"), f"catalogue {source}.toml"
+    if source.suffix.lower() == ".xacro":
         return None
-    return (read_text(found), name_or_path)
+    return (read_text(source), name_or_path)
 
 
 def robot_names() -> tuple[str, ...]:
@@ -237,10 +237,10 @@ def _close_names(name: str) -> list[str]:
 
 def _listed_names(name: str) -> list[str]:
     """The few arms that hold every word of a name."""
-    found = [entry.name for entry in search_catalog(name[:80])]
-    if len(_plain(name)) < _TELLING or len(found) > _SUGGESTED:
+    names = [entry.name for entry in search_catalog(name[:80])]
+    if len(_plain(name)) < _TELLING or len(names) > _SUGGESTED:
         return []
-    return found
+    return names
 
 
 def _unknown(name: str) -> UnknownRobotError:

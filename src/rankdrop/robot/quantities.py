@@ -194,14 +194,14 @@ def checked_lengths(given: Iterable[tuple[Any, Any]], where: Callable[[str], str
         RobotError: a name that means something else in conditions, or that is there twice; a value that is not a
             length or not positive.
     """
-    found: dict[str, float] = {}
+    lengths: dict[str, float] = {}
     for name, value in given:
         place = where(str(name))
         if not is_letter(name):
             raise RobotError(
                 "a length cannot have this name", where=place, got=repr(name), allowed=LETTERS_ALLOWED, mend="rename it"
             )
-        if name in found:
+        if name in lengths:
             raise RobotError("two lengths have the same letter", where=place, got=repr(name), mend="rename one")
         length = quantity(value, "length", where=place)
         if length <= 0.0:
@@ -209,8 +209,8 @@ def checked_lengths(given: Iterable[tuple[Any, Any]], where: Callable[[str], str
                 "a length with a letter is positive", where=place, got=value, allowed="a length > 0",
                 mend="leave out lengths that are zero; write the value without its sign: −a is found too",
             )
-        found[name] = length
-    return tuple(found.items())
+        lengths[name] = length
+    return tuple(lengths.items())
 
 
 def read_lengths(text: str | Mapping[str, float]) -> str | dict[str, float]:
@@ -223,19 +223,19 @@ def read_lengths(text: str | Mapping[str, float]) -> str | dict[str, float]:
         return dict(text)
     if "=" not in text:
         return text.strip()
-    found: dict[str, float] = {}
+    lengths: dict[str, float] = {}
     for word in text.replace(";", ",").split(","):
         name, equals, value = (part.strip() for part in word.partition("="))
-        if not (name and equals and value) or name in found:
+        if not (name and equals and value) or name in lengths:
             raise OptionError(
                 "this is not a list of lengths", where="lengths", got=repr(word.strip() or text),
                 allowed='each letter once, with its value: "a=0.635,d=120mm"',
             )  # fmt: skip
         try:
-            found[name] = quantity(value, "length", where=f"lengths, {name}")
+            lengths[name] = quantity(value, "length", where=f"lengths, {name}")
         except RobotError as error:
             raise OptionError(**error.parts) from error
-    return found
+    return lengths
 
 
 def read_joints(text: str | Iterable[int]) -> tuple[int, ...]:
@@ -246,14 +246,14 @@ def read_joints(text: str | Iterable[int]) -> tuple[int, ...]:
     """
     if not isinstance(text, str):
         return tuple(sorted(text))
-    found: list[int] = []
+    joints: list[int] = []
     for word in text.replace("–", "-").replace(",", " ").split():
         first, _, last = word.partition("-")
         if not first.isdecimal() or ("-" in word and not last.isdecimal()):
             raise OptionError("these are no joints", where="basic", got=repr(word),
                               allowed="numbers and runs, such as 2-7 or 1,2,4-7")  # fmt: skip
-        found += range(int(first), int(last or first) + 1)
-    return tuple(sorted(found))
+        joints += range(int(first), int(last or first) + 1)
+    return tuple(sorted(joints))
 
 
 _PI = Decimal("3.14159265358979323846264338327950288419716939937510582")

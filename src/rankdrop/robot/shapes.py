@@ -102,11 +102,11 @@ def visuals_of(
 
 def _visual_elements(root: Element) -> list[tuple[Element, Element]]:
     """Each link of a URDF file with each of its visual elements."""
-    found = []
+    elements = []
     for link in root.children:
         if link.tag == "link":
-            found += [(link, visual) for visual in link.children if visual.tag == "visual"]
-    return found
+            elements += [(link, visual) for visual in link.children if visual.tag == "visual"]
+    return elements
 
 
 def _carriers(robot: Robot, tree: Tree) -> dict[str, tuple[int, Array]]:
@@ -124,15 +124,15 @@ def _carriers(robot: Robot, tree: Tree) -> dict[str, tuple[int, Array]]:
 
 
 def _colours(root: Element) -> dict[str, tuple[float, float, float]]:
-    found: dict[str, tuple[float, float, float]] = {}
+    colours: dict[str, tuple[float, float, float]] = {}
     for element in [root, *chain.from_iterable(link.children for link in root.children)]:
         for material in element.children:
             name, colour = material.attributes.get("name", ""), material.first("color")
             if material.tag == "material" and name and colour is not None:
                 rgb = _rgb(colour)
                 if rgb is not None:
-                    found.setdefault(name, rgb)
-    return found
+                    colours.setdefault(name, rgb)
+    return colours
 
 
 def _rgb(colour: Element) -> tuple[float, float, float] | None:
@@ -259,7 +259,7 @@ def meshes_of(visuals: tuple[Visual, ...]) -> tuple[tuple[Mesh, ...], tuple[str,
     except ImportError:
         raise MissingExtraError("trimesh", "viewer", "drawing meshes") from None
     parts = read_meshes([visual.file for visual in visuals if visual.file is not None])
-    found: list[Mesh] = []
+    meshes: list[Mesh] = []
     notes: list[str] = []
     faces = vertices = 0
     for visual in visuals:
@@ -267,12 +267,12 @@ def meshes_of(visuals: tuple[Visual, ...]) -> tuple[tuple[Mesh, ...], tuple[str,
             used = _parts(trimesh, visual, parts)
             more_faces, more_vertices = sum(len(part.faces) for part in used), sum(len(part.vertices) for part in used)
             check_count(more_faces, more_vertices, str(visual.file), MOST_FACES - faces, MOST_VERTICES - vertices)
-            found += [_place_part(part, visual) for part in used]
+            meshes += [_place_part(part, visual) for part in used]
         except RankdropError as error:
             notes.append(str(error))
         else:
             faces, vertices = faces + more_faces, vertices + more_vertices
-    return tuple(found), tuple(dict.fromkeys(notes))
+    return tuple(meshes), tuple(dict.fromkeys(notes))
 
 
 def _parts(trimesh: Any, visual: Visual, read: Mapping[Path, list[Part] | RankdropError]) -> list[Part]:
@@ -284,10 +284,10 @@ def _parts(trimesh: Any, visual: Visual, read: Mapping[Path, list[Part] | Rankdr
     if visual.file is None:
         solid = _solid(trimesh, visual)
         return [Part(np.asarray(solid.vertices, dtype=np.float64), np.asarray(solid.faces, dtype=np.uint32), GREY)]
-    found = read[visual.file]
-    if isinstance(found, RankdropError):
-        raise found
-    return found
+    parts = read[visual.file]
+    if isinstance(parts, RankdropError):
+        raise parts
+    return parts
 
 
 def _solid(trimesh: Any, visual: Visual) -> Any:

@@ -31,7 +31,7 @@ Lines = Mapping[tuple[str, int | None, str], int]
 
 def lines_of(text: str) -> Lines:
     """First lines of the tables and keys of a TOML text, found by reading it line by line."""
-    found: dict[tuple[str, int | None, str], int] = {}
+    lines: dict[tuple[str, int | None, str], int] = {}
     table: tuple[str, int | None] = ("", None)
     counts: dict[str, int] = {}
     closing = ""
@@ -45,13 +45,13 @@ def lines_of(text: str) -> Lines:
             if header[1] == "[[":
                 counts[name] = counts.get(name, -1) + 1
             table = (name, counts.get(name))
-            found.setdefault((*table, ""), number)
+            lines.setdefault((*table, ""), number)
             continue
         key = _KEY.match(line)
         if key is not None:
-            found.setdefault((*table, key[1] or key[2] or key[3]), number)
+            lines.setdefault((*table, key[1] or key[2] or key[3]), number)
         closing = next((mark for mark in ('"""', "'''") if line.count(mark) % 2), "")
-    return found
+    return lines
 
 
 def line_of(lines: Lines, table: str, index: int | None, key: str) -> int:

@@ -527,6 +527,6 @@ def chain_robot(
                                 motion.mimic, step.child))  # fmt: skip
     name = tree.name or name_of_file(Path(tree.file))
     notes = [*ends.notes, *notes, *turn_notes(joints, units=False)]
-    found = Robot(name, tuple(joints), times(pose, frames[1]), source=Source(source, tree.file), base=ends.base,
+    robot = Robot(name, tuple(joints), times(pose, frames[1]), source=Source(source, tree.file), base=ends.base,
                   tip=ends.tip, notes=tuple(notes), about=f"{ends.base} to {ends.tip}")  # fmt: skip
-    return as_intended(found, angles)
+    return as_intended(robot, angles)

@@ -124,8 +124,8 @@ def _is_package(folder: Path, name: str) -> bool:
             text = stream.read(_LARGEST).decode("utf-8", "replace")
     except OSError:
         return folder.name == name and (folder / "manifest.xml").is_file()
-    found = _TAG.search(_COMMENT.sub("", text))
-    return found is not None and found[1] == name
+    match = _TAG.search(_COMMENT.sub("", text))
+    return match is not None and match[1] == name
 
 
 _NOWHERE = "/package-that-is-not-found/"  # stands for a package's folder: meshes may be named with it, nothing is read
@@ -186,8 +186,8 @@ def expand_file(
         raise MissingExtraError("xacro", None, "a xacro file")
     folders = {package: str(Path(folder).resolve()) for package, folder in packages.items()}
     values = {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in args.items()}
-    text, name, found, missing = run_limited(expand, str(file), folders, values, file=file, parser="xacro")
-    notes = [RobotNote(NoteOn.PACKAGE, package, folder) for package, folder in found.items()]
+    text, name, found_packages, missing = run_limited(expand, str(file), folders, values, file=file, parser="xacro")
+    notes = [RobotNote(NoteOn.PACKAGE, package, folder) for package, folder in found_packages.items()]
     notes += [RobotNote(NoteOn.NO_PACKAGE, package) for package in missing]
     return text, name, notes
 
@@ -277,8 +277,8 @@ def expand(path: str, folders: dict[str, str], args: dict[str, str]) -> tuple[st
     if "<link" not in text:
         raise RobotError("nothing comes out of the xacro file: it has no links and may only define macros",
                          where=path, mend="open the file that uses them, often a .urdf.xacro near it")  # fmt: skip
-    found = {package: str(folder) for package, folder in far.items()}
-    return text, _ARGUMENT.sub(lambda match: arguments.get(match[1], match[0]), name), found, list(missing)
+    packages = {package: str(folder) for package, folder in far.items()}
+    return text, _ARGUMENT.sub(lambda match: arguments.get(match[1], match[0]), name), packages, list(missing)
 
 
 def _check_arguments(arguments: _Arguments, path: str) -> None:

@@ -143,15 +143,15 @@ def _compare_with_tables(
 def _test_derivation(
     derivation: Derivation, derived: Conditions, rank: int, tables: Sequence[CorankFamilies], *, limits: bool
 ) -> Derivation:
-    found = list(derived.disagreements)
+    contradictions = list(derived.disagreements)
     if derived.generic_rank != rank:
-        found.append(Contradiction(ContradictionKind.GENERIC_RANK, full_rank=derived.generic_rank, rank=rank))
-    found += starmap(_by_points, flat_map(lambda table: table.contradictions, tables))
+        contradictions.append(Contradiction(ContradictionKind.GENERIC_RANK, full_rank=derived.generic_rank, rank=rank))
+    contradictions += starmap(_by_points, flat_map(lambda table: table.contradictions, tables))
     listed = {family.id for family in flat_map(lambda table: table.families, tables)}
     if not limits:  # within them a family without a point is no family
-        found += (_not_listed(family, rank) for family in derived.families if family.id not in listed)
-    if found:
-        return replace(derivation, status=DIFFERS, disagreements=tuple(found))
+        contradictions += (_not_listed(family, rank) for family in derived.families if family.id not in listed)
+    if contradictions:
+        return replace(derivation, status=DIFFERS, disagreements=tuple(contradictions))
     return replace(derivation, status=AGREES, disagreements=())
 
 
@@ -340,8 +340,8 @@ def _finish_tables(tables: Iterator[CorankFamilies]) -> tuple[list[CorankFamilie
 
 def _list_families(robot: Robot, task: Task, tables: Sequence[CorankFamilies]) -> tuple[Family, ...]:
     """All families as the analysis lists them, in the arm's own unit of length."""
-    found = flat_map(lambda table: table.families, tables)
-    rows = tuple(family_out_of_units(family, robot) for family in found)
+    listed = flat_map(lambda table: table.families, tables)
+    rows = tuple(family_out_of_units(family, robot) for family in listed)
     return tuple(pose_witness(robot, task, row, rows) for row in rows)
 
 
@@ -397,11 +397,11 @@ def speed_distances(
     for done, family in enumerate(largest):
         if progress is not None:
             progress(done, len(largest))
-        found = region.distance_from(family)
-        if found is None:
+        distance = region.distance_from(family)
+        if distance is None:
             others.append(family.id)
         else:
-            distances.append(found)
+            distances.append(distance)
     return SpeedDistances(
         region.speed, tuple(map(float, region.given)), region.span, region.free, tuple(distances), tuple(others)
     )

@@ -112,14 +112,15 @@ def cover(
     plan = plan_of(robot, how.width, resolved, corank=how.corank, limits=how.limits)
     file = None if out is None else Path(out)
     with nullcontext() if file is None else hold_lock(file):
-        found = _read_or_make(robot, resolved, plan, file, how.budget, engine, tell)
-    if not found.complete or not how.explain:
-        return Covered(robot, resolved, found, None)
+        finished = _read_or_make(robot, resolved, plan, file, how.budget, engine, tell)
+    if not finished.complete or not how.explain:
+        return Covered(robot, resolved, finished, None)
     if source == "on the spot":
         made = analyze(robot, resolved, starts=_STARTS, limits=False, threads=how.threads)
         families, source = made.families, "made here"
-    families = tuple(family for family in families if family.corank >= found.plan.corank)
-    return Covered(robot, resolved, found, _account(found, robot, resolved, families, source, how.threads, tell))
+    families = tuple(family for family in families if family.corank >= finished.plan.corank)
+    account = _account(finished, robot, resolved, families, source, how.threads, tell)
+    return Covered(robot, resolved, finished, account)
 
 
 def how_far(out: str | Path) -> str:
@@ -148,11 +149,11 @@ def _read_or_make(
     folder = None if out is None else _parts_of(out)
     if _is_quick(plan) and engine.scheduler is None:
         engine = HERE
-    found = covering(robot, task, plan, folder, budget, engine, tell)
-    if found.complete and out is not None and folder is not None:
-        write_covering(out, found)
+    made = covering(robot, task, plan, folder, budget, engine, tell)
+    if made.complete and out is not None and folder is not None:
+        write_covering(out, made)
         shutil.rmtree(folder, ignore_errors=True)
-    return found
+    return made
 
 
 def _finished_covering(out: Path, plan: Plan) -> Covering | None:
@@ -249,20 +250,20 @@ def _decode_question(text: str) -> tuple[Robot, Task]:
 
 
 def _account(
-    found: Covering, robot: Robot, task: Task, families: tuple[Family, ...], source: str, threads: int, tell: Report
+    covering: Covering, robot: Robot, task: Task, families: tuple[Family, ...], source: str, threads: int, tell: Report
 ) -> Account:
     scale = joint_scale(robot, task)
-    explainer = FamilyBoxes(found, robot, families, scale)
+    explainer = FamilyBoxes(covering, robot, families, scale)
     by_families, left, proven = explainer.families_of_all(lambda done, total: tell("boxes explained", done, total))
     open_ = np.flatnonzero(~proven)
     judged, by = classify_boxes(
-        robot, task, found, left[open_], threads=threads,
-        near=lambda parts, halvings: FamilyBoxes(found, robot, families, scale, halvings).families_of(parts),
+        robot, task, covering, left[open_], threads=threads,
+        near=lambda parts, halvings: FamilyBoxes(covering, robot, families, scale, halvings).families_of(parts),
     )  # fmt: skip
     proven = proven.copy()
     proven[open_] = judged == 1
     stays = np.ones(len(left), dtype=np.bool_)
     stays[open_] = (judged == 1) | (judged == 2)
     explained = by_families + np.bincount(by[judged == 3], minlength=len(families))
-    groups = spots(found, robot, task, left[stays], proven[stays])
+    groups = spots(covering, robot, task, left[stays], proven[stays])
     return Account(families, source, explained, int((judged == 0).sum()), groups, explainer.diagonal)

@@ -104,18 +104,18 @@ def derive_conditions(
         Phase.TREE, lambda: _tree(given, lowest, optional=asked.lengths == "auto", work=work), underived, left
     )
     left += _unstated_cases(tree)
-    found: list[Family] = []
+    derived: list[Family] = []
     not_real: list[UnrealSet] = []
     wrong: list[Contradiction] = []
     unsettled: list[OpenCase] = []
     with work.share(_SHARE, _LEAST * asked.seconds):
-        found, not_real, wrong = _guard(
-            Phase.FAMILIES, lambda: _families(chain, tree, work, left, unsettled), (found, not_real, wrong), left
+        derived, not_real, wrong = _guard(
+            Phase.FAMILIES, lambda: _families(chain, tree, work, left, unsettled), (derived, not_real, wrong), left
         )
     first = _unless_interrupted(
         work, left, Phase.METHOD,
         lambda own: corank_one(
-            chain, asked.method, tree, found, own, chosen=(basic, asked.frame), highest=asked.coranks
+            chain, asked.method, tree, derived, own, chosen=(basic, asked.frame), highest=asked.coranks
         ),
         CorankOne("tree", MethodReason(interrupted=True), None, (_not_run(Phase.METHOD),)),
     )  # fmt: skip
@@ -131,20 +131,20 @@ def derive_conditions(
     unmet: list[UnrealSet] = []
     unmet = _guard(
         Phase.POINTS,
-        lambda: _sets_without_points(chain, tree, found, asked.seed, left, unsettled), unmet, left,
+        lambda: _sets_without_points(chain, tree, derived, asked.seed, left, unsettled), unmet, left,
     )  # fmt: skip
     left += [*first.left, *unfinished_coranks(higher)]
     lowest = _stated_rank(tree, lowest)
     stated = replace(tree, cases=[*tree.cases, *unsettled])
     undivided: Sequence[UndividedSet] = ()
-    undivided = _guard(Phase.UNDIVIDED, lambda: _undivided_sets(chain, stated, found, work, left), undivided, left)
+    undivided = _guard(Phase.UNDIVIDED, lambda: _undivided_sets(chain, stated, derived, work, left), undivided, left)
     not_real += unmet
     assumed: Sequence[Assumption] = ()
     assumed = _guard(
         Phase.ASSUMPTIONS, lambda: _assumptions(chain, tree, lowest, work, left, derive=asked.special), assumed, left
     )
     left += _not_holding(assumed)
-    check, over, misses = _cloud(chain, tree.generic_rank, lowest, (*found, *undivided), asked.points, work, left)
+    check, over, misses = _cloud(chain, tree.generic_rank, lowest, (*derived, *undivided), asked.points, work, left)
     differing = [*first.disagreements, *wrong_coranks(higher)]
     if not tree.is_divided:  # another method may have what the tree has not come to
         left += differing
@@ -163,7 +163,7 @@ def derive_conditions(
         reason=first.reason,
         steps=steps,
         determinants=determinants,
-        families=families_in_whole_angles(robot, posed_exactly(chain.with_part_angles, chain.task, found)),
+        families=families_in_whole_angles(robot, posed_exactly(chain.with_part_angles, chain.task, derived)),
         lowest=lowest,
         assumptions=tuple(assumed),
         not_real=tuple(not_real),
@@ -191,9 +191,10 @@ def _with_numbers_where_missed(
     if not (over and optional) or work.interrupted or work.remaining <= 0 or work.time_left <= 0:
         return result
     seconds = SLOWER * work.remaining
-    found = derive_conditions(result.robot, result.task, replace(asked, lengths="numbers", seconds=seconds), progress)
+    in_numbers = replace(asked, lengths="numbers", seconds=seconds)
+    with_numbers = derive_conditions(result.robot, result.task, in_numbers, progress)
     missed = DerivationRemark(RemarkOn.MISSED_BY_LETTERS)
-    return replace(found, remarks=(*found.remarks, missed), settings=asked)
+    return replace(with_numbers, remarks=(*with_numbers.remarks, missed), settings=asked)
 
 
 def _lowest_rank(chain: Chain, coranks: int | None) -> int:
@@ -343,10 +344,10 @@ def _families(
     sets, not_real = real_sets(chain, tree.drops, work, open_sets, work.seed, cases)
     left += open_sets
     unsettled += [OpenCase(drop.piece, drop.rank + 1) for drop in cases or ()]
-    found = families(chain, sets, tree.generic_rank, work)
-    left += _not_singular(chain, sets, found, tree.generic_rank)
+    families_found = families(chain, sets, tree.generic_rank, work)
+    left += _not_singular(chain, sets, families_found, tree.generic_rank)
     wrong = []
-    for family in found:
+    for family in families_found:
         check = exact_of(family).rank_check
         if not check.holds:
             rank, failed = tree.generic_rank - family.corank, check.tested - check.agree
@@ -355,7 +356,7 @@ def _families(
                     ContradictionKind.RANK, family=family.id, rank=rank, wrong=failed, tested=check.tested
                 )
             )  # fmt: skip
-    return found, not_real, wrong
+    return families_found, not_real, wrong
 
 
 def _not_singular(
@@ -366,19 +367,19 @@ def _not_singular(
     The rank modulo a prime is taken at random lengths where lengths are letters: this is the arm with its own lengths.
     """
     met = {id(drop.piece): reality.points for drop, reality in sets}
-    found = []
+    contradictions = []
     for family in families:
         problem = Problem(chain.own, chain.own_task, family.corank)
         points = np.concatenate([met[id(piece)][:_OWN] for piece in exact_of(family).pieces])[:_OWN_ALL]
         wrong = sum(not _vanishes(problem, q) for q in points)
         if wrong:
             number = generic_rank - family.corank + 1
-            found.append(
+            contradictions.append(
                 Contradiction(
                     ContradictionKind.NOT_SINGULAR, family=family.id, number=number, wrong=wrong, tested=len(points)
                 )
             )  # fmt: skip
-    return found
+    return contradictions
 
 
 def _vanishes(problem: Problem, q: Array) -> bool:
@@ -518,18 +519,19 @@ def _cloud(
             met = cloud(chain.own, chain.own_task, corank, _wanted_points(points, corank), work.seed)
             if not len(met.q):
                 break
-            found = _on_families(chain, met.up_to(generic_rank - lowest), corank, families)
+            on_families = _on_families(chain, met.up_to(generic_rank - lowest), corank, families)
         except KeyboardInterrupt:
             work.interrupt()
             break
-        tested, agree = tested + found.check.tested, agree + found.check.agree
-        if found.wrong:
-            misses.append(_near_misses(corank, found))
-        if len(found.off):
-            q = tuple(found.off[0].tolist())
+        tested, agree = tested + on_families.check.tested, agree + on_families.check.agree
+        if on_families.wrong:
+            misses.append(_near_misses(corank, on_families))
+        if len(on_families.off):
+            q = tuple(on_families.off[0].tolist())
             over.append(
                 Contradiction(
-                    ContradictionKind.OFF_FAMILIES, corank=corank, wrong=len(found.off), tested=found.check.tested, q=q
+                    ContradictionKind.OFF_FAMILIES, corank=corank, wrong=len(on_families.off),
+                    tested=on_families.check.tested, q=q,
                 )
             )  # fmt: skip
     return Check(tested, agree), over, misses
@@ -551,14 +553,14 @@ class _OnFamilies(NamedTuple):
     sigma: float
 
 
-def _near_misses(corank: int, found: _OnFamilies) -> DerivationRemark:
+def _near_misses(corank: int, on_families: _OnFamilies) -> DerivationRemark:
     """A remark on the configurations that many digits show not to be singular."""
-    followed = min(found.wrong, FOLLOWED)
+    followed = min(on_families.wrong, FOLLOWED)
     sigma = None
-    if isfinite(found.sigma):
-        sigma = float(found.sigma)
+    if isfinite(on_families.sigma):
+        sigma = float(on_families.sigma)
     return DerivationRemark(
-        RemarkOn.NEAR_MISSES, corank=corank, number=found.wrong, followed=followed, sigma=sigma
+        RemarkOn.NEAR_MISSES, corank=corank, number=on_families.wrong, followed=followed, sigma=sigma
     )  # fmt: skip
 
 

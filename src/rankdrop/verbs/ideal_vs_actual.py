@@ -48,12 +48,12 @@ def idealised(robot: Robot, tolerance: Tolerance) -> Idealised:
         >>> idealised(open_robot("gen3"), read_tolerance("13mm")).moved
         'not the arm itself but the ideal one within 13mm: 3 lengths moved, at most 12.8 mm'
     """
-    found, changes = ideal_of(robot, length=tolerance.length, angle=tolerance.angle)
+    ideal, changes = ideal_of(robot, length=tolerance.length, angle=tolerance.angle)
     if changes:
         turned, moved = largest_changes(changes)
         note = RobotNote(NoteOn.IDEAL, within=tolerance.text, turned=turned, moved=moved)
-        found = replace(found, name=ideal_name(robot), notes=(*found.notes, note))
-    return Idealised(robot, found, tolerance, changes)
+        ideal = replace(ideal, name=ideal_name(robot), notes=(*ideal.notes, note))
+    return Idealised(robot, ideal, tolerance, changes)
 
 
 def nearby(arm: Idealised, task: Task, families: Sequence[Family], *, seed: int = 0) -> tuple[Nearby, ...]:
@@ -87,13 +87,13 @@ def _points(given: Robot, model: Robot, task: Task, family: Family, seed: int) -
     """(≤ POINTS, n) random configurations of `model`, the arm in metres, on a family of the arm as given."""
     power = -metre_exponent(given)
     equations = tuple(rescale_equation(equation, slides_of(given), power) for equation in family.equations)
-    found = np.empty((0, model.n))
+    points = np.empty((0, model.n))
     if equations:
         q, solved = System(equations).solve(sample(model, task, POINTS, seed))
         q = wrap_joints(model, q[solved])
-        found = q[Problem(model, task, family.corank).singular(q)]
-    if len(found):
-        return found
+        points = q[Problem(model, task, family.corank).singular(q)]
+    if len(points):
+        return points
     return into_metres(given, [family.witness])
 
 
@@ -101,8 +101,8 @@ def _nearby(real: Robot, task: Task, rank: int, family: Family, q: Array, seed: 
     kept = rank - family.corank
     sigma = singular_values(real, q, task)[:, kept]
     searched = min(SEARCHED, len(q))
-    found = [nearest_singularity(real, start, task, starts=_STARTS, seed=seed) for start in q[:searched]]
-    away = [end.distance for end in found if end is not None]
+    nearest = [nearest_singularity(real, start, task, starts=_STARTS, seed=seed) for start in q[:searched]]
+    away = [end.distance for end in nearest if end is not None]
     return Nearby(
         id=family.id, name=family.name, corank=family.corank, points=len(q), number=kept + 1, sigma=_spread(sigma),
         singular=int((sigma <= DEFAULT.singular).sum()), searched=searched, distance=_spread(away) if away else None,

@@ -127,8 +127,8 @@ def numeric(chain: Chain, q: Array, k: int, at: int | None) -> Array:
     """
     robot = chain.robot
     turn = _frame(chain, q, k)[:3, :3]
-    found = jacobian(robot, q)
-    linear, angular = found[:3], found[3:]
+    value = jacobian(robot, q)
+    linear, angular = value[:3], value[3:]
     if at is not None:
         way = _frame(chain, q, at)[:3, 3] - pose(robot, q)[:3, 3]
         linear = linear + np.cross(angular, way, axis=0)
@@ -138,7 +138,7 @@ def numeric(chain: Chain, q: Array, k: int, at: int | None) -> Array:
 
 def _frame(chain: Chain, q: Array, k: int) -> Array:
     """(4, 4) pose in the base of the frame of link k: z along axis k, x along the normal after it."""
-    found = first_and_last(chain.robot)[0]
+    frame = first_and_last(chain.robot)[0]
     theta = q + chain.shifts
     for j, section in enumerate(chain.sections[:k], 1):
         angle = atan2(float(section.phase.sin), float(section.phase.cos))
@@ -148,11 +148,11 @@ def _frame(chain: Chain, q: Array, k: int) -> Array:
             angle += moved
         else:
             slide += moved
-        found = found @ rotation("z", angle) @ translation(0.0, 0.0, slide)
+        frame = frame @ rotation("z", angle) @ translation(0.0, 0.0, slide)
         if j < k:
             twist = atan2(float(section.twist.sin), float(section.twist.cos))
-            found = found @ rotation("x", twist) @ translation(float(section.a), 0.0, 0.0)
-    return np.asarray(found)
+            frame = frame @ rotation("x", twist) @ translation(float(section.a), 0.0, 0.0)
+    return np.asarray(frame)
 
 
 def _inverse(chain: Chain, rows: Sequence[Sequence[Polynomial]], seconds: float) -> ClosedInverse:
@@ -207,8 +207,8 @@ def _largest_difference(
     worst = 0.0
     for q, matrix in zip(places, matrices, strict=True):
         here = partial(number_at, theta=q + chain.shifts, letters=chain.numbers)
-        found: Array = np.array(each_entry(here, forms))
-        worst = max(worst, float(np.abs(found - matrix).max() / np.abs(matrix).max()))
+        values: Array = np.array(each_entry(here, forms))
+        worst = max(worst, float(np.abs(values - matrix).max() / np.abs(matrix).max()))
     return worst
 
 
@@ -225,6 +225,6 @@ def _checks_of_inverse(
 
 def _gap(entries: Sequence[Sequence[Quotient]], theta: Array, letters: Mapping[str, float], matrix: Array) -> float:
     """Largest entry of J⁻¹ J − 1, over the size of J⁻¹ times that of J."""
-    found: Array = np.array(each_entry(lambda x: float(x.at(theta, letters)), entries))
-    size = np.linalg.norm(found) * np.linalg.norm(matrix)
-    return float(np.abs(found @ matrix - np.eye(len(matrix))).max() / max(size, 1.0))
+    values: Array = np.array(each_entry(lambda x: float(x.at(theta, letters)), entries))
+    size = np.linalg.norm(values) * np.linalg.norm(matrix)
+    return float(np.abs(values @ matrix - np.eye(len(matrix))).max() / max(size, 1.0))

@@ -97,9 +97,9 @@ def _finer(aim: Aim, pose: Array, curve: Curve) -> Array:
     ways = np.linspace(0.0, 1.0, FINER, endpoint=False)[:, None]
     guesses = (points[:-1, None] * (1.0 - ways) + points[1:, None] * ways).reshape(-1, points.shape[1])
     guesses = np.concatenate([guesses, points[-1:]])
-    found, arrived = aim.solve(np.broadcast_to(pose, (len(guesses), 4, 4)), guesses)
-    near = np.abs(found - guesses).max(axis=1) < _JUMP
-    return np.asarray(found[arrived & near])
+    solved, arrived = aim.solve(np.broadcast_to(pose, (len(guesses), 4, 4)), guesses)
+    near = np.abs(solved - guesses).max(axis=1) < _JUMP
+    return np.asarray(solved[arrived & near])
 
 
 def _pieces_within(robot: Robot, points: Array) -> list[Array]:
@@ -133,27 +133,27 @@ def _locked_joint(robot: Robot, j: int, arcs: list[Array], *, limits: bool) -> L
 
 def _angles_between(taken: list[Range], lower: float, upper: float) -> list[Range]:
     """The angles of ranges that lie between two limits, at every whole turn."""
-    found, most = list[Range](), int(np.ceil((upper - lower) / (2.0 * np.pi)))
+    ranges, most = list[Range](), int(np.ceil((upper - lower) / (2.0 * np.pi)))
     for low, high in taken:
         for turn in 2.0 * np.pi * np.arange(-most, most + 1):
             if high + turn >= lower and low + turn <= upper:
-                found.append((max(low + turn, lower), min(high + turn, upper)))
-    return found
+                ranges.append((max(low + turn, lower), min(high + turn, upper)))
+    return ranges
 
 
 def _on_circle(taken: list[Range]) -> list[Range]:
     """The angles of ranges in [−π, π], each as one range or two."""
-    found: list[Range] = []
+    ranges: list[Range] = []
     for low, high in taken:
         start = float((low + np.pi) % (2.0 * np.pi) - np.pi)
         end = start + high - low
         if high - low >= 2.0 * np.pi:
-            found.append((-np.pi, np.pi))
+            ranges.append((-np.pi, np.pi))
         elif end <= np.pi:
-            found.append((start, end))
+            ranges.append((start, end))
         else:
-            found += [(start, np.pi), (-np.pi, end - 2.0 * np.pi)]
-    return found
+            ranges += [(start, np.pi), (-np.pi, end - 2.0 * np.pi)]
+    return ranges
 
 
 def union_of_ranges(ranges: list[Range]) -> tuple[Range, ...]:

@@ -61,13 +61,13 @@ def most_tolerant(
     how = TolerantOptions.of(options, given)
     resolved = resolve_task(task, robot)
     start = _pose_asked(robot, resolved, how, tolerances)
-    found = climb_to_tolerant(robot, resolved, how, progress=progress, tolerances=tolerances)
-    if start is None and found.places:
-        start = found.places[0].q
+    climbed = climb_to_tolerant(robot, resolved, how, progress=progress, tolerances=tolerances)
+    if start is None and climbed.places:
+        start = climbed.places[0].q
     if not how.self_motion or start is None:
-        return found
+        return climbed
     motions = self_motions(robot, start, resolved, relative=how.relative, limits=how.limits, seed=how.seed)
-    return replace(found, self_motion=motions)
+    return replace(climbed, self_motion=motions)
 
 
 def _pose_asked(robot: Robot, task: Task, how: TolerantOptions, tolerances: Tolerances) -> Array | None:

@@ -513,10 +513,10 @@ def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
     starts = np.concatenate([home[None], np.random.default_rng(0).uniform(low, high, (STARTS, robot.n))])
     q = near_and_within(robot, Aim(robot, task).solve_from(goal, starts), home, limits=True)
     far = np.linalg.norm((q - home) / joint_scale(robot, task), axis=1)
-    found = distinct(robot, task, q[np.argsort(far, kind="stable")], _SAME)
-    if len(found) and robot.n <= task.m:
-        return found[by_habit(robot, task, found)]
-    return found
+    solutions = distinct(robot, task, q[np.argsort(far, kind="stable")], _SAME)
+    if len(solutions) and robot.n <= task.m:
+        return solutions[by_habit(robot, task, solutions)]
+    return solutions
 
 
 def _first_configuration(
@@ -552,7 +552,7 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
     return solutions[0], solutions, 0.0
 
 
-def _count_solutions(robot: Robot, goal: Array, task: Task, found: Array) -> tuple[int, int]:
+def _count_solutions(robot: Robot, goal: Array, task: Task, solutions: Array) -> tuple[int, int]:
     """How many isolated configurations and how many self-motions at a pose were found within the joint limits.
 
     Newton's method ends on many points of a self-motion, which are no solutions of their own; `inverse` joins them.
@@ -565,14 +565,14 @@ def _count_solutions(robot: Robot, goal: Array, task: Task, found: Array) -> tup
     Returns:
         Of a redundant arm the number of points found, and 0.
     """
-    if robot.n > task.m or not len(found):
-        return len(found), 0
+    if robot.n > task.m or not len(solutions):
+        return len(solutions), 0
     arm, arm_task = in_metres(robot), task_in_metres(task, robot)
-    sigma = singular_values(arm, into_metres(robot, found), arm_task)[:, generic_rank(arm, arm_task) - 1]
+    sigma = singular_values(arm, into_metres(robot, solutions), arm_task)[:, generic_rank(arm, arm_task) - 1]
     singular = sigma < _REGULAR
     regular = int((~singular).sum())
     if singular.sum() < 2:
-        return len(found), 0
+        return len(solutions), 0
     from rankdrop.poses.branches import inverse  # a path from a regular pose does without
 
     every = inverse(robot, goal, task)

@@ -346,13 +346,13 @@ class _Walk:
             left = self._leave_miss(met)
             if left is not None:
                 return self._walk(left)
-        found, arrived = self.aim.solve(self.poses[:1], start[None])
+        solved, arrived = self.aim.solve(self.poses[:1], start[None])
         if not arrived[0]:
             return Followed(start[None][:0], np.zeros(0), False, 1.0, start, "start", 0)
-        joint = self._joint_beyond_limit(found)
+        joint = self._joint_beyond_limit(solved)
         if joint >= 0:
             return Followed(start[None][:0], np.zeros(0), False, 1.0, start, "limit", joint + 1)
-        now, last = found[0], len(self.poses) - 1.0
+        now, last = solved[0], len(self.poses) - 1.0
         if self.through and last > 0.0 and self._singular(now):
             now = self._turn_start(now)
         return self._walk(_Progress(now, self._side(now)))
@@ -646,15 +646,15 @@ class _Walk:
     def _step_by_geometry(self, progress: _Progress, sigma: float) -> tuple[Array, Array] | None:
         """As `_step_from_singularity`, by the local geometry of a singular configuration."""
         now, place = progress.now, progress.place
-        found, folds = departures(self.aim, self.poses, place, now)
-        found = self._sort_by_turn(progress, found)
-        for departure in found:
+        ways, folds = departures(self.aim, self.poses, place, now)
+        ways = self._sort_by_turn(progress, ways)
+        for departure in ways:
             step = self._step_to_departure(now, place, departure)
-            if step is not None and (self._joint_beyond_limit(step[1]) < 0 or departure is found[-1]):
+            if step is not None and (self._joint_beyond_limit(step[1]) < 0 or departure is ways[-1]):
                 self.passed.append(Passed(place + 1.0, departure.rest))
                 return step
-        progress.folds = folds and not found
-        if found or folds or sigma > _SINGULAR:
+        progress.folds = folds and not ways
+        if ways or folds or sigma > _SINGULAR:
             return None
         end = internal_turn(self.aim, self.poses, place, now, limits=self.limits)
         if end is not None:
@@ -723,17 +723,17 @@ class _Walk:
             progress.rows, progress.places = [rows[: base + 1]], [places[: base + 1]]
         return over
 
-    def _sort_by_turn(self, progress: _Progress, found: list[Departure]) -> list[Departure]:
+    def _sort_by_turn(self, progress: _Progress, ways: list[Departure]) -> list[Departure]:
         """Departures, those first that go on in the direction in which the joints arrive.
 
         Where two solution curves cross at a singularity, a change from one to the other is a corner of the joint path
         within a straight move: the arm has to rest there.
         """
         arriving = progress.direction(self.aim.joints)
-        if arriving is None or not found or found[0].rest:
-            return found
+        if arriving is None or not ways or ways[0].rest:
+            return ways
         turned: list[tuple[float, Departure]] = []
-        for departure in found:
+        for departure in ways:
             leaving = (departure.q - progress.now) / self.aim.joints
             cosine = float(arriving @ leaving) / float(np.linalg.norm(leaving))
             corner = cosine < _STRAIGHT and progress.place > int(progress.place)
@@ -767,16 +767,16 @@ class _Walk:
         off = float(np.linalg.norm((to.q - now) / self.aim.joints))
         return self._fill_step(np.append(place, at), np.stack([now, to.q]), off)
 
-    def _cut_at_miss(self, found: Followed) -> Followed:
+    def _cut_at_miss(self, followed: Followed) -> Followed:
         """The rows up to the first one whose forward kinematics misses its pose; else all of them."""
-        good = self.aim.confirms(poses_at(self.poses, found.place - 1.0), found.q)
-        good |= np.isin(found.place - 1.0, list(self.missed))
+        good = self.aim.confirms(poses_at(self.poses, followed.place - 1.0), followed.q)
+        good |= np.isin(followed.place - 1.0, list(self.missed))
         if good.all():
-            return found
+            return followed
         count = int(good.argmin())
-        reached = float(found.place[max(0, count - 1)])
-        q = found.q[:count]
-        return Followed(q, found.place[:count], False, reached, q[-1] if count else found.last, "stuck")
+        reached = float(followed.place[max(0, count - 1)])
+        q = followed.q[:count]
+        return Followed(q, followed.place[:count], False, reached, q[-1] if count else followed.last, "stuck")
 
     def _try_step(self, now: Array, place: float, ahead: float, side: float) -> tuple[Array, Array] | None:
         """Places (K,) after `place`, `ahead` the last, and configurations (K, n) there; None: too long a step."""
@@ -789,10 +789,10 @@ class _Walk:
         if first > _LONGEST:
             return None
         guess = guess + self._null_space_pull(now, first)
-        found, arrived = self.aim.solve(target, guess[None])
+        solved, arrived = self.aim.solve(target, guess[None])
         if not arrived[0]:
             return None
-        end = found[0]
+        end = solved[0]
         added = float(np.linalg.norm((end - guess) / self.aim.joints))
         bent = _BENT * first + _ROUNDING
         if added > bent or self._changes_side(end, side, touch=ahead == int(ahead) and first <= _TOUCH):

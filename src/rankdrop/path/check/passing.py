@@ -117,9 +117,9 @@ class Move:
 
     def solution_near(self, w: float, guess: Array) -> Array | None:
         """(n,) the solution next to a guess, a way w on."""
-        found, arrived = self.aim.solve(self.target(w), guess[None])
+        solved, arrived = self.aim.solve(self.target(w), guess[None])
         if arrived[0]:
-            return np.asarray(found[0])
+            return np.asarray(solved[0])
         return None
 
     def missing(self, y: Array) -> Array:
@@ -178,9 +178,9 @@ def departures(aim: Aim, poses: Array, place: float, q: Array) -> tuple[list[Dep
     if len(sigma) > 1 and sigma[-2] < _SECOND:
         return [], False
     room = move.room
-    found = _crossing_departures(move, q, xi, room) or list(_smooth_departures(move, q, xi, kernel, room))
-    if found:
-        return found, False
+    crossings = _crossing_departures(move, q, xi, room) or list(_smooth_departures(move, q, xi, kernel, room))
+    if crossings:
+        return crossings, False
     return _departures_from_rest(move, q, kernel, room)
 
 
@@ -198,8 +198,8 @@ def _crossing_departures(move: Move, q: Array, xi: Array, room: float) -> list[D
     plane = np.linalg.svd(move.slopes(y))[2][-2:]
     ways = [way for way in _zeros(_second_order(move, y, u, plane), plane) if way[-1] > _FLAT]
     ways.sort(key=lambda way: -float(way[-1]))
-    found = [_departure_along(move, y, way, room) for way in ways]
-    return [departure for departure in found if departure is not None]
+    departing = [_departure_along(move, y, way, room) for way in ways]
+    return [departure for departure in departing if departure is not None]
 
 
 def _departure_along(move: Move, y: Array, way: Array, room: float) -> Departure | None:
@@ -234,11 +234,11 @@ def _zeros(form: Array, plane: Array) -> list[Array]:
     if low >= -_DEFINITE or high <= _DEFINITE:
         return []
     parts = np.sqrt(np.array([high, -low]))  # low · high + high · (−low) = 0
-    found = []
+    zeros = []
     for sign in (1.0, -1.0):
         way = (axes @ (parts * np.array([1.0, sign]))) @ plane
-        found.append(np.asarray(_same_way(way / np.linalg.norm(way), np.eye(len(way))[-1])))
-    return found
+        zeros.append(np.asarray(_same_way(way / np.linalg.norm(way), np.eye(len(way))[-1])))
+    return zeros
 
 
 def _smooth_departures(move: Move, q: Array, xi: Array, kernel: Array, room: float) -> Iterator[Departure]:
@@ -280,17 +280,17 @@ def _departures_from_rest(move: Move, q: Array, kernel: Array, room: float) -> t
     ways = [np.eye(count)[i] for i in range(count)]
     if count > 1:
         ways += [way / np.linalg.norm(way) for way in np.random.default_rng(0).normal(size=(_DIRECTIONS, count))]
-    found: list[tuple[float, Departure]] = []
+    departing: list[tuple[float, Departure]] = []
     leads = []
     for direction in ways:
         for way in (direction, -direction):
             lead, w, end = _lead(move, q, kernel, way, room)
             leads.append(lead)
             if end is not None:
-                found.append((w, Departure(move.place_at(w), end, True)))
-    found.sort(key=lambda pair: round(-pair[0], 9))
-    folds = not found and _Lead.UNKNOWN not in leads and _Lead.BACK in leads
-    return [departure for _, departure in found], folds
+                departing.append((w, Departure(move.place_at(w), end, True)))
+    departing.sort(key=lambda pair: round(-pair[0], 9))
+    folds = not departing and _Lead.UNKNOWN not in leads and _Lead.BACK in leads
+    return [departure for _, departure in departing], folds
 
 
 class _Lead(Enum):
@@ -351,8 +351,8 @@ def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: boo
         return None
     turns = [_first_turn(move, q, sign, limits=limits) for sign in (1.0, -1.0)]
     for _, end in sorted((turn for turn in turns if turn is not None), key=itemgetter(0)):
-        found, _ = departures(aim, poses, place, end)
-        if any(not departure.rest for departure in found):
+        ways, _ = departures(aim, poses, place, end)
+        if any(not departure.rest for departure in ways):
             return end
     return None
 

@@ -348,10 +348,10 @@ def free_boxes(robot: Robot, low: Array, high: Array, work: Proof) -> Mask:
     free = np.zeros(len(low), dtype=np.bool_)
     tried = np.flatnonzero(np.linalg.norm(half[:, work.setting.matters], axis=1) < _WIDE)
     for part in (tried[i : i + _BATCH] for i in range(0, len(tried), _BATCH)):
-        found = work.attempt(len(part), partial(enclose, robot, work.setting, centre[part], half[part]))
-        if found is None:
+        enclosed = work.attempt(len(part), partial(enclose, robot, work.setting, centre[part], half[part]))
+        if enclosed is None:
             break
-        free[part] = found[0] != 0
+        free[part] = enclosed[0] != 0
     return free
 
 
@@ -373,9 +373,9 @@ def _split_undecided(along: Along, pieces: Pieces, work: Proof, singular: float)
         free[~small] = free_boxes(along.robot, low, high, work)
     stuck = np.zeros(len(pieces), dtype=np.bool_)
     if small.any():
-        found = along.enclose_curves(middle[small], chord[small], extra[small])
-        free[small] = found.free
-        stuck[small] = _stuck(along, pieces[small], found, length[small], singular)
+        enclosed = along.enclose_curves(middle[small], chord[small], extra[small])
+        free[small] = enclosed.free
+        stuck[small] = _stuck(along, pieces[small], enclosed, length[small], singular)
     return pieces[~free & ~stuck], pieces[stuck & ~free]
 
 

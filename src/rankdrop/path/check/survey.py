@@ -101,9 +101,9 @@ def crossings(
 def signs(robot: Robot, task: Task, families: Sequence[Family]) -> SignFunctions:
     """The determinant, and conditions of families of one condition that passed their test."""
     square = robot.n == task.m == generic_rank(robot, task)
-    found: SignFunctions = {"": _determinant(robot, task)} if square else {}
+    functions: SignFunctions = {"": _determinant(robot, task)} if square else {}
     single = (family for family in families if family.dimension == robot.n - 1 and len(family.equations) == 1)
-    return found | {family.equations[0].text(): _condition(family) for family in single if family.soundness.holds}
+    return functions | {family.equations[0].text(): _condition(family) for family in single if family.soundness.holds}
 
 
 def signs_at(robot: Robot, task: Task, configurations: Sequence[Array], tolerances: Tolerances) -> SignFunctions:
@@ -114,7 +114,7 @@ def signs_at(robot: Robot, task: Task, configurations: Sequence[Array], toleranc
     from rankdrop.families.on_the_spot import name_on_the_spot  # a path free of singularities does without
     from rankdrop.families.row import soundness
 
-    found: SignFunctions = {}
+    values: SignFunctions = {}
     problem = Problem(robot, task, 1, tolerances)
     for q in configurations:
         try:
@@ -123,8 +123,8 @@ def signs_at(robot: Robot, task: Task, configurations: Sequence[Array], toleranc
             continue
         single = family.dimension == robot.n - 1 and len(family.equations) == 1
         if single and soundness(problem, family.system, 1, np.random.default_rng(0))[0].holds:
-            found[family.equations[0].text()] = _condition(family)
-    return found
+            values[family.equations[0].text()] = _condition(family)
+    return values
 
 
 def _determinant(robot: Robot, task: Task) -> Signs:
@@ -200,15 +200,15 @@ class _Judge:
     def _changes(self, places: Array, wide: Array) -> list[Stretch]:
         """Changes of sign of all functions between `wide` places, those of them that are in the sliver."""
         samples = self._configurations(wide)
-        found = []
+        stretches = []
         for condition, function in self.functions.items():
             evidence: Evidence = "determinant"
             if condition:
                 evidence = "condition"
             for low, high in self._brackets(wide, function(samples), function):
                 if places[0] <= high and low <= places[-1]:
-                    found.append(self._part(CROSSING, low, high, (low + high) / 2, evidence, condition))
-        return found
+                    stretches.append(self._part(CROSSING, low, high, (low + high) / 2, evidence, condition))
+        return stretches
 
     @staticmethod
     def _meet(part: Stretch, other: Stretch) -> bool:
@@ -224,13 +224,13 @@ class _Judge:
         singular = _sigma(self.robot, self.task, q) <= self.tolerances.singular
         lengths = np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1)
         ends = np.flatnonzero(np.diff(np.concatenate([[False], singular, [False]]).astype(int)))
-        found = []
+        stretches = []
         for first, last in ends.reshape(-1, 2):
             if lengths[first : last - 1].sum() > _LYING:
                 at = self._typical(places[first:last], q[first:last])
                 low, high = float(places[first]), float(places[last - 1])
-                found.append(self._part(TOUCHING, low, high, at, "singular throughout"))
-        return found
+                stretches.append(self._part(TOUCHING, low, high, at, "singular throughout"))
+        return stretches
 
     def _spread(self, parts: list[Stretch]) -> list[Stretch]:
         """Crossings that share the sliver: none of it is proven free."""
@@ -284,10 +284,10 @@ class _Judge:
             active, middle = active[apart], middle[apart]
             if not len(active):
                 break
-            found = function(self._configurations(middle))
-            for side, target in ((found == left[active], low), (found == -left[active], high)):
+            at_middle = function(self._configurations(middle))
+            for side, target in ((at_middle == left[active], low), (at_middle == -left[active], high)):
                 target[active[side]] = middle[side]
-            active = active[found != 0]  # at the zero itself, as far as rounding tells
+            active = active[at_middle != 0]  # at the zero itself, as far as rounding tells
         return list(zip(low.tolist(), high.tolist(), strict=True))
 
     def _part(
@@ -437,11 +437,11 @@ class Survey:
 
     def _nearest(self, q: Array, *, along: bool = False) -> tuple[Index, Array, Array]:
         """Index of the nearest family, −1 where another point is nearer, the distance and the point; nan without."""
-        found = self._ruler.measure(q, along=along, proven=False)
-        family, least = found.nearest()
-        feet = found.anywhere_foot.copy()
+        measured = self._ruler.measure(q, along=along, proven=False)
+        family, least = measured.nearest()
+        feet = measured.anywhere_foot.copy()
         rows = np.flatnonzero(family >= 0)
-        feet[rows] = found.foot[rows, family[rows]]
+        feet[rows] = measured.foot[rows, family[rows]]
         return family, np.where(np.isfinite(least), least, np.nan), feet
 
     def stretches(self, crossings: Sequence[Stretch]) -> tuple[Stretch, ...]:
@@ -616,13 +616,13 @@ class Survey:
 
     def _name_singularity(self, q: Array, corank: int) -> tuple[str, str]:
         """Id and name of the family that a singular configuration lies on; on the spot where none is known."""
-        found = families_at(self.families, self.robot, q, self.task, self.tolerances, self.source)
-        if found and found[0].family.corank >= corank:
-            return found[0].family.id, found[0].family.name
+        named = families_at(self.families, self.robot, q, self.task, self.tolerances, self.source)
+        if named and named[0].family.corank >= corank:
+            return named[0].family.id, named[0].family.name
         again = families_at(self._spots, self.robot, q, self.task, self.tolerances)
         if again and again[0].family.corank >= corank:
             return "", again[0].family.name
-        name = found[0].family.name if found else ""
+        name = named[0].family.name if named else ""
         if len(self._spots) >= _SPOTS:
             return "", name
         from rankdrop.families.on_the_spot import name_on_the_spot  # arms whose families are known do without

@@ -46,15 +46,15 @@ def far_turns(robot: Robot, path: Curve) -> tuple[FarTurn, ...]:
     else:
         lasts = np.diff(path.times)
     clock = np.concatenate([[0.0], np.cumsum(lasts)])
-    found: list[FarTurn] = []
+    turns: list[FarTurn] = []
     for joint in np.flatnonzero([variable.unit == "rad" for variable in robot.variables]).tolist():
         rate = steps[:, joint] / lasts
         for first, last in _runs(rate, steps[:, joint]):
             first, last = _fast(rate, first, last)
             angle = float(steps[first:last, joint].sum())
             if abs(angle) >= FAR and clock[last] - clock[first] <= _SHORT * clock[-1]:
-                found.append(FarTurn(joint + 1, angle, path.place((first, 0.0)), path.place((last - 1, 1.0))))
-    largest = sorted(found, key=lambda turn: -abs(turn.angle))[:_MOST]
+                turns.append(FarTurn(joint + 1, angle, path.place((first, 0.0)), path.place((last - 1, 1.0))))
+    largest = sorted(turns, key=lambda turn: -abs(turn.angle))[:_MOST]
     return tuple(sorted(largest, key=lambda turn: turn.start))
 
 

@@ -267,10 +267,10 @@ def start_moved(tool: ToolPath) -> Array | None:
     lead = follow(tool.robot, way, tool.q[0], tool.task, limits=tool.limits)
     if lead.complete:
         return np.asarray(lead.q[-1])
-    found, arrived = tool.aim.solve(tool.poses[:1], tool.q[:1])
-    near = float(np.linalg.norm((found[0] - tool.q[0]) / tool.aim.joints)) < _REACHED
-    if arrived[0] and near and tool.in_limits(found)[0]:
-        return np.asarray(found[0])
+    solved, arrived = tool.aim.solve(tool.poses[:1], tool.q[:1])
+    near = float(np.linalg.norm((solved[0] - tool.q[0]) / tool.aim.joints)) < _REACHED
+    if arrived[0] and near and tool.in_limits(solved)[0]:
+        return np.asarray(solved[0])
     return None
 
 
@@ -327,18 +327,18 @@ def rank_starts(starts: Iterable[Start], count: int, report: Progress) -> Rankin
     return candidates, ended
 
 
-def _begin_turn_away(tool: ToolPath, start: Array, pull: Pull | None, found: Followed) -> tuple[Followed, Array]:
+def _begin_turn_away(tool: ToolPath, start: Array, pull: Pull | None, followed: Followed) -> tuple[Followed, Array]:
     """The same branch with a joint that reaches its limit begun a whole turn away, where there is room."""
     robot = tool.robot
-    over = np.flatnonzero((found.last > robot.upper - 1e-4) | (found.last < robot.lower + 1e-4))
-    for joint in over[robot.periodic[over]] if found.reason == "limit" else ():
+    over = np.flatnonzero((followed.last > robot.upper - 1e-4) | (followed.last < robot.lower + 1e-4))
+    for joint in over[robot.periodic[over]] if followed.reason == "limit" else ():
         other = start.copy()
-        other[joint] -= 2 * np.pi * np.sign(found.last[joint] - start[joint])
+        other[joint] -= 2 * np.pi * np.sign(followed.last[joint] - start[joint])
         if robot.lower[joint] <= other[joint] <= robot.upper[joint]:
             again = tool.follow_branch(other, pull)
             if again.complete:
                 return again, other
-    return found, start
+    return followed, start
 
 
 def branches(tool: ToolPath, report: Progress) -> Ranking:
@@ -364,19 +364,19 @@ def _branches(tool: ToolPath) -> list[Array]:
     robot, task = tool.robot, tool.task
     low, high = sampling_box(robot, task, limits=tool.limits)
     starts = np.random.default_rng(_SEED).uniform(low, high, (_STARTS, robot.n))
-    found = near_and_within(robot, tool.aim.solve_from(tool.poses[0], starts), tool.q[0], limits=tool.limits)
+    branches = near_and_within(robot, tool.aim.solve_from(tool.poses[0], starts), tool.q[0], limits=tool.limits)
     if tool.redundant:
         known = _self_motion(tool)
     else:
         known = tool.q[:1]
     if known is None:
         return []
-    sigma = singular_values(robot, found, task)[:, tool.rank - 1]
+    sigma = singular_values(robot, branches, task)[:, tool.rank - 1]
     if tool.redundant:
         near, most = (_APART, _BRANCHES)
     else:
         near, most = (_SAME, None)
-    return list(distinct(robot, task, found[sigma > _SAME], near, known, most))
+    return list(distinct(robot, task, branches[sigma > _SAME], near, known, most))
 
 
 def _self_motion(tool: ToolPath) -> Array | None:
@@ -464,7 +464,7 @@ def _ways(axes: Sequence[int]) -> Iterator[Array]:
 
 def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], report: Progress, *, around: bool) -> bool:
     """One more for a ranking, planned over all self-motions; whether there is one."""
-    found, ended = ranking
+    remedy, ended = ranking
     place, plan, free = plan_path(tool, np.array(starts), report, around=around)
     if not len(plan):
         ended["plan"] += 1
@@ -473,7 +473,7 @@ def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], report: Pro
         how = "planned elsewhere"
     else:
         how = "planned"
-    found.append(Candidate(tool, plan_as_run(place, plan), how, (_entry("start", plan[0]),), free, not around))
+    remedy.append(Candidate(tool, plan_as_run(place, plan), how, (_entry("start", plan[0]),), free, not around))
     return True
 
 

@@ -226,7 +226,7 @@ class Detourer:
         return NoDetour(core, Hindrance.LIMIT if limited else Hindrance.TOOL)
 
     def _smaller(
-        self, window: Window, way: Array, sizes: tuple[float, float], found: Followed, clearance: float
+        self, window: Window, way: Array, sizes: tuple[float, float], followed: Followed, clearance: float
     ) -> list[MovedTool]:
         """Tool paths moved along a way by ever smaller sizes that are enough, from the larger of two that is, to the
         smaller one that is not. The room at size ε grows as ε, or at an edge of reach as √ε: both guesses are enough.
@@ -234,17 +234,17 @@ class Detourer:
         paths: list[MovedTool] = []
         too_small, enough = sizes
         wanted = _FINER * _NEARER * clearance
-        room = float(self.bumper.tool.room(found.q).min())
+        room = float(self.bumper.tool.room(followed.q).min())
         for _ in range(_TRIES):
             if room <= _FINER * wanted:
                 break
             guess = enough * wanted / room
             if guess <= too_small:
                 guess = float(np.sqrt(too_small * enough))
-            moved, found = self._look(window, guess * way)
-            if self._clear(moved, found, clearance):
+            moved, followed = self._look(window, guess * way)
+            if self._clear(moved, followed, clearance):
                 paths.append(moved)
-                enough, room = guess, float(moved.room(found.q).min())
+                enough, room = guess, float(moved.room(followed.q).min())
             else:
                 too_small = guess
         return paths
@@ -255,8 +255,8 @@ class Detourer:
         place = core.stretches[0].closest.place.position - 1.0
         return lost_motions(bumper.tool.aim, bumper.tool.rank, bumper.configurations(np.array([place]))[0])
 
-    def _clear(self, moved: MovedTool, found: Followed, clearance: float) -> bool:
-        return found.complete and float(moved.room(found.q).min()) >= _NEARER * clearance
+    def _clear(self, moved: MovedTool, followed: Followed, clearance: float) -> bool:
+        return followed.complete and float(moved.room(followed.q).min()) >= _NEARER * clearance
 
     def _sizes(self, clearance: float) -> list[float]:
         """Sizes of detours that are tried, the least first."""
@@ -303,11 +303,11 @@ class Detourer:
         def run(path: ToolPath) -> Followed:
             return path.follow_branch(start)
 
-        fine, found = moved.refine_run(run)
-        if not found.complete or float(fine.room(found.q).min()) < _NEARER * clearance:
+        fine, followed = moved.refine_run(run)
+        if not followed.complete or float(fine.room(followed.q).min()) < _NEARER * clearance:
             return None
-        off = self._off(fine.place, found.q)
-        return Detour(window.low, window.high, fine.place, found.q, off)
+        off = self._off(fine.place, followed.q)
+        return Detour(window.low, window.high, fine.place, followed.q, off)
 
     def _off(self, place: Array, q: Array) -> tuple[float, float]:
         """How far the tool leaves the old path at rows, and in the middle between two: [m], [rad]."""
@@ -364,7 +364,7 @@ class Detourer:
         def run(path: ToolPath) -> Followed:
             return path.follow_branch(start)
 
-        fine, found = tool.at_places(place).refine_run(run)
-        if found.complete:
-            return (fine.place[1:], found.q[1:])
+        fine, followed = tool.at_places(place).refine_run(run)
+        if followed.complete:
+            return (fine.place[1:], followed.q[1:])
         return None

@@ -339,8 +339,8 @@ class PoseDetourer:
         room = self.tool.room(followed[:, kept].reshape(-1, self.robot.n)).reshape(len(followed), len(kept))
         excess = np.maximum(followed - self.robot.upper, self.robot.lower - followed).max(axis=0)
         clear = kept[room.min(axis=0) >= _NEARER * self.clearance]
-        found = [replace(looks[index], excess=excess[index]) for index in clear]
-        return sorted(found, key=lambda look: (look.size, look.span.high - look.span.low))
+        clear_looks = [replace(looks[index], excess=excess[index]) for index in clear]
+        return sorted(clear_looks, key=lambda look: (look.size, look.span.high - look.span.low))
 
     def _look_times(self, span: Span) -> Array:
         """(N,) times of a first look along a window, close together near the singularity, in the middle."""

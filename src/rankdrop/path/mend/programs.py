@@ -83,16 +83,16 @@ def program_remedies(
         options: how far bumps and detours may go.
     """
     how = RemedyOptions() if options is None else options
-    found: list[LineRemedy] = []
+    remedies: list[LineRemedy] = []
     for part in check.parts:
         if part.check is not None:
             crossed = list(_local_change(part, part.check, analysis, how))
-            found += crossed
+            remedies += crossed
             moved = [remedy.move for remedy in crossed if remedy.advice in (Advice.BUMP, Advice.DETOUR)]
-            found += [remedy for remedy in _slower(part, part.check) if remedy.move not in moved]
+            remedies += [remedy for remedy in _slower(part, part.check) if remedy.move not in moved]
         if part.ended is not None:
-            found += _ways_on(check, part)
-    return tuple(found)
+            remedies += _ways_on(check, part)
+    return tuple(remedies)
 
 
 def remedies_to_dict(remedies: Sequence[LineRemedy], robot: Robot) -> list[dict[str, Any]]:

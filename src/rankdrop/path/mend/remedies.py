@@ -291,7 +291,7 @@ def _cut(robot: Robot, path: Curve, until: Array, corners: Array, radius: float)
 
 @takes(RemedyOptions)
 def mend_path(
-    found: PathCheck,
+    check: PathCheck,
     *,
     analysis: Analysis | None = None,
     acceleration: ArrayLike | None = None,
@@ -343,7 +343,7 @@ def mend_path(
     unknown = [kind for kind in kinds if kind not in KINDS]
     if unknown:
         raise OptionError("there is no such remedy", where="kinds", got=unknown[0], allowed=", ".join(KINDS))
-    work = _Mender(found, analysis, _limits(found, acceleration), frozenset(kinds), progress)
+    work = _Mender(check, analysis, _limits(check, acceleration), frozenset(kinds), progress)
     results: list[Remedy | Failure] = []
     complete = True
     try:
@@ -353,7 +353,7 @@ def mend_path(
         complete = False
     remedies = sorted((result for result in results if isinstance(result, Remedy)), key=attrgetter("rank"))
     failures = tuple(result for result in results if not isinstance(result, Remedy))
-    return Mending(found, tuple(remedies), failures, not found.clear or work.breaks(found), complete)
+    return Mending(check, tuple(remedies), failures, not check.clear or work.breaks(check), complete)
 
 
 def _limits(check: PathCheck, acceleration: ArrayLike | None) -> tuple[Array, Array]:
@@ -437,8 +437,8 @@ class _Mender:
                 yield "path", error.what
             return
         for kind, rank in kinds.items():
-            found, ended = rank(partial(self._report, kind))
-            yield self._first(kind, self._proposals(found)) or (kind, (len(found), ended))
+            remedies, ended = rank(partial(self._report, kind))
+            yield self._first(kind, self._proposals(remedies)) or (kind, (len(remedies), ended))
 
     def _clearance(self) -> float:
         asked = SPARE * self.found.options.min_distance
@@ -468,19 +468,19 @@ class _Mender:
 
     def _local(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """The joints moved aside; where they have to go to the other side, the tool led around it."""
-        found = self.found
-        if sum(stretch.verdict != FREE for stretch in found.stretches) > MANY:
+        local = self.found
+        if sum(stretch.verdict != FREE for stretch in local.stretches) > MANY:
             yield "local", MANY
             return
-        families, _ = known_families(found.robot, found.task, self.analysis, found.tolerances)
-        bumper = Bumper(found, tool, families, most.bump, *self.limits)
+        families, _ = known_families(local.robot, local.task, self.analysis, local.tolerances)
+        bumper = Bumper(local, tool, families, most.bump, *self.limits)
         clearance = self._clearance()
         if BUMP in self.kinds and most.bump > 0.0:
             result = self._bump(bumper, clearance)
             yield result
             if isinstance(result, Remedy):
                 return
-        if DETOUR in self.kinds and most.detour > 0.0 and found.poses is None:
+        if DETOUR in self.kinds and most.detour > 0.0 and local.poses is None:
             yield self._detour(bumper, self._bumps_beside(bumper, clearance), most.detour, clearance)
 
     def _bumps_beside(self, bumper: Bumper, clearance: float) -> tuple[Proposal, PathCheck] | None:

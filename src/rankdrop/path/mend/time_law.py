@@ -267,9 +267,9 @@ class _Path:
         g = float(particular @ bent @ particular - self.u[:, 0] @ self.curve)
         points = _on_quadric(self._quadric, b, g)
         for mu in points:
-            found = self._at_speed(particular + self.kernel @ mu)
-            if found is not None:
-                return found
+            through = self._at_speed(particular + self.kernel @ mu)
+            if through is not None:
+                return through
         return self._through(UNDECIDED if points else NOT)
 
     def _at_speed(self, slope: Array) -> Through | None:
@@ -339,10 +339,10 @@ class _Path:
         """(N, 4, 4) poses of the path."""
         six, s = np.zeros((len(s), 6)), s[:, None]
         six[:, list(self.task.rows)] = s * self.along + 0.5 * s * s * self.bend
-        found = np.repeat(self.home[None], len(s), axis=0)
-        found[:, :3, 3] += six[:, :3]
-        found[:, :3, :3] = rotation(six[:, 3:]) @ self.home[:3, :3]
-        return found
+        targets = np.repeat(self.home[None], len(s), axis=0)
+        targets[:, :3, 3] += six[:, :3]
+        targets[:, :3, :3] = rotation(six[:, 3:]) @ self.home[:3, :3]
+        return targets
 
     @cached_property
     def _second(self) -> Array:
@@ -368,12 +368,12 @@ def _on_quadric(q: Array, b: Array, g: float) -> list[Array]:
     left = float(centre @ q @ centre + 2.0 * b @ centre + g)
     if abs(left) <= _NOTHING:
         return [centre]
-    found = []
+    points = []
     for i in np.flatnonzero(there):
         if values[i] * left < 0.0:
             away = np.sqrt(-left / values[i]) * vectors[:, i]
-            found += [centre + away, centre - away]
-    return found
+            points += [centre + away, centre - away]
+    return points
 
 
 def _order(sigma: Array, s: Array, size: float) -> int | None:
@@ -398,8 +398,8 @@ def _exponent(s: Array, joints: Array) -> float:
 def _vector(name: str, value: ArrayLike | None, task: Task) -> Array:
     if value is None:
         return np.zeros(task.m)
-    found = np.asarray(value, dtype=np.float64)
-    if found.shape != (task.m,) or not np.isfinite(found).all():
+    vector = np.asarray(value, dtype=np.float64)
+    if vector.shape != (task.m,) or not np.isfinite(vector).all():
         raise OptionError("one finite number for each row of the task is needed", where=name, got=str(value),
                           allowed=f"{task.m} numbers: {task.name}")  # fmt: skip
-    return found
+    return vector

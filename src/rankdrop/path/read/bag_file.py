@@ -194,16 +194,16 @@ def _topic(connections: list[Any], name: str, topic: str | None) -> list[Any]:
     Raises:
         TrajectoryError: none, or several, can be meant.
     """
-    found: dict[str, list[Any]] = {}
+    by_topic: dict[str, list[Any]] = {}
     types: dict[str, set[str]] = {}
     for connection in sorted(connections, key=attrgetter("topic")):
-        found.setdefault(connection.topic, []).append(connection)
+        by_topic.setdefault(connection.topic, []).append(connection)
         types.setdefault(connection.topic, set()).add(connection.msgtype)
-    listed = [f"{key} ({_KINDS.get(some[0].msgtype, some[0].msgtype)})" for key, some in found.items()]
+    listed = [f"{key} ({_KINDS.get(some[0].msgtype, some[0].msgtype)})" for key, some in by_topic.items()]
     every = ", ".join(listed[:_LISTED]) + (f" and {len(listed) - _LISTED} more" if len(listed) > _LISTED else "")
     if topic is None:
-        return found[_only_topic(types, name, every)]
-    return found[_topic_asked(types, name, every, topic)]
+        return by_topic[_only_topic(types, name, every)]
+    return by_topic[_topic_asked(types, name, every, topic)]
 
 
 def _topic_asked(types: Mapping[str, set[str]], name: str, every: str, topic: str) -> str:

@@ -154,9 +154,9 @@ def _target(values: dict[str, float | None], where: str) -> Target | Reason:
             return joint_target(known, where)
         return Reason.INCOMPLETE
     place = [values.get(key) for key in _PLACE]
-    found = [value for value in place if value is not None]
-    if len(found) == len(_PLACE):
-        return angle_target(found, where)
+    numbers = [value for value in place if value is not None]
+    if len(numbers) == len(_PLACE):
+        return angle_target(numbers, where)
     return Reason.INCOMPLETE
 
 
@@ -164,13 +164,13 @@ def _instruction(
     listing: Listing, positions: dict[str, Target | Reason], tools: set[str], count: int, text: str
 ) -> None:
     """One instruction of the program."""
-    found = _MOVE.match(text)
-    if found is None:
+    match = _MOVE.match(text)
+    if match is None:
         reason = _why_skipped(text)
         if reason is not None:
             listing.skip(count, text, reason)
         return
-    letter, _, register, key, rest = found.groups()
+    letter, _, register, key, rest = match.groups()
     words = {word.upper() for word in re.split(r"[\s,\[(]+", rest) if word}
     target: Target | Reason | None = _why_unread(letter, words)
     if target is None and register == "PR":
@@ -208,14 +208,14 @@ def _why_skipped(text: str) -> Reason | None:
 
 def _speed(rest: str) -> Speed:
     """100%, 250mm/sec, 4000cm/min, 2.5sec, 90deg/sec."""
-    found = _SPEED.match(rest)
-    if found is None:
+    match = _SPEED.match(rest)
+    if match is None:
         value = None
     else:
-        value = number(found[1])
-    if found is None or value is None:
+        value = number(match[1])
+    if match is None or value is None:
         return Speed()
-    unit = found[2]
+    unit = match[2]
     if unit == "%":
         return Speed(share=positive(value, 0.01))
     if unit == "deg/sec":

@@ -210,8 +210,8 @@ class _State:
             speed = self.joint
         else:
             speed = self.line
-        _, found, settings = after.upper().partition("WITH ")
-        for setting in parts_of(settings) if found else []:
+        _, has_settings, settings = after.upper().partition("WITH ")
+        for setting in parts_of(settings) if has_settings else []:
             key, _, value = ("".join(part.split()) for part in setting.partition("="))
             if key == "$VEL.CP":
                 speed = replace(speed, linear=positive(names.number(value.split("C_")[0])))
@@ -261,10 +261,10 @@ def _assignment(line: str) -> tuple[str, str] | None:
 def _target(rest: str, names: Names, where: str) -> tuple[Target | Reason, str]:
     """The target that a text begins with, and what follows it."""
     if rest.startswith("{"):
-        found = split_bracket(rest, "{")
-        if found is None:
+        bracket = split_bracket(rest, "{")
+        if bracket is None:
             return Reason.EXPRESSION, ""
-        after = found[1].strip()
+        after = bracket[1].strip()
         if after.startswith(":"):
             return Reason.EXPRESSION, after
         return _literal(rest, where), after
@@ -346,10 +346,10 @@ def _literal(text: str, where: str) -> Target | Reason:
 
 def _components(text: str) -> dict[str, float] | None:
     """The components of a literal {…} by their names; None where it is none, or a value is no number."""
-    found = split_bracket(text, "{")
-    if found is None:
+    bracket = split_bracket(text, "{")
+    if bracket is None:
         return None
-    within = found[0]
+    within = bracket[0]
     head, colon, rest = within.partition(":")
     if colon and _NAME.fullmatch(head.strip()):
         within = rest

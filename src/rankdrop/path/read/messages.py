@@ -149,13 +149,13 @@ def _too_deep(where: str) -> TrajectoryError:
     return TrajectoryError("the objects are nested too deeply", where=where, allowed=f"depth {DEEPEST}")
 
 
-def _message(found: Any, below: int = 2) -> dict[str, Any] | None:
+def _message(value: Any, below: int = 2) -> dict[str, Any] | None:
     """The object with joint_names and points, at the top or one or two levels below."""
-    if not isinstance(found, dict) or below < 0:
+    if not isinstance(value, dict) or below < 0:
         return None
-    if "joint_names" in found and "points" in found:
-        return found
-    return next((inner for key in _INSIDE if (inner := _message(found.get(key), below - 1)) is not None), None)
+    if "joint_names" in value and "points" in value:
+        return value
+    return next((inner for key in _INSIDE if (inner := _message(value.get(key), below - 1)) is not None), None)
 
 
 def _column(points: list[Any], key: str, names: list[Any], name: str) -> Array | None:

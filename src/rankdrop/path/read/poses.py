@@ -436,12 +436,12 @@ def loaded_poses(text: str, name: str, *, yaml: bool) -> Any:
     return next((document for document in documents(text, name, yaml=yaml) if list_in(document) is not None), None)
 
 
-def list_in(found: Any) -> list[Any] | None:
+def list_in(value: Any) -> list[Any] | None:
     """The list of poses of an object, or the list itself; None where there is none."""
-    if isinstance(found, dict):
-        rows = found.get("poses")
+    if isinstance(value, dict):
+        rows = value.get("poses")
     else:
-        rows = found
+        rows = value
     if isinstance(rows, list) and rows and pose_in(rows[0]) is not None:
         return rows
     return None
@@ -458,13 +458,13 @@ def pose_in(row: Any) -> dict[str, Any] | None:
     return None
 
 
-def _poses_of_objects(found: Any, name: str, *, deg: bool) -> Poses:
-    rows = list_in(found)
+def _poses_of_objects(value: Any, name: str, *, deg: bool) -> Poses:
+    rows = list_in(value)
     if rows is None:
         raise TrajectoryError("there are no poses in it", where=name, allowed="a list of objects with a position")
     if len(rows) > MOST_ROWS:
         raise TrajectoryError("there are too many poses", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
-    about = found if isinstance(found, dict) else {}
+    about = value if isinstance(value, dict) else {}
     units = {
         "position": unit_of(about, "length", "m", ("m", "mm"), name), "orientation": 1.0,
         "rpy": unit_of(about, "angle", "deg" if deg else "rad", tuple(UNITS["angle"]), name),

@@ -238,21 +238,21 @@ class Names:
 
     def target(self, name: str) -> Target | Reason:
         """The target of a name, or why there is none."""
-        found = self.literals.get(name)
+        literal = self.literals.get(name)
         if name in self.changed:
             return Reason.CHANGED
-        if isinstance(found, Target | Reason):
-            return found
+        if isinstance(literal, Target | Reason):
+            return literal
         return Reason.VARIABLE
 
     def number(self, text: str) -> float | None:
         """A number, or that of a name; None for everything else."""
         if text in self.changed:
-            found = None
+            literal = None
         else:
-            found = self.literals.get(text)
-        if isinstance(found, float):
-            return found
+            literal = self.literals.get(text)
+        if isinstance(literal, float):
+            return literal
         return number(text)
 
 
@@ -388,11 +388,11 @@ def is_program(path: str | Path) -> bool:
 
 
 def _numbers(text: str, depth: int) -> list[object] | None:
-    found = split_bracket(text, "[")
-    if found is None or found[1].strip() or depth > _DEEPEST:
+    bracket = split_bracket(text, "[")
+    if bracket is None or bracket[1].strip() or depth > _DEEPEST:
         return None
     listed: list[object] = []
-    for part in parts_of(found[0]):
+    for part in parts_of(bracket[0]):
         value = _numbers(part, depth + 1) if part.startswith("[") else number(part)
         if value is None:
             return None
@@ -404,9 +404,9 @@ def flat(values: object, count: int) -> list[float] | None:
     """A list of exactly so many numbers; None for everything else."""
     if not isinstance(values, list) or len(values) != count:
         return None
-    found = [value for value in values if isinstance(value, float)]
-    if len(found) == count:
-        return found
+    numbers = [value for value in values if isinstance(value, float)]
+    if len(numbers) == count:
+        return numbers
     return None
 
 

@@ -153,9 +153,9 @@ def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
 
 def _declare(names: Names, text: str, where: str) -> None:
     """Take in a declaration or an assignment; one to a component of a name changes it."""
-    found = _DECLARED.fullmatch(text)
-    if found:
-        left, mark, right = (found[1], ":=", found[2])
+    match = _DECLARED.fullmatch(text)
+    if match:
+        left, mark, right = (match[1], ":=", match[2])
     else:
         left, mark, right = text.partition(":=")
     if not mark:
@@ -271,13 +271,13 @@ def _speed(text: str, keys: dict[str, str], names: Names, kind: str, where: str)
     name = text.lower()
     named = _SPEED.fullmatch(name)
     if text.startswith("["):
-        found = _literal(text, where)
+        speed = _literal(text, where)
     else:
-        found = names.literals.get(name)
-    if found is None and named is not None:
-        found = Speed(linear=positive(float(named[1]), MILLIMETRE), angular=radians(_REORIENTATION))
-    if isinstance(found, Speed) and name not in names.changed:
-        made = found
+        speed = names.literals.get(name)
+    if speed is None and named is not None:
+        speed = Speed(linear=positive(float(named[1]), MILLIMETRE), angular=radians(_REORIENTATION))
+    if isinstance(speed, Speed) and name not in names.changed:
+        made = speed
     else:
         made = Speed()
     if "v" in keys:

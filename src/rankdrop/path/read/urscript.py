@@ -136,9 +136,9 @@ def _declare(names: Names, line: str, where: str) -> None:
         return
     literal: object | None = number(right)
     if right.startswith(("[", "p[")):
-        found = _target(right, names, where)
-        if isinstance(found, Target):
-            literal = found
+        target = _target(right, names, where)
+        if isinstance(target, Target):
+            literal = target
         else:
             literal = None
     names.assign(name, right, literal)
@@ -169,20 +169,20 @@ def _target(text: str, names: Names, where: str) -> Target | Reason:
         if joints is None:
             return Reason.EXPRESSION
         return joint_target(joints, where)
-    found = flat(values, 6)
-    if found is None:
+    numbers = flat(values, 6)
+    if numbers is None:
         return Reason.EXPRESSION
-    in_range(found[3:], LARGEST_ANGLE, where, "angle")
-    return turned_target(found[:3], rotation(np.array([found[3:]]))[0], where)
+    in_range(numbers[3:], LARGEST_ANGLE, where, "angle")
+    return turned_target(numbers[:3], rotation(np.array([numbers[3:]]))[0], where)
 
 
 def _move(listing: Listing, names: Names, count: int, line: str, word: str, rest: str) -> None:
     """movej(target, a = 1.4, v = 1.05, t = 0, r = 0), its settings in this order or by name."""
-    found = split_bracket(rest)
-    if found is None:
+    bracket = split_bracket(rest)
+    if bracket is None:
         listing.skip(count, line, Reason.EXPRESSION)
         return
-    goal, *arguments = parts_of(found[0])
+    goal, *arguments = parts_of(bracket[0])
     settings: dict[str, str] = {}
     for place, argument in enumerate(arguments):
         key, mark, value = argument.partition("=")

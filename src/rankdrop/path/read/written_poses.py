@@ -164,9 +164,9 @@ def _arrays(source: Path, matrices: Array, times: Array | None, given: Index) ->
 
 
 def _objects(source: Path, matrices: Array, times: Array | None, given: Index, before: Index, *, deg: bool) -> bytes:
-    found = loaded_poses(read_text(source), str(source), yaml=source.suffix.lower() != ".json")
-    entries = list_in(found) or []
-    about = found if isinstance(found, dict) else {}
+    loaded = loaded_poses(read_text(source), str(source), yaml=source.suffix.lower() != ".json")
+    entries = list_in(loaded) or []
+    about = loaded if isinstance(loaded, dict) else {}
     length = unit_of(about, "length", "m", ("m", "mm"), str(source))
     angle = unit_of(about, "angle", "deg" if deg else "rad", tuple(UNITS["angle"]), str(source))
     out = []
@@ -179,8 +179,8 @@ def _objects(source: Path, matrices: Array, times: Array | None, given: Index, b
             entry = dict(entry) | {"time": float(times[k])}
         out.append(entry)
     whole: Any = out
-    if isinstance(found, dict):
-        whole = found | {"poses": out}
+    if isinstance(loaded, dict):
+        whole = loaded | {"poses": out}
     return (json.dumps(whole, indent=1) + "\n").encode()
 
 
@@ -220,8 +220,8 @@ def _quaternion(turn: Array, near: Array) -> list[float]:
     (a, b, c), (d, e, f), (g, h, i) = turn
     k = np.array([[a - e - i, b + d, c + g, h - f], [b + d, e - a - i, f + h, c - g], [c + g, f + h, i - a - e, d - b],
                   [h - f, c - g, d - b, a + e + i]]) / 3.0  # fmt: skip
-    found = np.linalg.eigh(k)[1][:, -1]
-    return [float(x) for x in (found if found @ near >= 0.0 else -found)]
+    largest = np.linalg.eigh(k)[1][:, -1]
+    return [float(x) for x in (largest if largest @ near >= 0.0 else -largest)]
 
 
 def _roll_pitch_yaw(turn: Array, near: Array) -> list[float]:

@@ -116,6 +116,14 @@ def test_the_parts_of_three_joints_that_place_a_tip(q: list[float], corank: int,
     assert place_words(arm, resolve_task("position", arm), np.array(q), corank) == words
 
 
+def test_a_pan_tilt_has_a_shoulder_and_no_elbow() -> None:
+    """Its tip is on axis 1: nothing that the pan does moves it."""
+    arm = from_dh([(0, np.pi / 2, 0.2, 0), (0.3, 0, 0, 0)], convention="standard")
+    task, q = resolve_task("position", arm), np.array([0.4, np.pi / 2])
+    assert singular_values(arm, q, task)[1] < 1e-12
+    assert place_words(arm, task, q, 1) == "shoulder: tip above axis 1"
+
+
 def test_slides_that_carry_an_arm_leave_it_no_shoulder_and_no_elbow() -> None:
     """PPRRRR, the table of IKBT issue 39: it is singular where 50 c4 + 7 s4 = 0 or √3 c4 s5 + 2 c5 s4 = 0."""
     half = np.pi / 2

@@ -18,7 +18,7 @@ from rankdrop.families.name import ArmPart
 from rankdrop.families.pictured import members_of
 from rankdrop.families.record import Family
 from rankdrop.local.axes import Scene
-from rankdrop.local.special import ARM_AXES, Special, specials_at
+from rankdrop.local.special import ARM_AXES, Special, exact_at, specials_at
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.units import in_metres, task_in_metres
@@ -64,7 +64,7 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
     """
     base = _binds_base(robot, family)
     named = family.called.parts
-    if family.called.given or family.called.unnamed or (named and family.corank == 1):
+    if _is_settled(family):
         return FamilyParts(named, base=base)
     here, rows = in_metres(robot), task_in_metres(task, robot)
     members = members_of(robot, task, family, _MEMBERS)
@@ -72,8 +72,17 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
     exact = _in_order(part.value for part in (*named, *_special_everywhere(seen)))
     if exact or family.corank > 1:
         return FamilyParts(exact, base=base)
+    together = _special_everywhere([exact_at(here, rows, q) for q in members])
+    if together:
+        return FamilyParts(together, base=base)
     nearest = _often_nearest(seen)
     return FamilyParts(nearest, len(nearest) > 1, base)
+
+
+def _is_settled(family: Family) -> bool:
+    """Whether the name of a family says all that is said of its parts."""
+    name = family.called
+    return bool(name.given) or name.unnamed or (bool(name.parts) and family.corank == 1)
 
 
 def _special_everywhere(seen: Sequence[Sequence[Special]]) -> tuple[ArmPart, ...]:

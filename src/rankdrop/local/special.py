@@ -120,6 +120,11 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
     return tuple(sorted(chosen, key=lambda one: order.index(one.part)))
 
 
+def exact_at(robot: Robot, task: Task, q: Array) -> list[Special]:
+    """All conditions that hold at q (n,), those too that cost this arm no rank by themselves."""
+    return [special for special in _measured(robot, task, q) if special.exact]
+
+
 def _measured(robot: Robot, task: Task, q: Array) -> list[Special]:
     """Conditions of the arm, measured at q (n,), but for those that hold everywhere, and those that slides make up for
     and that do not hold here.
@@ -210,14 +215,15 @@ def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Sp
     joints, values = [i + 1 for i in axes], q[list(axes)].tolist()
     tip = _vector(scene.tip[0].tolist())
     sliding = turns and len(axes) < robot.n and arm.is_carried_wrist
-    if not sliding:
+    crossed = not _parallel(arm.z[0], arm.z[1])
+    if not sliding and not (crossed and len(axes) == 2):  # a pan-tilt has no elbow
         yield from _elbow(arm, joints[arm.elbow], values[arm.elbow], tip, turns, moves)
     for part, middle in _triples(len(axes), turns, sliding):
         turn = arm.turn(middle)
         if turn is not None:
             yield _condition_missed_by(part, Shape.JOINT, joints[middle], values[middle], turn)
-    least = 4 if turns or len(axes) < robot.n else 3  # three joints place a tip, and turn nothing on purpose
-    if moves and least <= len(axes) <= 6 and not _parallel(arm.z[0], arm.z[1]):
+    least = 4 if turns or len(axes) < robot.n else 2  # two or three joints place a tip, and turn nothing on purpose
+    if moves and least <= len(axes) <= 6 and crossed:
         yield _shoulder(arm, joints, tip)
 
 

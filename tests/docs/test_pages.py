@@ -49,8 +49,10 @@ def test_commands_print_what_is_shown(
     outputs: dict[str, str],
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.chdir(tmp_path)  # a command may write a figure
     if command not in outputs:
         assert main.run([*shlex.split(command)[1:], *(["--quiet"] if " analyze " in command else [])]) in (0, 3, 4)
         outputs[command] = without_noise(without_time(capsys.readouterr().out))

@@ -20,6 +20,7 @@ from rankdrop.cli.command import parse_configuration
 from rankdrop.errors import RankdropError
 from rankdrop.path.read.csv_file import parse_trajectory
 from rankdrop.path.read.messages import parse_message
+from rankdrop.path.read.pose_text import pose_of_text
 from rankdrop.path.read.poses import read_poses
 from rankdrop.path.read.program_file import read_program
 from rankdrop.robot.open import open_robot
@@ -83,9 +84,14 @@ PATHS: dict[str, tuple[str, Callable[[int], str]]] = {
     "aliases": (".yaml", lambda size: repeated(
         lambda i: f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9) if i else '1, 1'}]\n", size)),
     "poses": (".csv", lambda size: repeated("0.1,0.2,0.3\n", size, "x,y,z\n")),
+    "blanks in a name": (".csv", lambda size: repeated(" ", size, "q1", "x,q2\n0,0\n")),
+    "blanks behind the time": (".csv", lambda size: repeated(" ", size, "t", "x,q1\n0,0\n")),
+    "brackets in a name": (".csv", lambda size: repeated("( ", size, "q1", ",q2\n0,0\n")),
 }  # fmt: skip
 PROGRAMS: dict[str, tuple[str, Callable[[int], str]]] = {
     "moves of KRL": (".src", lambda size: repeated("PTP {A1 0, A2 0, A3 0, A4 0}\n", size, "DEF p()\n", "END\n")),
+    "relative moves of KRL": (".src", lambda size: repeated(
+        "LIN_REL {X 1}\n", size, "DEF p()\nPTP {X 1, A 0}\n", "END\n")),
     "names of RAPID": (".mod", lambda size: repeated(
         lambda i: f"CONST jointtarget p{i}:=[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n", size, "MODULE m\n")),
     "names of URScript": (".script", lambda size: repeated(lambda i: f"a{i} = [0, 0, 0, 0]\n", size, "def p():\n")),
@@ -119,16 +125,30 @@ def _words(path: Path, text: str) -> Any:
     return parse_configuration(text, ARM, deg=False)
 
 
+def _pose(path: Path, text: str) -> Any:
+    return pose_of_text(text, "--pose")
+
+
 WORDS: dict[str, tuple[str, Callable[[int], str]]] = {
     "a sum": ("", lambda size: repeated("1+", size, tail="1,0,0,0")),
     "numbers": ("", lambda size: repeated("0,", size)),
     "brackets": ("", lambda size: repeated("(", size)),
     "factorials": ("", lambda size: repeated("10!", size)),
 }
+POSES: dict[str, tuple[str, Callable[[int], str]]] = {
+    "blanks": ("", lambda size: repeated(" ", size, "1", "x")),
+    "commas": ("", lambda size: repeated(",", size, "1", "x")),
+    "brackets": ("", lambda size: repeated("(", size)),
+    "brackets of RAPID": ("", lambda size: repeated("[", size, "[[")),
+    "numbers of URScript": ("", lambda size: repeated("0,", size, "p[")),
+    "names of KRL": ("", lambda size: repeated("A 1, ", size, "{")),
+    "orders of a quaternion": ("", lambda size: repeated("wxyz ", size)),
+}
 CASES = {
     f"{kind}: {name}": (read, ending, make)
     for kind, read, table in (
-        ("robot", _robot, ROBOTS), ("path", _path, PATHS), ("program", _program, PROGRAMS), ("words", _words, WORDS))
+        ("robot", _robot, ROBOTS), ("path", _path, PATHS), ("program", _program, PROGRAMS), ("words", _words, WORDS),
+        ("pose", _pose, POSES))
     for name, (ending, make) in table.items()
 }  # fmt: skip
 

@@ -28,12 +28,12 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import quantity
 from rankdrop.text.path_files import DECIMAL_COMMAS, MATRIX_HEAD, QUATERNION_HEAD, SAVED_WITH_COMMAS
 
-_TIME = re.compile(r"(time|zeit|t|stamp|timestamp|seconds?)\s*([\[(_]?\s*(s|sec|seconds)\s*[\])]?)?", re.IGNORECASE)
+_TIME = re.compile(r"(time|zeit|t|stamp|timestamp|seconds?)\s*+([\[(_]?\s*+(s|sec|seconds)\s*+[\])]?)?", re.IGNORECASE)
 _FINE_TIME = re.compile(
     r"(?:time|zeit|t|stamp|timestamp)(?:_(?P<plain>ms|us|ns)|\s*[\[(]\s*(?P<unit>ms|us|µs|μs|ns)\s*[\])])",
     re.IGNORECASE,
 )
-_WITH_UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>rad|deg|°|rev|m|mm|cm|µm|um|in|inch)\s*[\])]", re.IGNORECASE)
+_WITH_UNIT = re.compile(r"(?P<name>.*)[\[(]\s*+(?P<unit>rad|deg|°|rev|m|mm|cm|µm|um|in|inch)\s*+[\])]", re.IGNORECASE)
 _UNIT_AFTER_UNDERSCORE = re.compile(r"(?P<name>.+)_(?P<unit>rad|deg|mm)", re.IGNORECASE)
 _JOINT = re.compile(r"(?:q|θ|theta|joint|j|axis|achse|a)[_ ]?(\d+)", re.IGNORECASE)
 _COMMA = re.compile(r"(\d),(\d)")

@@ -49,7 +49,8 @@ _ITEM = re.compile(
     r"(?P<name>[A-Za-z]\w*)(?:\s*[=:]\s*|\s+)(?P<value>[-+]?(?:[\d.(]|pi)[^\s,;=:]*)(?:\s*(?P<unit>mm|m|deg|°|rad)\b°?)?[\s,;]*"
 )
 _TYPE = re.compile(r"^(?:(?:E6)?POS|FRAME)\s*:", re.IGNORECASE)
-_ORDER = re.compile(r"(?P<numbers>.*?)[\s,;:(\[]*\b(?P<order>wxyz|xyzw)\b[\s)\]]*", re.IGNORECASE | re.DOTALL)
+_ORDER = re.compile(r"\b(wxyz|xyzw)\b", re.IGNORECASE)
+_BEFORE_ORDER, _AFTER_ORDER = " \t\r\n,;:([", " \t\r\n)]"
 _UNIT = re.compile(r"(?:mm|m|deg|°|rad)$")
 _POSTURE = frozenset(("s", "t", "f", "cf1", "cf4", "cf6", "cfx", "config", *(f"e{number}" for number in range(1, 7))))
 """Names of parts of a target that say nothing of where the tip is."""
@@ -90,9 +91,9 @@ def pose_of_text(text: str, where: str, *, deg: bool = False, robot: Robot | Non
         return _of_urscript(plain[1:].strip(), where, deg=deg)
     if plain.startswith("[") and plain[1:].lstrip().startswith("["):
         return _of_rapid(plain, where)
-    ordered = _ORDER.fullmatch(plain)
-    if ordered is not None:
-        return _of_quaternion(ordered["numbers"], ordered["order"].lower(), where)
+    order = _ORDER.search(plain)
+    if order is not None and not plain[order.end() :].strip(_AFTER_ORDER):
+        return _of_quaternion(plain[: order.start()].rstrip(_BEFORE_ORDER), order[1].lower(), where)
     named = _named_values(plain)
     if named is None:
         return None

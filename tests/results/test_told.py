@@ -60,6 +60,7 @@ def test_a_condition_in_which_an_angle_is_only_squared_is_told_with_its_joints()
     assert told("crb15000", "k1.f1") == (
         "a long condition on joints 2, 3, 4, 5 (`rankdrop conditions` prints it)",
     )
+    assert told("gen3", "k1.f1") == ("4 long conditions on joints 2, 3, 4, 5, 6 (`rankdrop conditions` prints them)",)
 
 
 @pytest.mark.parametrize("name", known_names()[::7])

@@ -18,13 +18,14 @@ from rankdrop.families.name import ArmPart
 from rankdrop.families.pictured import members_of
 from rankdrop.families.record import Family
 from rankdrop.local.axes import Scene
-from rankdrop.local.special import ARM_AXES, Special, exact_at, specials_at
+from rankdrop.local.special import ARM_AXES, ON_JOINTS, Special, exact_at, measured_at, specials_at
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.units import in_metres, task_in_metres
 
 _MEMBERS = 48
 _RARE = 0.1  # a part that is nearest at fewer of the members is not named
+_MOST = 0.5  # unless it is nearest at more of the members that are solved from places where its own condition holds
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,8 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
     Where several freedoms are lost, parts that are special at every member are listed in addition to those of the name:
     a fact about the axes may tell of one part what two parts lose. A part is special where its condition holds exactly
     at every member. Without one, and with one freedom lost, the parts nearest to their conditions at a tenth of the
-    members or more are listed, as alternatives.
+    members or more are listed, as alternatives; and a part that is nearest at half of the members solved from places
+    where its joint has the value of its condition: few members of a family are near the elbow of a Gen3 by chance.
 
     Args:
         robot, task: the arm.
@@ -75,7 +77,7 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
     together = _special_everywhere([exact_at(here, rows, q) for q in members])
     if together:
         return FamilyParts(together, base=base)
-    nearest = _often_nearest(seen)
+    nearest = _nearest_somewhere(robot, task, family, seen)
     return FamilyParts(nearest, len(nearest) > 1, base)
 
 
@@ -93,10 +95,41 @@ def _special_everywhere(seen: Sequence[Sequence[Special]]) -> tuple[ArmPart, ...
     return _in_order(set.intersection(*names))
 
 
-def _often_nearest(seen: Sequence[Sequence[Special]]) -> tuple[ArmPart, ...]:
-    """The parts nearest to their conditions at a share of at least `_RARE` of the members."""
+def _nearest_somewhere(
+    robot: Robot, task: Task, family: Family, seen: Sequence[Sequence[Special]]
+) -> tuple[ArmPart, ...]:
+    """The parts that are nearest to their conditions at members seen, or at most of those where one starts there."""
+    often = _often_nearest(seen, _RARE)
+    if not often:
+        return ()
+    names = {part.value for part in often}
+    for part, place in _places(robot, task).items():
+        if part not in names:
+            there = _specials_of(robot, task, family, place)
+            names |= {part} & {other.value for other in _often_nearest(there, _MOST)}
+    return _in_order(names)
+
+
+def _places(robot: Robot, task: Task) -> dict[str, tuple[int, float]]:
+    """Part of the arm -> a joint, from 1, and its value where the part's condition holds, for parts with one [rad]."""
+    somewhere = np.zeros(robot.n)
+    specials = measured_at(in_metres(robot), task_in_metres(task, robot), somewhere)
+    return {special.part.value: (special.joint, special.value) for special in specials if special.shape in ON_JOINTS}
+
+
+def _specials_of(
+    robot: Robot, task: Task, family: Family, held: tuple[int, float] | None = None
+) -> list[tuple[Special, ...]]:
+    """The special places at each of some members, of those solved from a joint at a value where that is given."""
+    here, rows = in_metres(robot), task_in_metres(task, robot)
+    members = members_of(robot, task, family, _MEMBERS, held)
+    return [specials_at(here, rows, q, family.corank) for q in members]
+
+
+def _often_nearest(seen: Sequence[Sequence[Special]], share: float) -> tuple[ArmPart, ...]:
+    """The parts nearest to their conditions at a share of the members at least; exact conditions are not counted."""
     counts = Counter(special.part.value for specials in seen for special in specials if not special.exact)
-    return _in_order(part for part, count in counts.items() if count >= _RARE * len(seen))
+    return _in_order(part for part, count in counts.items() if count >= share * len(seen))
 
 
 def _in_order(names: Iterable[str]) -> tuple[ArmPart, ...]:

@@ -181,14 +181,26 @@ def upright(robot: Robot, task: Task, family: Family, others: Sequence[Family] =
     return choice.with_witness(members, int(cost.argmin()))
 
 
-def members_of(robot: Robot, task: Task, family: Family, count: int) -> Array:
+def members_of(
+    robot: Robot, task: Task, family: Family, count: int, held: tuple[int, float] | None = None
+) -> Array:
     """Up to `count` members of a family of exactly its corank, each near a round configuration inside the limits.
+
+    Args:
+        robot, task, family: of this arm and task.
+        count: of the configurations to start from.
+        held: a joint, from 1, and the value at which it starts in all of them [rad, m].
 
     Returns:
         (M, n) lengths in metres [rad, m].
     """
     choice = _Choice(robot, task, family, ())
-    return choice.members(candidates(choice.problem.robot, choice.problem.task, count, 0))[0]
+    starts = candidates(choice.problem.robot, choice.problem.task, count, 0)
+    if held is not None:
+        number, value = held
+        starts = starts.copy()
+        starts[:, number - 1] = value
+    return choice.members(starts)[0]
 
 
 def height(robot: Robot, q: Array) -> Array:

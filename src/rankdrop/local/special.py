@@ -74,6 +74,8 @@ class Special:
     exact: bool
 
 
+ON_JOINTS = (Shape.JOINT, Shape.STRETCHED, Shape.FOLDED)
+"""Shapes where one joint has a value."""
 EXACT = 1e-6
 """An angle up to this is 0 [rad]."""
 ARM_AXES = 7
@@ -108,7 +110,7 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
         >>> [(one.part.value, one.joint, one.exact) for one in found]
         [('wrist', 5, True)]
     """
-    specials = _measured(robot, task, q)
+    specials = measured_at(robot, task, q)
     exact = [one for one in specials if one.exact]
     if len(exact) > max(corank, 1):
         free = _without_cost(robot, task)
@@ -122,10 +124,10 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
 
 def exact_at(robot: Robot, task: Task, q: Array) -> list[Special]:
     """All conditions that hold at q (n,), those too that cost this arm no rank by themselves."""
-    return [special for special in _measured(robot, task, q) if special.exact]
+    return [special for special in measured_at(robot, task, q) if special.exact]
 
 
-def _measured(robot: Robot, task: Task, q: Array) -> list[Special]:
+def measured_at(robot: Robot, task: Task, q: Array) -> list[Special]:
     """Conditions of the arm, measured at q (n,), but for those that hold everywhere, and those that slides make up for
     and that do not hold here.
     """

@@ -151,14 +151,14 @@ def _multiple(factor: int, number: int) -> str:
 
 def _long_words(long: Sequence[_Condition], *, exact: bool) -> str:
     """How many conditions are too long to print, on which joints, and where they stand."""
+    if len(long) == 1:
+        count, them = "a long condition", "it"
+    else:
+        count, them = f"{len(long)} long conditions", "them"
     if exact:
-        where = "`rankdrop conditions` prints it"
+        where = f"`rankdrop conditions` prints {them}"
     else:
         where = "in the JSON"
-    if len(long) == 1:
-        count = "a long condition"
-    else:
-        count = f"{len(long)} long conditions"
     joints = frozenset[int]().union(*(condition.joints for condition in long))
     return f"{count} on joints {numbers(sorted(joints))} ({where})"
 

@@ -21,6 +21,7 @@ from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
+from rankdrop.text.verdict import speed_text, summary_lines
 from rankdrop.text.words import superscript
 from rankdrop.tolerances import Tolerances
 from rankdrop.verbs.analyze import analyze
@@ -389,3 +390,16 @@ def test_a_part_far_from_its_condition_gives_way_to_what_the_axes_have_in_common
     found = explain(leg, q, analysis=analyze(leg, starts=200, exact="off"), evaluations=0)
     assert [round(np.degrees(special.off)) for special in found.summary.place] == [45]
     assert " is singular: shoulder: axis 1 parallel to 3, 4, 5." in str(found)
+
+
+@pytest.mark.parametrize("angle", [0.02, 0.5, 2.0])
+def test_near_a_singularity_the_answer_says_how_fast_the_tool_still_moves(angle: float) -> None:
+    """The straight motion that joint 4 limits is 375°/s times the wrist's offset times sin θ5: 51.6 mm/s per degree."""
+    arm = open_robot("kr6r900")
+    found = explain(arm, np.radians([0.0, -90.0, 90.0, 0.0, angle, 0.0]))
+    slowest = found.summary.slowest
+    assert (found.verdict, slowest.number) == ("near", 4)
+    assert 1e3 * slowest.speed == pytest.approx(51.6 * angle, rel=0.02)
+    assert f"; straight motion at most {speed_text(slowest.speed, 'm/s')} along Y, limited by joint 4." in "".join(
+        summary_lines(found)
+    )

@@ -121,6 +121,8 @@ _NO_JOG = {_OUT: f"Get out: {NO_JOG}", _FARTHER: f"Get farther away: {NO_JOG}"}
 _NO_BETTER = "Get farther away: no small jog of one joint raises σ{r} by 1 %"
 """The same from a regular configuration."""
 _SLOW, _SLOWEST = "Slow: at most {slowest}", "Slowest straight motion: at most {slowest}"
+_NEARLY = "Nearly lost: {lost}{straight}"
+"""What is nearly lost, and how fast the tool still moves straight."""
 _FAMILY, _PROVEN = "; family from {source}", "{proven}"
 _SUMMARY = {
     Cause.LOST: ("singular: {name}{pinned}", "Lost: {lost}",
@@ -128,9 +130,9 @@ _SUMMARY = {
     Cause.NEVER: ("singular at every configuration: rank {r} of {m}", "Never possible: {never}",
                   "Get out: ask for a task with fewer rows (planar, position, …)", _PROVEN),
     Cause.NEAR_MISS: ("near a singularity that it just misses: σ{r} does not vanish, {miss} is its least nearby",
-                      "Nearly lost: {lost}", _FARTHER, _PROVEN),
-    Cause.DISTANCE: (_NEAR, "Nearly lost: {lost}", _FARTHER, _FAMILY),
-    Cause.SMALL: (_NEAR, "Nearly lost: {lost}", _FARTHER, _FAMILY),
+                      _NEARLY, _FARTHER, _PROVEN),
+    Cause.DISTANCE: (_NEAR, _NEARLY, _FARTHER, _FAMILY),
+    Cause.SMALL: (_NEAR, _NEARLY, _FARTHER, _FAMILY),
     Cause.SLOW: (_NEAR, _SLOW, _FARTHER, _PROVEN),
     Cause.NONE: ("regular: rank {rank} of {r}, no direction of the tool is lost",
                  _SLOWEST, _FARTHER, _PROVEN),
@@ -211,9 +213,11 @@ def _summary_facts(explanation: Explanation, summary: Summary) -> dict[str, obje
         place = f"; offsets of {_offset_words(summary)} keep it from being exact"
     else:
         place = f", {degrees_words(summary.distance or 0.0)} away"
-    slowest = proven = ""
+    slowest = straight = proven = ""
     if summary.slowest is not None:
         slowest = _speed_words(summary.slowest)
+        if not isinf(summary.slowest.speed):
+            straight = f"; straight motion at most {slowest}"
     if summary.radius:
         proven = f"; none within {short(below(degrees(summary.radius), 3))}° (proven)"
     return _measured_values(explanation) | {
@@ -222,6 +226,7 @@ def _summary_facts(explanation: Explanation, summary: Summary) -> dict[str, obje
         "place": place,
         "never": motions_words(explanation.lost.never.tolist()),
         "slowest": slowest,
+        "straight": straight,
         "jog": _jog_words(explanation),
         "source": "the exact conditions" if summary.exact else _SOURCES[summary.source],
         "proven": proven,

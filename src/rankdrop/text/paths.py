@@ -307,6 +307,8 @@ def _tool_advice(check: Any) -> str | None:
         start = ",".join(f"{x:.6g}" for x in tool.branches[number - 1].start.tolist())
         taken = advise("start", f'"{start}"', python=f"start=[{start}]")
         return f"branch {number} is free to the end: {taken} (rad)"
+    if tool.reason == "limit":
+        return "move the part or the base of the arm, or turn the tool, so that the joint stays inside its limits"
     if check.verdict == "undecided" and not tool.complete:
         tip, turn = advise("tip-tolerance", "…"), advise("turn-tolerance", "…")
         return f"a larger {tip} and {turn} need fewer rows; or begin another file at that pose"

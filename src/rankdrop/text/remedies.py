@@ -70,6 +70,7 @@ _HINDRANCES = {
     "end": "the path begins or ends too near to the singularity",
     "tool": "the joints cannot follow the tool around the singularity within {bound}",
     "limit": "a joint reaches its limit before the tool is past the singularity",
+    "range": "a joint reaches its limit where no singularity is near",
     "rest": "the tool cannot be followed on the new branch up to here",
 }
 """Why the tool cannot be led around a singularity."""

@@ -44,6 +44,7 @@ class Hindrance(StrEnum):
     END = "end"
     TOOL = "tool"
     LIMIT = "limit"
+    RANGE = "range"
     REST = "rest"
 
 

@@ -161,7 +161,7 @@ class PoseDetourer:
                 room = self.tool.room(run.q)
                 end = int(room.argmin())
                 if room[end] > _BESIDE * self.clearance:
-                    return self._with_excess(Blocked(float(self._places(at, run)[-1]), Hindrance.LIMIT), at, start)
+                    return self._with_excess(Blocked(float(self._places(at, run)[-1]), Hindrance.RANGE), at, start)
             outcome = self._window_around(at, run, end)
             if isinstance(outcome, Blocked):
                 return self._with_excess(outcome, at, start) if run.reason == "limit" and not outcome.joint else outcome
@@ -172,11 +172,14 @@ class PoseDetourer:
 
     def _with_excess(self, blocked: Blocked, at: Array, start: Array) -> Blocked:
         """With the joint that needs a wider range for the branch to go on, and by how much."""
-        free = follow(self.robot, poses_at(self.poses, at), start, self.task, limits=False)
+        poses = poses_at(self.poses, at)
+        free = follow(self.robot, poses, start, self.task, limits=False, tolerance=self.tolerance)
         if not free.complete:
             return blocked
         excess = np.maximum(free.q - self.robot.upper, self.robot.lower - free.q).max(axis=0)
         joint = int((excess / self.aim.joints).argmax())
+        if excess[joint] <= 0.0:
+            return blocked
         return replace(blocked, joint=joint + 1, beyond=float(excess[joint]))
 
     def _checked_branch(self, tool: Followed) -> Followed:

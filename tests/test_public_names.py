@@ -98,6 +98,19 @@ def test_questions_about_a_known_arm_load_no_exact_algebra(line: str, tmp_path: 
     assert (done.returncode, done.stderr) == (0, b"")
 
 
+@pytest.mark.slow
+def test_a_path_of_joint_values_loads_no_coverings_and_no_checker(tmp_path: Path) -> None:
+    """A third of the time of such a command was loading, a third of that for questions that nobody asked."""
+    code = (
+        "import sys; from rankdrop.cli.main import run; run(sys.argv[1:]); print(*(name for name in sys.modules if "
+        "name.startswith(('rankdrop.proof', 'rankdrop.cover.cov', 'rankdrop.families.row', 'rankdrop.distance.tol'))))"
+    )
+    (tmp_path / "free.csv").write_text("t,q1,q2,q3,q4,q5,q6\n0,0,0,1,0,1,0\n1,0.1,0,1,0,1,0\n")
+    words = ["path", "puma560", "free.csv", "--quiet"]
+    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, cwd=tmp_path)
+    assert done.stdout.splitlines()[-1] == ""
+
+
 def test_a_name_is_not_hidden_by_the_module_that_holds_it() -> None:
     """Rooms are lazy as well: a module of the same name, once loaded, would stand in place of the name."""
     hidden = [

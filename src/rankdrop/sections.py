@@ -48,7 +48,7 @@ class Section:
 
 _WORDED = {
     "Analysis": "rankdrop.text.analysis", "Conditions": "rankdrop.text.conditions",
-    "Covered": "rankdrop.text.words", "PartSet": "rankdrop.text.explanation", "Progress": "rankdrop.text.jobs",
+    "Covered": "rankdrop.text.coverings", "PartSet": "rankdrop.text.explanation", "Progress": "rankdrop.text.jobs",
     "Verified": "rankdrop.text.certificates",
     "Explanation": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
     "FamilyEvidence": "rankdrop.text.family",

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
     from rankdrop import results
     from rankdrop.cli.terminal import Block
+    from rankdrop.cover import ModelTolerance
     from rankdrop.families import Family, Verdict
     from rankdrop.task import Task
 
@@ -301,6 +302,20 @@ def _description(console: Console, entry: HelpEntry) -> str:
     else:
         default = ""
     return f"{' '.join(words.split())}{choices}{default}"
+
+
+def model_tolerance(text: str | None) -> ModelTolerance | None:
+    """A tolerance as it is typed: 0.3mm,1mrad; one of the two alone leaves the other at zero.
+
+    Raises:
+        OptionError: not a length, an angle or both; or an angle too large.
+    """
+    if text is None:
+        return None
+    from rankdrop.cover import ModelTolerance
+
+    given = arms.read_tolerance(text, where="--model-tolerance")
+    return ModelTolerance(given.length or 0.0, given.angle or 0.0)
 
 
 def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str = "--q") -> list[float]:

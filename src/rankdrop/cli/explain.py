@@ -23,12 +23,13 @@ from rankdrop.cli.command import (
     ToolOptions,
     command,
     joint_units,
+    model_tolerance,
     near_line,
     open_ideal,
     parse_configuration,
     parse_pose,
 )
-from rankdrop.cli.proof import in_words, model_tolerance, of_place
+from rankdrop.cli.proof import in_words, of_place
 from rankdrop.cli.terminal import fit_to_console, say
 from rankdrop.errors import OptionError
 from rankdrop.options import option

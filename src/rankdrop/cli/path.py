@@ -24,10 +24,10 @@ from rankdrop.cli.command import (
     Output,
     ToolOptions,
     command,
+    model_tolerance,
     open_arm,
     parse_configuration,
 )
-from rankdrop.cli.proof import model_tolerance
 from rankdrop.cli.targets import kept_work, write_bytes, write_text
 from rankdrop.cli.terminal import STDOUT, Report, reporter, say
 from rankdrop.errors import OptionError

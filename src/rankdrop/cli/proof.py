@@ -12,7 +12,6 @@ from cyclopts import Parameter
 from rankdrop import cover as covers
 from rankdrop import path as paths
 from rankdrop import results, text, verbs
-from rankdrop import robot as arms
 from rankdrop.cli import exits
 from rankdrop.cli.command import (
     NO_OPTIONS,
@@ -225,18 +224,6 @@ def _claim(about: VerifyOptions, arm: ArmOptions) -> Any:
         path = paths.path_asked(model, about.path, near, deg=about.deg, topic=about.topic,
                                  interpolate=about.interpolate)  # fmt: skip
     return covers.asked_about(model, task, q=q, path=path, limits=about.limits)
-
-
-def model_tolerance(text: str | None) -> covers.ModelTolerance | None:
-    """A tolerance as it is typed: 0.3mm,1mrad; one of the two alone leaves the other at zero.
-
-    Raises:
-        OptionError: not a length, an angle or both; or an angle too large.
-    """
-    if text is None:
-        return None
-    given = arms.read_tolerance(text, where="--model-tolerance")
-    return covers.ModelTolerance(given.length or 0.0, given.angle or 0.0)
 
 
 def of_place(

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.families.name import ArmPart
-from rankdrop.families.pictured import members_of
 from rankdrop.families.record import Family
 from rankdrop.local.axes import Scene
 from rankdrop.local.special import ARM_AXES, ON_JOINTS, Special, exact_at, measured_at, specials_at
@@ -68,6 +67,8 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
     named = family.called.parts
     if _is_settled(family):
         return FamilyParts(named, base=base)
+    from rankdrop.families.pictured import members_of  # most families are settled, and it imports all of their fit
+
     here, rows = in_metres(robot), task_in_metres(task, robot)
     members = members_of(robot, task, family, _MEMBERS)
     seen = [specials_at(here, rows, q, family.corank) for q in members]

@@ -12,7 +12,7 @@ from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some
 from rankdrop.cover.spots import Spot
 from rankdrop.proof.record import Tolerance
 from rankdrop.schema.arm import FRAME, ROBOT, file
-from rankdrop.text.words import covering_end_words
+from rankdrop.text.coverings import covering_end_words
 from rankdrop.version import VERSION
 
 ARM_JOINTS = table(

@@ -26,6 +26,8 @@ from .conditions import arm_lines as arm_lines
 from .conditions import condition_sections as condition_sections
 from .conditions import conditions_html as conditions_html
 from .conditions import steps_text as steps_text
+from .coverings import cover_sections as cover_sections
+from .coverings import cover_sentence as cover_sentence
 from .families import COUPLED as COUPLED
 from .families import FREE as FREE
 from .families import JOINT as JOINT
@@ -86,8 +88,6 @@ from .special import place_parts as place_parts
 from .stretches import stretch_place as stretch_place
 from .words import angle as angle
 from .words import angle_below as angle_below
-from .words import cover_sections as cover_sections
-from .words import cover_sentence as cover_sentence
 from .words import motion as motion
 from .words import numbers as numbers
 from .words import short as short

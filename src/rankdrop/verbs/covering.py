@@ -46,7 +46,7 @@ from rankdrop.results.covered import Account, Covered
 from rankdrop.results.known import known_families
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task
-from rankdrop.text.words import covering_label
+from rankdrop.text.coverings import covering_label
 from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.analyze import analyze
 

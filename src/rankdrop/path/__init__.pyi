@@ -5,8 +5,6 @@ from .check.check import PathQuestion as PathQuestion
 from .check.check import check_file as check_file
 from .check.check import check_path as check_path
 from .check.check import check_poses as check_poses
-from .check.follow import Followed as Followed
-from .check.follow import ToolBranch as ToolBranch
 from .check.many import check_files as check_files
 from .check.many import paths_to_dict as paths_to_dict
 from .check.program import ProgramCheck as ProgramCheck
@@ -24,6 +22,8 @@ from .check.rows import PathRows as PathRows
 from .check.rows import check_format as check_format
 from .check.rows import path_rows as path_rows
 from .check.rows import rows_file as rows_file
+from .check.tool_branch import Followed as Followed
+from .check.tool_branch import ToolBranch as ToolBranch
 from .curve import Place as Place
 from .mend.as_poses import MendedPoses as MendedPoses
 from .mend.as_poses import NoPoses as NoPoses

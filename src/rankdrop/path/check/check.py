@@ -28,7 +28,8 @@ from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.pointing import TILTED, asked_task, fitting_task, followed_task, tilt_is_fixed, tilts_off
 from rankdrop.local.posture import by_habit
 from rankdrop.options import takes
-from rankdrop.path.check.follow import Followed, ToolBranch, follow, missed_start
+from rankdrop.path.check.follow import follow
+from rankdrop.path.check.missed_singularity import missed_start
 from rankdrop.path.check.prove import Proof, prove
 from rankdrop.path.check.record import (
     CROSSING,
@@ -48,6 +49,7 @@ from rankdrop.path.check.record import (
     Violation,
 )
 from rankdrop.path.check.survey import Survey, crossings
+from rankdrop.path.check.tool_branch import Followed, ToolBranch
 from rankdrop.path.check.tool_line import half_turns, poses_at
 from rankdrop.path.check.turns import jump
 from rankdrop.path.curve import Curve, Place, curve

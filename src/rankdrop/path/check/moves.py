@@ -27,7 +27,8 @@ from rankdrop.path.check.check import (
     tip_apart,
     within_limits,
 )
-from rankdrop.path.check.follow import Followed, follow
+from rankdrop.path.check.follow import follow
+from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.read.program_record import Move, Posture, Program
 from rankdrop.path.read.trajectory import TrajectoryError

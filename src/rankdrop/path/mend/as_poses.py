@@ -24,8 +24,8 @@ from rankdrop.path.check.check import (
     timed_branch,
     tip_tolerance,
 )
-from rankdrop.path.check.follow import Followed
 from rankdrop.path.check.record import GivenPoses, PathCheck
+from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import Curve, Index
 from rankdrop.path.mend.remedies import Remedy

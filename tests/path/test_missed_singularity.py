@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from rankdrop.kinematics import pose, task_jacobian
-from rankdrop.path.check.check import check_poses
 from rankdrop.path.check.follow import follow
 from rankdrop.path.check.missed_singularity import StraightCrossing
 from rankdrop.path.check.tool_line import poses_at
+from rankdrop.path.check.tool_path import check_poses
 from rankdrop.poses.inverse import Aim
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -17,11 +17,12 @@ from rankdrop.local.orientation import rotation_vector
 from rankdrop.path import mend_path
 from rankdrop.path.check import follow as follow_module
 from rankdrop.path.check import passing
-from rankdrop.path.check.check import PathQuestion, check_file, check_poses
 from rankdrop.path.check.follow import _Walk, follow
 from rankdrop.path.check.passing import Departure, Move, departures, internal_turn
+from rankdrop.path.check.path_file import PathQuestion, check_file
 from rankdrop.path.check.solution_curve import follow_curve
 from rankdrop.path.check.tool_branch import Followed
+from rankdrop.path.check.tool_path import check_poses
 from rankdrop.poses.inverse import Aim, rotation, solutions
 from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Robot

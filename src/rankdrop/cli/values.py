@@ -10,17 +10,13 @@ import re
 from collections.abc import Sequence
 from itertools import accumulate
 from math import degrees, pi, radians
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 
 from rankdrop import robot as arms
 from rankdrop.cli.terminal import say
 from rankdrop.errors import ConfigurationError, OptionError, RobotError
-
-if TYPE_CHECKING:
-
-    pass
 
 _MOST_TURN = 4 * pi  # of a roll, pitch or yaw that is meant in rad
 _WHOLE_TO = 1e-9  # of a typed angle [deg]

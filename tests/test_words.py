@@ -94,8 +94,9 @@ def cuts(tree: ast.AST) -> Iterator[str]:
 
 
 FOREIGN = {
-    "cli/command.py": "options as they were typed, docstrings for help", "cli/main.py": "options as they were typed",
-    "cli/path.py": "keys", "cli/research.py": "names of files", "cli/targets.py": "options as they were typed",
+    **dict.fromkeys(("cli/command.py", "cli/main.py", "cli/opening.py", "cli/targets.py", "cli/values.py"),
+                    "options as they were typed"),
+    "cli/help.py": "docstrings for help", "cli/path.py": "keys", "cli/research.py": "names of files",
     "cli/view.py": "addresses of hosts",
     "codec.py": "messages of msgspec, docstrings, JSON", "options.py": "names of arguments",
     "designs/spec.py": "files of the user",

@@ -49,8 +49,8 @@ NAMES = ("robot", "quantity", "configuration", "tolerance", "csv", "message", "y
 def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
     """Each reader by name: it takes the bytes of a file, written into `folder`, and may raise RankdropError."""
     from rankdrop.cli import exits
-    from rankdrop.cli.command import parse_configuration
     from rankdrop.cli.main import run
+    from rankdrop.cli.values import parse_configuration
     from rankdrop.cover import verify
     from rankdrop.cover.covering import load_covering
     from rankdrop.designs.spec import read_spec

@@ -25,7 +25,7 @@ from time import process_time
 from rankdrop.cli import exits
 from rankdrop.disk import replace_file
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.families.record import AGREES, NOT_DERIVED
+from rankdrop.families.derivation import AGREES, NOT_DERIVED
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.aspect_summary import CUSPIDAL
 from rankdrop.results.conditions import Conditions

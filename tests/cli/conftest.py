@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 from rankdrop.cli import main
+from rankdrop.families.corank_families import CorankSummary, Estimator, Unseen
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.lost import LostFreedom
-from rankdrop.families.record import Check, CorankSummary, Estimator, Family, Pin, Unseen
+from rankdrop.families.record import Check, Family, Pin
 from rankdrop.families.row import vanishing_on
 from rankdrop.formula.equation import Equation, Term
 from rankdrop.results.analysis import Analysis, Settings

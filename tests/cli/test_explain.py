@@ -13,8 +13,8 @@ from jsonschema import Draft202012Validator
 from rich.cells import cell_len
 
 from rankdrop.cli import exits
-from rankdrop.cli.command import parse_configuration
 from rankdrop.cli.explain import stopped_early
+from rankdrop.cli.values import parse_configuration
 from rankdrop.errors import ConfigurationError
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema

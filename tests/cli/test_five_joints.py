@@ -11,7 +11,8 @@ from rankdrop.distance.monitor import Monitor, arm_header
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.pointing import asked_task, level_task, pointing_task, tool_stays_level, turn_follows
-from rankdrop.path.check.check import check_path, check_poses
+from rankdrop.path.check.check import check_path
+from rankdrop.path.check.tool_path import check_poses
 from rankdrop.poses.branches import inverse
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

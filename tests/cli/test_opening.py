@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from rankdrop.cli import exits
-from rankdrop.cli.command import ArmOptions
 from rankdrop.cli.main import app
+from rankdrop.cli.opening import ArmOptions
 from rankdrop.options import hints
 
 OPENING = {

@@ -11,8 +11,9 @@ import pytest
 
 import rankdrop
 from rankdrop.cli import exits
+from rankdrop.families.derivation import AGREES, DIFFERS, NOT_DERIVED
 from rankdrop.families.not_derived import NotDerived, NotDerivedKind
-from rankdrop.families.record import AGREES, DIFFERS, NOT_DERIVED, Check
+from rankdrop.families.record import Check
 from rankdrop.families.unfinished import Phase, Unfinished, UnfinishedKind
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.old_sentences import contradictions_of_sentences

@@ -13,7 +13,7 @@ from rankdrop.cli import main
 from rankdrop.cover.speed import SpeedRegion
 from rankdrop.cover.speed_measures import at_values, residual
 from rankdrop.errors import OptionError
-from rankdrop.families.record import SpeedDistances
+from rankdrop.families.speed_distance import SpeedDistances
 from rankdrop.local.rates import rate_limits
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import shipped

@@ -17,7 +17,8 @@ from rankdrop.exact.families import Reality
 from rankdrop.exact.letters import covered_by_numeric_tree, decided_by_numbers, splits
 from rankdrop.exact.tree import Drop, rank_tree
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
-from rankdrop.families.record import DIFFERS, exact_of
+from rankdrop.families.derivation import DIFFERS
+from rankdrop.families.record import exact_of
 from rankdrop.families.unfinished import Unfinished
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot

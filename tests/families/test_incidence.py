@@ -9,7 +9,7 @@ from known.members import members
 
 from rankdrop.distance.monitor import Monitor
 from rankdrop.errors import ConfigurationError
-from rankdrop.families.record import families_at
+from rankdrop.families.incidence import families_at
 from rankdrop.local.block import singular_values
 from rankdrop.results.known import shipped
 

@@ -13,8 +13,8 @@ from reference.kinematics import jacobian as reference_jacobian
 from rankdrop.codec import json_text, record_of
 from rankdrop.cover.setting import enclose, settings_for
 from rankdrop.errors import OptionError
+from rankdrop.families.incidence import families_at
 from rankdrop.families.reciprocal import EXACT
-from rankdrop.families.record import families_at
 from rankdrop.families.searching import refine, search
 from rankdrop.local.block import generic_rank
 from rankdrop.results.known import shipped

@@ -1,4 +1,4 @@
-"""The search: what it finds, what it calls a near miss, and that nothing but the seed decides the result."""
+"""The search: what it finds, what it calls a near miss, what it may have missed; only the seed decides the result."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families import searching
-from rankdrop.families.searching import METHODS, Outcome, refine, search
+from rankdrop.families.searching import METHODS, Outcome, binomial_upper, none_found, refine, search, unseen
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
@@ -307,3 +307,43 @@ def test_the_lowest_near_misses_of_a_barren_search_are_followed_to_zero(monkeypa
 
 def starts_of(robot, count, seed=0):
     return sample(robot, resolve_task(None, robot), count, seed)
+
+
+def test_without_singletons_it_is_the_rule_of_three():
+    result = unseen([500, 300, 200])
+    assert result.estimate == 0.0
+    assert result.upper == pytest.approx(3 / 1000, rel=1e-2)
+    assert "rule of three" in result.how
+
+
+def test_singletons_are_counted():
+    result = unseen([90, 1, 1, 1, 2, 5, 0])
+    assert result.estimate == pytest.approx(3 / 100)
+    assert 0.03 < result.upper < 0.12
+
+
+def test_without_points_nothing_is_known():
+    assert unseen([]).estimate == 1.0
+    assert unseen([0, 0]).upper == 1.0
+
+
+def test_when_nothing_converges_the_starts_bound_it():
+    result = none_found(2000)
+    assert result.estimate == 0.0
+    assert result.upper == pytest.approx(3 / 2000, rel=1e-2)
+
+
+def test_bound_is_exact_at_the_ends():
+    assert binomial_upper(5, 5) == 1.0
+    assert binomial_upper(0, 1) == pytest.approx(0.95)
+
+
+def test_bound_holds_at_least_nineteen_times_in_twenty(rng):
+    """40 pieces, some rare: the true unseen mass is below the bound."""
+    weights = 1.0 / np.arange(1, 41) ** 2
+    weights /= weights.sum()
+    inside = 0
+    for _ in range(300):
+        counts = rng.multinomial(150, weights)
+        inside += unseen(counts.tolist()).upper >= weights[counts == 0].sum()
+    assert inside >= 0.95 * 300

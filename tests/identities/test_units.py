@@ -15,7 +15,8 @@ from rankdrop.codec import record_of
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.family import derived_in_units, polynomials_in_units
 from rankdrop.exact.letters import sign_of
-from rankdrop.families.record import NOT_DERIVED, exact_of
+from rankdrop.families.derivation import NOT_DERIVED
+from rankdrop.families.record import exact_of
 from rankdrop.families.slices import telling_slices
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions import Conditions

@@ -13,8 +13,9 @@ import pytest
 from reference.kinematics import jacobian
 
 from known.arms import STRUCTURES
+from rankdrop.families.incidence import families_at
 from rankdrop.families.reciprocal import EXACT
-from rankdrop.families.record import Family, families_at
+from rankdrop.families.record import Family
 from rankdrop.families.searching import Search, search
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot

@@ -10,7 +10,7 @@ from __future__ import annotations
 import pytest
 
 from known.arms import STRUCTURES
-from rankdrop.families.record import AGREES
+from rankdrop.families.derivation import AGREES
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import conditions_names, shipped
 from rankdrop.robot.open import open_robot, robot_names

@@ -11,7 +11,7 @@ import pytest
 
 from rankdrop.cli import main
 from rankdrop.kinematics import pose
-from rankdrop.path.check.check import check_poses
+from rankdrop.path.check.tool_path import check_poses
 from rankdrop.path.mend.as_poses import NoPoses, mended_poses
 from rankdrop.path.mend.remedies import mend_path
 from rankdrop.path.read.poses import read_poses

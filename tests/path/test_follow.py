@@ -10,9 +10,9 @@ import pytest
 from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
-from rankdrop.path.check.check import check_poses
 from rankdrop.path.check.follow import follow
 from rankdrop.path.check.tool_line import poses_between
+from rankdrop.path.check.tool_path import check_poses
 from rankdrop.poses.inverse import Aim, rotation
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task, resolve_task

@@ -11,7 +11,7 @@ import pytest
 from rankdrop.cli import main
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import pose
-from rankdrop.path.check.check import check_poses
+from rankdrop.path.check.tool_path import check_poses
 from rankdrop.path.read.arrays import read_pose_array
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.path.read.matrices import ORTHONORMAL, REPORTED, deviation, nearest_rotations

@@ -10,9 +10,11 @@ import pytest
 
 from rankdrop.kinematics import pose
 from rankdrop.local.rates import rate_limits
-from rankdrop.path.check.check import PathQuestion, check_path, check_poses
+from rankdrop.path.check.check import check_path
 from rankdrop.path.check.overrun import fastest, overruns
+from rankdrop.path.check.path_file import PathQuestion
 from rankdrop.path.check.program import check_any_file
+from rankdrop.path.check.tool_path import check_poses
 from rankdrop.path.curve import curve
 from rankdrop.path.mend.programs import program_remedies
 from rankdrop.questions import PathOptions

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
-from rankdrop.path.check.check import check_poses
 from rankdrop.path.check.record import PathCheck
+from rankdrop.path.check.tool_path import check_poses
 from rankdrop.path.mend.detours import Hindrance, lost_motions
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, Window
 from rankdrop.path.mend.remedies import LOCAL, mend_path

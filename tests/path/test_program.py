@@ -15,7 +15,7 @@ from rankdrop.cli import main
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.kinematics import pose
 from rankdrop.path.check import program
-from rankdrop.path.check.check import PathQuestion
+from rankdrop.path.check.path_file import PathQuestion
 from rankdrop.path.check.program import check_any_file, check_program
 from rankdrop.path.read import fanuc_tp, inform, krl, program_record, rapid, urscript
 from rankdrop.path.read.program_file import read_program

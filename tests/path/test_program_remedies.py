@@ -12,7 +12,7 @@ from rankdrop.cli import main
 from rankdrop.codec import check_record
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import rotation_vector
-from rankdrop.path.check.check import PathQuestion
+from rankdrop.path.check.path_file import PathQuestion
 from rankdrop.path.check.program import ProgramCheck, check_any_file
 from rankdrop.path.mend.programs import Advice, program_remedies, remedies_to_dict
 from rankdrop.questions import PathOptions

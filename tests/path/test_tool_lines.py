@@ -14,10 +14,10 @@ import pytest
 
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.rates import rate_limits
-from rankdrop.path.check.check import check_poses
 from rankdrop.path.check.follow import follow
 from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.tool_line import poses_at
+from rankdrop.path.check.tool_path import check_poses
 from rankdrop.poses.inverse import Aim
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot

@@ -11,7 +11,8 @@ import pytest
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import rotation_vector
 from rankdrop.path.check import follow
-from rankdrop.path.check.check import PathQuestion, check_file, check_poses
+from rankdrop.path.check.path_file import PathQuestion, check_file
+from rankdrop.path.check.tool_path import check_poses
 from rankdrop.poses import inverse
 from rankdrop.poses.inverse import Aim, rotation
 from rankdrop.questions import PathOptions

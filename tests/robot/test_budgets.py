@@ -14,7 +14,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import numpy as np
 import pytest
 
-from rankdrop.cli.command import parse_configuration
+from rankdrop.cli.values import parse_configuration
 from rankdrop.errors import RankdropError, RobotError
 from rankdrop.path.read import messages as message_file
 from rankdrop.path.read.csv_file import parse_trajectory

@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from rankdrop.cli.command import parse_configuration
+from rankdrop.cli.values import parse_configuration
 from rankdrop.errors import RankdropError
 from rankdrop.path.read.csv_file import parse_trajectory
 from rankdrop.path.read.messages import parse_message

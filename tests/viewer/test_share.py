@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from patience import until
 
-from rankdrop.cli.command import ArmOptions
+from rankdrop.cli.opening import ArmOptions
 from rankdrop.cli.view import _command
 from rankdrop.errors import RobotError
 from rankdrop.families.lost import LostFreedom

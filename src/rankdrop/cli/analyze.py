@@ -20,24 +20,21 @@ from rich.table import Table
 from rich.text import Text
 
 from rankdrop import results, text
-from rankdrop.cli.command import (
+from rankdrop.cli.command import PROGRESS, Done, Output, command
+from rankdrop.cli.opening import (
     NO_IDEAL,
-    PROGRESS,
     ROBOT,
-    Done,
     IdealOptions,
-    Output,
     arm_section,
-    command,
     ideal_sections,
     near_line,
     of_ideal,
     open_ideal,
-    parse_configuration,
     starts_line,
     subject,
 )
 from rankdrop.cli.terminal import BAD, answer_lines, fit_to_console, screen
+from rankdrop.cli.values import parse_configuration
 from rankdrop.options import option
 from rankdrop.questions import AnalyzeOptions
 from rankdrop.sections import Section

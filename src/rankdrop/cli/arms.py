@@ -12,20 +12,11 @@ from cyclopts import Parameter
 from rankdrop import results, verbs
 from rankdrop import robot as catalogue
 from rankdrop.cli import exits
-from rankdrop.cli.command import (
-    NO_OPTIONS,
-    OUTPUT,
-    PROGRESS,
-    ROBOT,
-    ArmOptions,
-    Done,
-    Output,
-    command,
-    open_arm,
-    parse_configuration,
-)
+from rankdrop.cli.command import OUTPUT, PROGRESS, Done, Output, command
+from rankdrop.cli.opening import NO_OPTIONS, ROBOT, ArmOptions, open_arm
 from rankdrop.cli.targets import check_target, write_text
 from rankdrop.cli.terminal import fit_to_console
+from rankdrop.cli.values import parse_configuration
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 

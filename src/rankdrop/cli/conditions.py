@@ -12,23 +12,20 @@ from typing import TYPE_CHECKING, Annotated
 
 from rankdrop import exact, formula, results, text
 from rankdrop import robot as arms
-from rankdrop.cli.command import (
+from rankdrop.cli.command import PROGRESS, Done, Output, command
+from rankdrop.cli.opening import (
     NO_IDEAL,
-    PROGRESS,
     ROBOT,
-    Done,
     IdealOptions,
-    Output,
     arm_section,
-    command,
     ideal_sections,
     near_line,
     of_ideal,
     open_ideal,
-    parse_configuration,
     subject,
 )
 from rankdrop.cli.terminal import answer_lines, fit_to_console
+from rankdrop.cli.values import parse_configuration
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.options import option
 from rankdrop.questions import ConditionsOptions

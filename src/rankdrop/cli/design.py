@@ -10,7 +10,8 @@ from cyclopts import Parameter
 
 from rankdrop import designs, jobs
 from rankdrop.cli import exits
-from rankdrop.cli.command import DRAWN, OUTPUT, PAGES, PROGRESS, TASKS, Done, Output, command
+from rankdrop.cli.command import DRAWN, OUTPUT, PAGES, PROGRESS, Done, Output, command
+from rankdrop.cli.opening import TASKS
 from rankdrop.cli.targets import kept_work, write_text
 from rankdrop.cli.terminal import STDOUT, fit_to_console, say
 from rankdrop.errors import OptionError

@@ -11,26 +11,11 @@ from rankdrop import cover as covers
 from rankdrop import local, results, text, verbs
 from rankdrop import robot as arms
 from rankdrop.cli import exits
-from rankdrop.cli.command import (
-    NO_IDEAL,
-    NO_TOOL,
-    POSE,
-    ROBOT,
-    Done,
-    IdealOptions,
-    Output,
-    Q,
-    ToolOptions,
-    command,
-    joint_units,
-    model_tolerance,
-    near_line,
-    open_ideal,
-    parse_configuration,
-    parse_pose,
-)
+from rankdrop.cli.command import Done, Output, command
+from rankdrop.cli.opening import NO_IDEAL, NO_TOOL, ROBOT, IdealOptions, ToolOptions, near_line, open_ideal
 from rankdrop.cli.proof import in_words, of_place
 from rankdrop.cli.terminal import fit_to_console, say
+from rankdrop.cli.values import POSE, Q, joint_units, model_tolerance, parse_configuration, parse_pose
 from rankdrop.errors import OptionError
 from rankdrop.options import option
 from rankdrop.questions import ExplainOptions

@@ -43,7 +43,7 @@ try:
     )
 
     from rankdrop.cli import exits
-    from rankdrop.cli.command import Help, prose
+    from rankdrop.cli.help import Help, prose
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.errors import RankdropError
     from rankdrop.options import on_command_line

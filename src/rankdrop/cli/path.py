@@ -14,22 +14,11 @@ from rankdrop import cover as covers
 from rankdrop import jobs, results, text
 from rankdrop import path as paths
 from rankdrop.cli import exits
-from rankdrop.cli.command import (
-    DRAWN,
-    NO_OPTIONS,
-    PAGES,
-    ROBOT_HELP,
-    ArmOptions,
-    Done,
-    Output,
-    ToolOptions,
-    command,
-    model_tolerance,
-    open_arm,
-    parse_configuration,
-)
+from rankdrop.cli.command import DRAWN, PAGES, Done, Output, command
+from rankdrop.cli.opening import NO_OPTIONS, ROBOT_HELP, ArmOptions, ToolOptions, open_arm
 from rankdrop.cli.targets import kept_work, write_bytes, write_text
 from rankdrop.cli.terminal import STDOUT, Report, reporter, say
+from rankdrop.cli.values import model_tolerance, parse_configuration
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 from rankdrop.questions import PathOptions, RemedyOptions

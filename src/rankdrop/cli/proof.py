@@ -13,19 +13,11 @@ from rankdrop import cover as covers
 from rankdrop import path as paths
 from rankdrop import results, text, verbs
 from rankdrop.cli import exits
-from rankdrop.cli.command import (
-    NO_OPTIONS,
-    PROGRESS,
-    ROBOT,
-    ArmOptions,
-    Done,
-    Output,
-    command,
-    open_arm,
-    parse_configuration,
-)
+from rankdrop.cli.command import PROGRESS, Done, Output, command
+from rankdrop.cli.opening import NO_OPTIONS, ROBOT, ArmOptions, open_arm
 from rankdrop.cli.targets import kept_work, write_text
 from rankdrop.cli.terminal import STDOUT, say
+from rankdrop.cli.values import parse_configuration
 from rankdrop.errors import OptionError
 from rankdrop.options import option
 from rankdrop.questions import CoverOptions, PathOptions

@@ -11,7 +11,8 @@ from cyclopts import Parameter
 from rankdrop import results
 from rankdrop import robot as arms
 from rankdrop.cli import exits
-from rankdrop.cli.command import NO_IDEAL, OUTPUT, PROGRESS, ROBOT_FILES, IdealOptions, Output, command, open_ideal
+from rankdrop.cli.command import OUTPUT, PROGRESS, Output, command
+from rankdrop.cli.opening import NO_IDEAL, ROBOT_FILES, IdealOptions, open_ideal
 from rankdrop.cli.targets import check_different, check_target, write_bytes, write_json
 from rankdrop.cli.terminal import Report, say
 from rankdrop.errors import MissingExtraError, OptionError

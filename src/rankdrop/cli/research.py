@@ -17,25 +17,11 @@ from rankdrop import aspects as postures
 from rankdrop import families, local, results, text, verbs
 from rankdrop import path as paths
 from rankdrop.cli import exits
-from rankdrop.cli.command import (
-    DRAWN,
-    NO_OPTIONS,
-    OUTPUT,
-    PROGRESS,
-    ROBOT,
-    ArmOptions,
-    Done,
-    Output,
-    Q,
-    arm_section,
-    command,
-    numbers_of,
-    open_arm,
-    parse_configuration,
-    starts_line,
-)
+from rankdrop.cli.command import DRAWN, OUTPUT, PROGRESS, Done, Output, command
+from rankdrop.cli.opening import NO_OPTIONS, ROBOT, ArmOptions, arm_section, open_arm, starts_line
 from rankdrop.cli.targets import write_text
 from rankdrop.cli.terminal import STDOUT, say
+from rankdrop.cli.values import Q, numbers_of, parse_configuration
 from rankdrop.codec import record_of
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option

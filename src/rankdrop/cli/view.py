@@ -11,17 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from rankdrop import path as paths
 from rankdrop import results
 from rankdrop.cli import exits
-from rankdrop.cli.command import (
-    NO_OPTIONS,
-    NO_TOOL,
-    ROBOT,
-    ArmOptions,
-    ToolOptions,
-    command,
-    open_arm,
-    parse_configuration,
-)
+from rankdrop.cli.command import command
+from rankdrop.cli.opening import NO_OPTIONS, NO_TOOL, ROBOT, ArmOptions, ToolOptions, open_arm
 from rankdrop.cli.terminal import say
+from rankdrop.cli.values import parse_configuration
 from rankdrop.errors import OptionError
 from rankdrop.options import Options, option
 

@@ -30,7 +30,8 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.cover.setting import Setting, best_setting, enclose, regular
 from rankdrop.cover.speed_measures import AtValues, Residual, at_values, nearest_root, residual
 from rankdrop.errors import OptionError
-from rankdrop.families.record import Family, SpeedDistance
+from rankdrop.families.record import Family
+from rankdrop.families.speed_distance import SpeedDistance
 from rankdrop.kinematics import configurations, jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.posture import start_posture

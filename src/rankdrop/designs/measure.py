@@ -35,8 +35,9 @@ from rankdrop.errors import RankdropError
 from rankdrop.exact import exact_chain
 from rankdrop.exact.family import derived_in_units
 from rankdrop.families import CorankSummary, Family, search
+from rankdrop.families.corank_families import CorankFamilies
 from rankdrop.families.parts import parts_of
-from rankdrop.families.record import CorankFamilies, family_out_of_units
+from rankdrop.families.rescaling import family_out_of_units
 from rankdrop.families.table import families
 from rankdrop.local import generic_rank
 from rankdrop.path import FREE, check_poses

@@ -30,7 +30,8 @@ from rankdrop import _core
 from rankdrop.cover.ball import LARGEST
 from rankdrop.cover.setting import Setting, enclose, settings_for
 from rankdrop.errors import OptionError
-from rankdrop.families.record import Family, Pin, family_in_metres
+from rankdrop.families.record import Family, Pin
+from rankdrop.families.rescaling import family_in_metres
 from rankdrop.families.searching import search
 from rankdrop.formula.equation import REACHED, Mask
 from rankdrop.kinematics import chain_of, configurations, one_configuration, task_view

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
 from rankdrop.families.points import Rows, near_family
-from rankdrop.families.record import Family, family_in_units
+from rankdrop.families.record import Family
+from rankdrop.families.rescaling import family_in_units
 from rankdrop.families.searching import Progress
 from rankdrop.formula.equation import REACHED, System
 from rankdrop.local.block import joint_scale, sample

@@ -1,3 +1,7 @@
+from .corank_families import CorankSummary as CorankSummary
+from .derivation import AGREES as AGREES
+from .derivation import NOT_DERIVED as NOT_DERIVED
+from .derivation import Derivation as Derivation
 from .lost import LostFreedom as LostFreedom
 from .lost import MotionKind as MotionKind
 from .name import ArmPart as ArmPart
@@ -9,10 +13,6 @@ from .pictured import pose_witness as pose_witness
 from .pictured import upright as upright
 from .pictured import upright_start as upright_start
 from .reciprocal import EXACT as EXACT
-from .record import AGREES as AGREES
-from .record import NOT_DERIVED as NOT_DERIVED
-from .record import CorankSummary as CorankSummary
-from .record import Derivation as Derivation
 from .record import ExactConditions as ExactConditions
 from .record import Family as Family
 from .record import WrittenCondition as WrittenCondition

@@ -22,7 +22,8 @@ from rankdrop.families.fit import FamilyPoints, fitted_equations, group_by_signa
 from rankdrop.families.inspection import Inspection, Signature, inspect
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import name_family, shorten_names
-from rankdrop.families.record import Family, LocalConditions, Pin, rescale_equation, rescaled_pin, slides_of
+from rankdrop.families.record import Family, LocalConditions, Pin
+from rankdrop.families.rescaling import rescale_equation, rescaled_pin, slides_of
 from rankdrop.families.row import Linear, Row, Values, canonical
 from rankdrop.families.searching import refine
 from rankdrop.formula.equation import Equation

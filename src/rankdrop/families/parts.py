@@ -18,7 +18,7 @@ from rankdrop.families.name import ArmPart
 from rankdrop.families.record import Family
 from rankdrop.local.axes import Scene
 from rankdrop.local.special import ARM_AXES, ON_JOINTS, Special, exact_at, measured_at, specials_at
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.units import in_metres, task_in_metres
 
@@ -67,10 +67,8 @@ def parts_of(robot: Robot, task: Task, family: Family) -> FamilyParts:
     named = family.called.parts
     if _is_settled(family):
         return FamilyParts(named, base=base)
-    from rankdrop.families.pictured import members_of  # most families are settled, and it imports all of their fit
-
     here, rows = in_metres(robot), task_in_metres(task, robot)
-    members = members_of(robot, task, family, _MEMBERS)
+    members = _members_of(robot, task, family)
     seen = [specials_at(here, rows, q, family.corank) for q in members]
     exact = _in_order(part.value for part in (*named, *_special_everywhere(seen)))
     if exact or family.corank > 1:
@@ -118,12 +116,19 @@ def _places(robot: Robot, task: Task) -> dict[str, tuple[int, float]]:
     return {special.part.value: (special.joint, special.value) for special in specials if special.shape in ON_JOINTS}
 
 
+def _members_of(robot: Robot, task: Task, family: Family, held: tuple[int, float] | None = None) -> Array:
+    """(M, n) members of a family, of those solved from a joint at a value where that is given."""
+    from rankdrop.families.pictured import members_of  # most families are settled, and it imports all of their fit
+
+    return members_of(robot, task, family, _MEMBERS, held)
+
+
 def _specials_of(
     robot: Robot, task: Task, family: Family, held: tuple[int, float] | None = None
 ) -> list[tuple[Special, ...]]:
     """The special places at each of some members, of those solved from a joint at a value where that is given."""
     here, rows = in_metres(robot), task_in_metres(task, robot)
-    members = members_of(robot, task, family, _MEMBERS, held)
+    members = _members_of(robot, task, family, held)
     return [specials_at(here, rows, q, family.corank) for q in members]
 
 

@@ -16,7 +16,8 @@ from itertools import combinations
 import numpy as np
 
 from rankdrop.families.naming import lost_motions
-from rankdrop.families.record import Family, family_in_metres
+from rankdrop.families.record import Family
+from rankdrop.families.rescaling import family_in_metres
 from rankdrop.families.row import Linear, Row
 from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values

@@ -15,7 +15,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.record import Check, Family, family_in_metres, rescale_equation, slides_of, ways_to
+from rankdrop.families.incidence import ways_to
+from rankdrop.families.record import Check, Family
+from rankdrop.families.rescaling import family_in_metres, rescale_equation, slides_of
 from rankdrop.families.searching import refine, search
 from rankdrop.formula.equation import Equation, Mask, System, normalised_equation
 from rankdrop.local.block import generic_rank

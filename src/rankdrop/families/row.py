@@ -25,8 +25,9 @@ from numpy.typing import NDArray
 from rankdrop.errors import OptionError
 from rankdrop.families.descent import ROUNDING, descents
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
+from rankdrop.families.incidence import ways_to
 from rankdrop.families.inspection import HIGHER, Covector, Signature
-from rankdrop.families.record import Check, Family, ways_to
+from rankdrop.families.record import Check, Family
 from rankdrop.formula.equation import Equation, Mask, System, Term, normalised_equation
 from rankdrop.lists import flat_map
 from rankdrop.problem import Problem, wrap

@@ -39,8 +39,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
 from rankdrop.errors import OptionError
+from rankdrop.families.corank_families import Estimator, Unseen
 from rankdrop.families.reciprocal import draw_singular
-from rankdrop.families.record import Estimator, Unseen
 from rankdrop.kinematics import chain_of, check_robot, configurations, task_view, whole_number
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.local.minimax import brought_down, stays_up

@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
 from rankdrop.families.points import general_member, set_joints
-from rankdrop.families.record import Family, family_in_metres
+from rankdrop.families.record import Family
+from rankdrop.families.rescaling import family_in_metres
 from rankdrop.families.searching import search
 from rankdrop.formula.equation import SOLVED, System
 from rankdrop.kinematics import one_configuration

@@ -23,6 +23,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.families.corank_families import CorankFamilies, CorankSummary
 from rankdrop.families.descent import not_singular, verify_points
 from rankdrop.families.distinct_names import distinct_names
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
@@ -31,16 +32,8 @@ from rankdrop.families.inspection import HIGHER, Inspection, inspect
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import lost_motions, name_family
 from rankdrop.families.pictured import witness
-from rankdrop.families.record import (
-    Check,
-    CorankFamilies,
-    CorankSummary,
-    Family,
-    Pin,
-    family_in_units,
-    family_out_of_units,
-    number_families,
-)
+from rankdrop.families.record import Check, Family, Pin, number_families
+from rankdrop.families.rescaling import family_in_units, family_out_of_units
 from rankdrop.families.row import (
     Linear,
     Membership,

@@ -1,14 +1,11 @@
 from .check.certificate import path_asked as path_asked
 from .check.certificate import path_certificate as path_certificate
 from .check.certificate import proven_for_near_arms as proven_for_near_arms
-from .check.check import PathQuestion as PathQuestion
-from .check.check import check_file as check_file
 from .check.check import check_path as check_path
-from .check.check import check_poses as check_poses
-from .check.follow import Followed as Followed
-from .check.follow import ToolBranch as ToolBranch
 from .check.many import check_files as check_files
 from .check.many import paths_to_dict as paths_to_dict
+from .check.path_file import PathQuestion as PathQuestion
+from .check.path_file import check_file as check_file
 from .check.program import ProgramCheck as ProgramCheck
 from .check.program import check_any_file as check_any_file
 from .check.record import CROSSING as CROSSING
@@ -24,6 +21,9 @@ from .check.rows import PathRows as PathRows
 from .check.rows import check_format as check_format
 from .check.rows import path_rows as path_rows
 from .check.rows import rows_file as rows_file
+from .check.tool_branch import Followed as Followed
+from .check.tool_branch import ToolBranch as ToolBranch
+from .check.tool_path import check_poses as check_poses
 from .curve import Place as Place
 from .mend.as_poses import MendedPoses as MendedPoses
 from .mend.as_poses import NoPoses as NoPoses

@@ -21,7 +21,10 @@ from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
 from rankdrop.distance.share import Near, SlowShare
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.families.record import CorankSummary, Derivation, Family, SpeedDistances
+from rankdrop.families.corank_families import CorankSummary
+from rankdrop.families.derivation import Derivation
+from rankdrop.families.record import Family
+from rankdrop.families.speed_distance import SpeedDistances
 from rankdrop.families.summary import FamilySummary, Verdict
 from rankdrop.formula.equation import Equation
 from rankdrop.local.block import singular_values

@@ -7,8 +7,8 @@ from typing import Any, get_type_hints
 
 from rankdrop.codec import Record, restore
 from rankdrop.families.contradiction import Contradiction
+from rankdrop.families.derivation import Derivation
 from rankdrop.families.not_derived import NotDerived
-from rankdrop.families.record import Derivation
 from rankdrop.results.names import name_from_dict
 
 _KINDS: dict[str, Any] = {name: kind for name, kind in get_type_hints(Contradiction).items() if name != "called"}

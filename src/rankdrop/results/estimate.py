@@ -6,8 +6,8 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+from rankdrop.families.corank_families import Estimator, Unseen
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
-from rankdrop.families.record import Estimator, Unseen
 
 _ESTIMATORS: Sequence[tuple[str, Estimator]] = (
     (r"no point was found\Z", Estimator.NO_POINT),

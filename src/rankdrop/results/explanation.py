@@ -21,8 +21,9 @@ from rankdrop.configuration import Cause, Configuration, Rank, configuration_at
 from rankdrop.cover.ball import LARGEST, Certificate, certified_radius
 from rankdrop.distance.distance import FamilyDistance, family_distances
 from rankdrop.errors import OptionError
+from rankdrop.families.incidence import Incidence, families_at
 from rankdrop.families.on_the_spot import name_on_the_spot
-from rankdrop.families.record import Family, Incidence, families_at
+from rankdrop.families.record import Family
 from rankdrop.families.searching import Outcome, refine
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, MOST_LISTED, circuits_at, make_all

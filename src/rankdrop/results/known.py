@@ -27,7 +27,8 @@ import numpy as np
 from rankdrop.codec import Record
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.lost import freedoms_at_witness
-from rankdrop.families.record import Family, family_from_metres
+from rankdrop.families.record import Family
+from rankdrop.families.rescaling import family_from_metres
 from rankdrop.lists import flat_map
 from rankdrop.local.directions import lost_directions
 from rankdrop.results.aspect_summary import FILE as ASPECTS

@@ -23,9 +23,10 @@ import numpy as np
 
 from rankdrop.codec import Record, restore
 from rankdrop.errors import ResultFileError
+from rankdrop.families.derivation import NOT_DERIVED
 from rankdrop.families.lost import LostFreedom, freedoms_of
 from rankdrop.families.name import ArmPart, FamilyName
-from rankdrop.families.record import NOT_DERIVED, ExactConditions, Family, Pin, written_conditions
+from rankdrop.families.record import ExactConditions, Family, Pin, written_conditions
 from rankdrop.local.directions import FramedDirections, every_frame, lost_in_frame, lost_over_family
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task

@@ -14,8 +14,11 @@ import numpy as np
 
 from rankdrop.distance.share import Near, SlowShare
 from rankdrop.errors import RankdropError, ResultFileError
+from rankdrop.families.corank_families import CorankSummary
+from rankdrop.families.derivation import Derivation
 from rankdrop.families.lost import LostFreedom
-from rankdrop.families.record import CorankSummary, Derivation, Family, Pin, SpeedDistances
+from rankdrop.families.record import Family, Pin
+from rankdrop.families.speed_distance import SpeedDistances
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
 from rankdrop.results.names import joints_of_name

@@ -425,6 +425,14 @@ def joints_beyond_limits(robot: Robot, q: Sequence[float]) -> tuple[int, ...]:
     return tuple(int(place) + 1 for place in np.flatnonzero(beyond))
 
 
+def first_joint_beyond_limit(robot: Robot, rows: Array) -> int:
+    """Index of the joint beyond its limit in the first row (K, n) that has one; −1 for none."""
+    beyond = np.argwhere((rows < robot.lower - _BEYOND) | (rows > robot.upper + _BEYOND))
+    if len(beyond):
+        return int(beyond[0, 1])
+    return -1
+
+
 TOOL = "tool point"
 """What the tip of an arm with a tool is called."""
 

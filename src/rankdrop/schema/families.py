@@ -17,19 +17,13 @@ from rankdrop.exact.lint import Difference, Example
 from rankdrop.exact.signs import Between, Crossing, Flags
 from rankdrop.exact.undivided import PolynomialSize, UndividedSet
 from rankdrop.families.contradiction import Contradiction
+from rankdrop.families.corank_families import CorankSummary, Unseen
+from rankdrop.families.derivation import Derivation
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.name import Detail, FamilyName, JointValues, LowRank, Shorter, Variable
-from rankdrop.families.record import (
-    Check,
-    CorankSummary,
-    Derivation,
-    Family,
-    Pin,
-    SpeedDistance,
-    SpeedDistances,
-    Unseen,
-)
+from rankdrop.families.record import Check, Family, Pin
 from rankdrop.families.searching import Outcome
+from rankdrop.families.speed_distance import SpeedDistance, SpeedDistances
 from rankdrop.families.summary import FamilySummary, RankSummary
 from rankdrop.formula.equation import Term
 from rankdrop.formula.notation import C, Python, Step

@@ -13,7 +13,8 @@ from typing import Any
 from rankdrop.distance.share import Near
 from rankdrop.families.name import ArmPart
 from rankdrop.families.parts import FamilyParts
-from rankdrop.families.record import Family, Pin, SpeedDistance, exact_of
+from rankdrop.families.record import Family, Pin, exact_of
+from rankdrop.families.speed_distance import SpeedDistance
 from rankdrop.formula.equation import pretty_angle
 from rankdrop.options import advise
 from rankdrop.results.names import name_of

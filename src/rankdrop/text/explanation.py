@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.configuration import Cause, configuration_at
-from rankdrop.families.record import Incidence
+from rankdrop.families.incidence import Incidence
 from rankdrop.kinematics import pose
 from rankdrop.lists import flat_map
 from rankdrop.local.ellipsoids import PartSet

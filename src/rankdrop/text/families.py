@@ -23,7 +23,9 @@ import numpy as np
 
 from rankdrop.distance.distance import nearest_turns
 from rankdrop.distance.share import Near, NearShare, SlowShare
-from rankdrop.families.record import Check, CorankSummary, Derivation, Family, Pin
+from rankdrop.families.corank_families import CorankSummary
+from rankdrop.families.derivation import Derivation
+from rankdrop.families.record import Check, Family, Pin
 from rankdrop.formula.equation import Equation, pretty_angle, share_of_pi
 from rankdrop.options import advise
 from rankdrop.robot.model import Robot, joints_beyond_limits

@@ -12,7 +12,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from math import ceil
 
-from rankdrop.families.record import CorankSummary, Derivation, Family
+from rankdrop.families.corank_families import CorankSummary
+from rankdrop.families.derivation import Derivation
+from rankdrop.families.record import Family
 from rankdrop.robot.model import Robot
 from rankdrop.text.families import (
     JOINT,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rankdrop.families.record import Estimator, Unseen
+from rankdrop.families.corank_families import Estimator, Unseen
 from rankdrop.families.searching import Outcome, Search
 from rankdrop.sections import Section
 

@@ -12,20 +12,15 @@ from rankdrop.distance.share import Near, SlowShare, check_within, near_shares, 
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import derived_in_units
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
+from rankdrop.families.corank_families import CorankFamilies
+from rankdrop.families.derivation import AGREES, DIFFERS, NOT_DERIVED, Derivation
 from rankdrop.families.descent import DIGITS, FOLLOWED
 from rankdrop.families.not_derived import NotDerived, NotDerivedKind
 from rankdrop.families.pictured import pose_witness
-from rankdrop.families.record import (
-    AGREES,
-    DIFFERS,
-    NOT_DERIVED,
-    CorankFamilies,
-    Derivation,
-    Family,
-    SpeedDistances,
-    family_out_of_units,
-)
+from rankdrop.families.record import Family
+from rankdrop.families.rescaling import family_out_of_units
 from rankdrop.families.searching import search
+from rankdrop.families.speed_distance import SpeedDistances
 from rankdrop.families.table import families
 from rankdrop.kinematics import check_robot
 from rankdrop.lists import flat_map

@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.families.record import Family, rescale_equation, slides_of
+from rankdrop.families.record import Family
+from rankdrop.families.rescaling import rescale_equation, slides_of
 from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity

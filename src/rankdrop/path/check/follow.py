@@ -4,10 +4,10 @@ Between two poses of a tool path the tip goes straight and turns about one axis 
 a controller does. It is followed by steps from near (`Aim.solve`). A step counts only where the corrector has little
 left to correct, where no joint motion is long, and where no determinant changes its sign; otherwise it is halved, so
 that the branch is kept up to the singularity or the limit at which it stops. What the branch does at a singularity is
-decided by the local geometry (`path.check.passing`). A singularity that poses miss by as little as they are rounded is
-stepped over: the joints go straight on, and the tip keeps its tolerance. Poses passed over by a step are filled in from
-a straight guess between its ends, all at once, and polished to rounding. With a tolerance rows are put in until the tip
-is proven to stay within it of its curve while the joints go straight from row to row (`Aim.deviation`).
+decided by the local geometry (`path.check.passing`). One that poses miss by as little as they are rounded is crossed
+straight (`path.check.missed_singularity`). Poses passed over by a step are filled in from a straight guess between its
+ends, all at once, and polished to rounding. With a tolerance rows are put in until the tip is proven to stay within it
+of its curve while the joints go straight from row to row (`Aim.deviation`).
 """
 
 from __future__ import annotations
@@ -21,15 +21,16 @@ from numpy.typing import ArrayLike
 from rankdrop import _core
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import singular_values
+from rankdrop.path.check.missed_singularity import StraightCrossing, missed_start
 from rankdrop.path.check.passing import Departure, Move, Turn, departures, internal_turn
 from rankdrop.path.check.solution_curve import CurvePart, follow_curve
+from rankdrop.path.check.tool_branch import Followed, Passed
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import number_parts
 from rankdrop.poses.inverse import Aim
 from rankdrop.problem import Mask
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, first_joint_beyond_limit
 from rankdrop.task import Task, resolve_task
-from rankdrop.text.tool_paths import branch_chosen
 
 Pull = Callable[[Array], Array]
 """pull(q) -> (n,) wanted joint motion per unit length of joint motion; its part in the null space is followed."""
@@ -47,13 +48,7 @@ _PUT_IN = 20_000  # rows of one step; a bound that does not fall with them would
 _SPARE = 1.1  # rows are put in for a bound so many times tighter
 _SMALL = 1e-2  # σ_r at the end of a branch above which no singularity is its reason
 _SINGULAR = 1e-6  # σ_r of a row below which the branch is at a singularity, and leaves it by its local geometry
-_ACROSS = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)  # σ_r of the row behind a singularity from which a step leads over it
-_ROUNDED = 2e-6  # of a pose: error of its printed digits [1]
-_FROM_START = 0.1  # of a pose: a start farther off is brought to it by Newton's method alone
-_MISSED = 1e-5  # σ_r of a start that counts as at a singularity that its pose misses by rounding
-_LEAVING = 0.5 ** np.arange(16)  # shares of the first move that are tried to leave it
 _NEXT_TO = 1e-12  # poses, from where a branch stops to the singularity that it steps over
-_TRUNCATED = 4  # steps of Newton's method without the weakest direction
 _TOUCH = 1e-3  # a step that ends at a singular pose is at most so long: Newton leaves the lost joint motion alone [rad]
 _AT_END = 1e-5  # poses: a singularity so near to the end of the branch is the one at which it ends
 _CLEAR = 0.01  # rows nearer to a singularity that is passed are left out [rad; slides scaled]
@@ -64,119 +59,6 @@ _NO_NEARER = 3.0  # … and does where σ_r changed by no more than this factor:
 _CREPT_TO = 1e-4  # σ_r at which a branch that creeps ends at the singularity
 _SAME = 1e-11  # error of poses that a configuration has; translations divided by the length scale
 _SNAPPED = 0.02  # an internal turn so short at the start is made: the start is near enough [rad]
-
-
-@dataclass(frozen=True)
-class Passed:
-    """A singularity through which a branch goes on.
-
-    Attributes:
-        place: pose, from 1, with the share of the way to the next.
-        rest: the arm has to rest there: at constant path speed joint rates have no bound. False: it may pass at any
-            speed.
-    """
-
-    place: float
-    rest: bool
-
-
-@dataclass(frozen=True, eq=False)
-class ToolBranch:
-    """One branch of the inverse kinematics along a tool path, that of one configuration at the first pose.
-
-    Attributes:
-        start: (n,) the configuration at the first pose [rad, m].
-        posture: signs of the parts of the arm there, such as "elbow +"; empty where none are known.
-        complete, reached, reason, joint, folds, turn: as of `Followed`.
-        free: proven free of singularities up to where it ends.
-        place: pose, from 1, where it is first not proven free; 0 where it is.
-        chosen: the path takes it.
-    """
-
-    start: Array
-    posture: tuple[str, ...]
-    complete: bool
-    reached: float
-    reason: str
-    joint: int
-    folds: bool
-    turn: Turn | None
-    free: bool
-    place: float
-    chosen: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Followed:
-    """Joint values along a tool path, and how they were found.
-
-    Attributes:
-        q: (K, n) configurations at the places [rad, m]; angles run on, they are not wrapped.
-        place: (K,) poses reached, from 1; with a tolerance places between poses as well, as shares of the way.
-        complete: every pose was reached.
-        reached: number of the last pose reached, from 1, with the share of the way to the next.
-        last: (n,) configuration there.
-        reason: why it ended: "" where complete, else "start", "singular", "limit", "turn": the path goes on from here
-            only after an internal turn, "few joints": the poses ahead are not all among those that the arm's rank
-            allows, "stuck", or "budget": the steps or the rows that one path may have were used up.
-        joint: number of the joint at its limit, from 1; 0 for other reasons.
-        sigma: σ_r where it ended [1].
-        poses: how many were given.
-        solutions: how many isolated configurations at the first pose were found to choose it from; of a redundant arm
-            how many points of its self-motions. 0 with `self_motions` 0: it was given.
-        self_motions: how many self-motions at a singular first pose were found within the joint limits; 0 for a
-            redundant arm.
-        more: the arm is redundant, so that there are more.
-        next_reachable: a configuration within the joint limits was found for the pose after the end.
-        off: the tip stays within this distance of its curve, proven [m].
-        turned: … and within this angle, as far as the task asks for orientations [rad].
-        passed: singularities at which the branch goes on.
-        folds: it ends because it folds back at a singularity: what is near was followed, and is behind.
-        turn: the internal turn after which the path goes on, where that is why it ended.
-        half_turns: numbers of the poses, from 1, from which the tool turns by half a turn to the next one: of the two
-            ways round one was taken.
-        branches: all branches that were found at the first pose and followed, those first that people use; empty for a
-            redundant arm and a path of very many poses.
-        moved: how far the start that was given is from the configuration at the first pose [rad; slides by the length
-            scale].
-    """
-
-    q: Array
-    place: Array
-    complete: bool
-    reached: float
-    last: Array
-    reason: str = ""
-    joint: int = 0
-    sigma: float = np.inf
-    poses: int = 0
-    solutions: int = 0
-    self_motions: int = 0
-    more: bool = False
-    next_reachable: bool = False
-    off: float = 0.0
-    turned: float = 0.0
-    passed: tuple[Passed, ...] = ()
-    folds: bool = False
-    turn: Turn | None = None
-    half_turns: tuple[int, ...] = ()
-    branches: tuple[ToolBranch, ...] = ()
-    moved: float = 0.0
-
-    @property
-    def given_start(self) -> bool:
-        """The configuration at the first pose was chosen by a start, not among the solutions found."""
-        return self.solutions == 0 and self.self_motions == 0
-
-    @property
-    def start(self) -> list[float]:
-        """(n,) configuration at the first pose."""
-        return [float(x) for x in self.q[0]]
-
-    @property
-    def chosen(self) -> str:
-        """Which branch of the inverse kinematics the path takes, in words."""
-        return branch_chosen(self)
 
 
 def follow(
@@ -224,34 +106,6 @@ def follow(
     wanted = np.asarray(poses, dtype=np.float64)
     aim = Aim(robot, resolve_task(task, robot))
     return _Walk(aim, wanted, limits, pull, tolerance, through).run(one_configuration(robot, start))
-
-
-def without_weakest(aim: Aim, target: Array, q: Array) -> Array:
-    """(n,) Newton's method from q (n,) towards a pose (1, 4, 4), the weakest direction left alone.
-
-    Steps are Δq = V₁ Σ₁⁻¹ U₁ᵀ e, of J = U Σ Vᵀ in scaled joints without its smallest singular value.
-    """
-    for _ in range(_TRUNCATED):
-        u, sigma, vt = np.linalg.svd(aim.jacobian(q[None])[0])
-        strong = aim.rank - 1
-        part = u[:, :strong].T @ aim.error(target, q[None])[0] / sigma[:strong]
-        q = q + vt[:strong].T @ part * aim.joints
-    return q
-
-
-def missed_start(aim: Aim, goal: Array, start: Array) -> Array | None:
-    """(n,) the singular configuration next to a start (n,) that a pose (4, 4) misses by as little as poses are rounded.
-
-    None where there is none, or the pose has one of the singularity itself.
-    """
-    if not aim.square or float(np.linalg.norm(aim.error(goal[None], start[None]))) > _FROM_START:
-        return None
-    met = without_weakest(aim, goal[None], start)
-    off = float(np.linalg.norm(aim.error(goal[None], met[None])))
-    sigma = singular_values(aim.robot, met, aim.task)[aim.rank - 1]
-    if _SAME < off <= _ROUNDED and sigma <= _MISSED:
-        return met
-    return None
 
 
 @dataclass(eq=False)
@@ -341,9 +195,9 @@ class _Walk:
 
     def run(self, start: Array) -> Followed:
         """From the first pose on."""
-        met = missed_start(self.aim, self.poses[0], start)
-        if met is not None:
-            left = self._leave_miss(met)
+        singular = missed_start(self.aim, self.poses[0], start)
+        if singular is not None:
+            left = self._leave_miss(singular)
             if left is not None:
                 return self._walk(left)
         solved, arrived = self.aim.solve(self.poses[:1], start[None])
@@ -357,42 +211,20 @@ class _Walk:
             now = self._turn_start(now)
         return self._walk(_Progress(now, self._side(now)))
 
-    def _leave_miss(self, met: Array) -> _Progress | None:
-        """Straight away from a singularity (n,) that the first pose misses by rounding; None where no row ahead is
-        straight on.
-
-        The row ahead and that half the way to it are solutions, in line with the singularity; the joints go straight
-        between them, within the tolerance of the tip.
+    def _leave_miss(self, singular: Array) -> _Progress | None:
+        """Straight away from a singularity (n,) that the first pose misses; None where that is not asked for, or no row
+        ahead is straight on.
         """
         if self.tolerance is None or not self.decides or len(self.poses) < 2:
             return None
-        for share in _LEAVING:
-            ends = self._solutions_ahead(met, float(share))
-            if ends is None:
-                continue
-            step = self._straight_rows(np.array([0.0, share]), np.stack([met, ends]))
-            if step is not None:
-                self.missed.add(0.0)
-                progress = _Progress(met, 0.0)
-                progress.keep(*step, between=True, growth=_GROWING)
-                progress.side = self._side(progress.now)
-                return progress
-        return None
-
-    def _solutions_ahead(self, met: Array, share: float) -> Array | None:
-        """(n,) the configuration after a share of the first move, straight on from a singularity (n,); else None."""
-        at = np.array([share, share / 2.0])
-        targets = poses_at(self.poses, at)
-        guesses = np.stack([self._without_weakest(targets[k : k + 1], met) for k in range(2)])
-        found, arrived = self.aim.solve(targets, guesses)
-        step = (found - met) / self.aim.joints
-        size = float(np.linalg.norm(step[0]))
-        if not arrived.all() or size > _LONGEST or np.linalg.norm(step[1] - step[0] / 2.0) > _BENT * size / 2.0:
+        rows = StraightCrossing(self.aim, self.poses, self.tolerance, self.limits).leave(singular)
+        if rows is None:
             return None
-        sigma = singular_values(self.aim.robot, found[:1], self.aim.task)[0, self.aim.rank - 1]
-        if sigma < _ACROSS[-1] or self._joint_beyond_limit(found) >= 0:
-            return None
-        return np.asarray(found[0])
+        self.missed.update(rows.missed)
+        progress = _Progress(singular, 0.0)
+        progress.keep(rows.place, rows.q, between=True, growth=_GROWING)
+        progress.side = self._side(progress.now)
+        return progress
 
     def _walk(self, progress: _Progress) -> Followed:
         """From where a branch has begun to where it ends."""
@@ -551,97 +383,22 @@ class _Walk:
     def _step_across_miss(self, progress: _Progress) -> tuple[Array, Array] | None:
         """Straight on over a singularity that lies on the branch, or next to it by as little as poses are rounded.
 
-        Where the branch misses it, the exact solutions turn by up to half a turn within next to no way of the tool. The
-        joints that go straight on instead keep the tip within the tolerance of its curve.
-
         Returns:
             Places and configurations of the rows ahead; None where no row ahead is straight on.
         """
         if self.tolerance is None or not self.aim.square:
             return None
         rows, places = np.concatenate(progress.rows), np.concatenate(progress.places)
-        sigma = singular_values(self.aim.robot, rows, self.aim.task)[:, self.aim.rank - 1]
-        for clear in _ACROSS:
-            far, farther = np.flatnonzero(sigma >= clear), np.flatnonzero(sigma >= 2.0 * clear)
-            if not len(farther) or farther[-1] == far[-1]:
-                continue
-            base = int(far[-1])
-            share = float(sigma[base] / (sigma[farther[-1]] - sigma[base]))
-            met = rows[base] + share * (rows[base] - rows[farther[-1]])
-            end = self._end_across(progress, rows[base], met)
-            if end is None:
-                continue
-            if int(places[base]) + 1.0 < progress.place:  # the row at a pose is kept
-                base = len(rows) - 1
-            over = self._straight_rows(np.append(places[base], end[0]), np.stack([rows[base], end[1]]))
-            if over is not None:
-                progress.rows, progress.places = [rows[: base + 1]], [places[: base + 1]]
-                if end[0] not in self.missed:
-                    self.passed.append(Passed(progress.place + _NEXT_TO + 1.0, rest=False))
-                return over
-        return None
-
-    def _end_across(self, progress: _Progress, behind: Array, met: Array) -> tuple[float, Array] | None:
-        """Place and configuration (n,) as far ahead of a singularity as a row is behind it.
-
-        None where no solution is straight on, or the singularity that the joints going straight meet, about `met` (n,),
-        is farther from the path than poses are rounded.
-        """
-        aim = self.aim
-        here = poses_at(self.poses, np.array([progress.place]))
-        if np.linalg.norm(aim.error(here, self._without_weakest(here, met)[None])) > _ROUNDED:
+        crossing = StraightCrossing(self.aim, self.poses, self.tolerance, self.limits)
+        across = crossing.cross(rows, places, progress.place)
+        if across is None:
             return None
-        place = self._as_far_ahead(progress.place, behind, met)
-        if place is None:
-            return self._end_at_miss(met)
-        guess = 2.0 * met - behind
-        found, arrived = aim.solve(poses_at(self.poses, np.array([place])), guess[None])
-        off = float(np.linalg.norm((found[0] - guess) / aim.joints))
-        straight = arrived[0] and off <= _BENT * float(np.linalg.norm((met - behind) / aim.joints))
-        if not straight or aim.side(found[0]) == aim.side(behind):
-            return None
-        return place, found[0]
-
-    def _end_at_miss(self, met: Array) -> tuple[float, Array] | None:
-        """As `_end_across`, where the path ends at the singularity."""
-        last = self._without_weakest(self.poses[-1:], met)
-        if np.linalg.norm(self.aim.error(self.poses[-1:], last[None])) > _ROUNDED:
-            return None
-        self.missed.add(len(self.poses) - 1.0)
-        return len(self.poses) - 1.0, last
-
-    def _without_weakest(self, target: Array, q: Array) -> Array:
-        """(n,) Newton's method from q towards a pose (1, 4, 4), the weakest direction left alone."""
-        return without_weakest(self.aim, target, q)
-
-    def _as_far_ahead(self, place: float, behind: Array, now: Array) -> float | None:
-        """The place as far ahead of a place as that of a configuration is behind it; None beyond the last pose."""
-        way = float(np.linalg.norm(self.aim.error(poses_at(self.poses, np.array([place])), behind[None])))
-        while place < len(self.poses) - 1.0:
-            move = Move(self.aim, self.poses, place)
-            move.seen_from(now)
-            if move.size > 0.0 and way <= move.room:
-                return move.place_at(way)
-            way -= move.room
-            place = move.k + 1.0
-        return None
-
-    def _straight_rows(self, at: Array, ends: Array) -> tuple[Array, Array] | None:
-        """Places and configurations after the first of two, with those at the poses between them, of joints that go
-        straight; None where the tip leaves its tolerance, or a joint its range.
-        """
-        between = np.arange(np.floor(at[0]) + 1.0, np.ceil(at[1]))
-        at = np.concatenate([at[:1], between, at[1:]])
-        targets = poses_at(self.poses, at)
-        q = ends[0] + ((at - at[0]) / (at[-1] - at[0]))[:, None] * (ends[1] - ends[0])
-        for k in range(1, len(at) - 1):
-            q[k] = self._without_weakest(targets[k : k + 1], q[k])
-        away, turned = self.aim.deviation(q, targets)
-        wide = np.maximum(away / self.tolerance[0], turned / self.tolerance[1]) if self.tolerance else np.zeros(1)
-        if (wide > 1.0).any() or self._joint_beyond_limit(q) >= 0:
-            return None
-        self.missed.update(between.tolist())
-        return at[1:], q[1:]
+        kept = across.behind + 1
+        progress.rows, progress.places = [rows[:kept]], [places[:kept]]
+        self.missed.update(across.missed)
+        if across.place[-1] not in self.missed:
+            self.passed.append(Passed(progress.place + _NEXT_TO + 1.0, rest=False))
+        return across.place, across.q
 
     def _step_by_geometry(self, progress: _Progress, sigma: float) -> tuple[Array, Array] | None:
         """As `_step_from_singularity`, by the local geometry of a singular configuration."""
@@ -860,6 +617,6 @@ class _Walk:
 
     def _joint_beyond_limit(self, q: Array) -> int:
         """First joint beyond its limit in any row; −1 for none, or where limits do not count."""
-        low, high = self.aim.robot.lower - 1e-9, self.aim.robot.upper + 1e-9
-        out = np.argwhere(self.limits & ((q < low) | (q > high)))
-        return int(out[0, 1]) if len(out) else -1
+        if self.limits:
+            return first_joint_beyond_limit(self.aim.robot, q)
+        return -1

@@ -13,7 +13,7 @@ from rankdrop.codec import Record, plain, record_of
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.local.block import generic_rank
-from rankdrop.path.check.check import PathQuestion
+from rankdrop.path.check.path_file import PathQuestion
 from rankdrop.path.check.program import ProgramCheck, check_any_file
 from rankdrop.path.check.record import CROSSING, TOUCHING, VERDICTS, PathCheck
 from rankdrop.questions import PathOptions

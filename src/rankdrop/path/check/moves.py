@@ -18,17 +18,12 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale
 from rankdrop.local.orientation import rotation_vector
-from rankdrop.path.check.check import (
-    PathQuestion,
-    check_tilt,
-    configuration_at,
-    followed_branch,
-    timed_branch,
-    tip_apart,
-    within_limits,
-)
-from rankdrop.path.check.follow import Followed, follow
+from rankdrop.path.check.first_pose import configuration_at, within_limits
+from rankdrop.path.check.follow import follow
+from rankdrop.path.check.path_file import PathQuestion
+from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_line import poses_at
+from rankdrop.path.check.tool_path import check_tilt, followed_branch, timed_branch, tip_apart
 from rankdrop.path.read.program_record import Move, Posture, Program
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.poses.inverse import Aim

@@ -19,9 +19,10 @@ import numpy as np
 from rankdrop.codec import Result
 from rankdrop.errors import OptionError
 from rankdrop.local.pointing import followed_task
-from rankdrop.path.check.check import PathQuestion, asked_for, check_curve, check_file
+from rankdrop.path.check.check import asked_for, check_curve
 from rankdrop.path.check.moves import STILL, Ended, FollowedMoves, MoveFollower
 from rankdrop.path.check.overrun import Overrun, overruns
+from rankdrop.path.check.path_file import PathQuestion, check_file
 from rankdrop.path.check.record import (
     FREE,
     NOT_FOLLOWED,

@@ -15,8 +15,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from rankdrop.codec import Result
-from rankdrop.path.check.follow import Followed
 from rankdrop.path.check.overrun import Fastest, Overrun, fastest, overruns
+from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve, Index, Place
 from rankdrop.questions import PathOptions

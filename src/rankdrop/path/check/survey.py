@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 from rankdrop import _core
 from rankdrop.distance.distance import QUICK, Ruler
 from rankdrop.errors import RankdropError
-from rankdrop.families.record import Family, families_at, family_in_metres
+from rankdrop.families.incidence import families_at
+from rankdrop.families.record import Family
+from rankdrop.families.rescaling import family_in_metres
 from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
 from rankdrop.local.directions import lost_seen_from

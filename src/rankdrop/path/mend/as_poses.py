@@ -17,16 +17,11 @@ import numpy as np
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import rotation_vector
 from rankdrop.local.rates import rate_limits
-from rankdrop.path.check.check import (
-    check_curve,
-    followed_branch,
-    proof_of,
-    timed_branch,
-    tip_tolerance,
-)
-from rankdrop.path.check.follow import Followed
+from rankdrop.path.check.check import check_curve
 from rankdrop.path.check.record import GivenPoses, PathCheck
+from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_line import poses_at
+from rankdrop.path.check.tool_path import followed_branch, proof_of, timed_branch, tip_tolerance
 from rankdrop.path.curve import Curve, Index
 from rankdrop.path.mend.remedies import Remedy
 from rankdrop.path.mend.retime import usage

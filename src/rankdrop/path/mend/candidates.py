@@ -39,7 +39,8 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.self_motions import CLOSED, self_motion
-from rankdrop.path.check.follow import Followed, Pull, follow
+from rankdrop.path.check.follow import Pull, follow
+from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.curve import Curve, Index, number_parts
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.poses.inverse import Aim, distinct, near_and_within, within_limits

@@ -20,7 +20,7 @@ from typing import Self
 import numpy as np
 
 from rankdrop.kinematics import pose
-from rankdrop.path.check.follow import Followed
+from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.mend.bumps import Bumper, Core
 from rankdrop.path.mend.candidates import ToolPath
 from rankdrop.path.mend.local_change import Change, largest_move, step, tool_off

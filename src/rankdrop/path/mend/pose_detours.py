@@ -17,10 +17,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.path.check.check import tip_tolerance
-from rankdrop.path.check.follow import Followed, follow
+from rankdrop.path.check.follow import follow
 from rankdrop.path.check.record import PathCheck
+from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_line import poses_at
+from rankdrop.path.check.tool_path import tip_tolerance
 from rankdrop.path.curve import Curve, Place
 from rankdrop.path.mend.candidates import ToolPath
 from rankdrop.path.mend.detours import Hindrance

@@ -18,7 +18,7 @@ import numpy as np
 from rankdrop.codec import record_of
 from rankdrop.kinematics import pose
 from rankdrop.local.rates import rate_limits
-from rankdrop.path.check.check import within_limits
+from rankdrop.path.check.first_pose import within_limits
 from rankdrop.path.check.moves import Cause
 from rankdrop.path.check.passing import Turn
 from rankdrop.path.check.program import Part, ProgramCheck

@@ -129,6 +129,11 @@ def asked_for(robot: Robot, task: Task | str | None, analysis: Analysis | None) 
 
 
 def checked_times(t: ArrayLike | None, count: int, what: str) -> Array | None:
+    """The times (count,) of rows or poses, rising [s]; None for none.
+
+    Raises:
+        ConfigurationError: not one number for each `what`, or a time that is not after the one before.
+    """
     if t is None:
         return None
     times = as_numbers(t, "t", ConfigurationError)

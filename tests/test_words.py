@@ -106,6 +106,7 @@ FOREIGN = {
     **dict.fromkeys(("path/read/fanuc_tp.py", "path/read/inform.py", "path/read/krl.py", "path/read/program_record.py",
                      "path/read/rapid.py", "path/read/urscript.py"), "programs of the user"),
     "path/read/csv_file.py": "files of the user", "path/read/pose_text.py": "poses as they were typed",
+    "path/read/matrix_text.py": "matrices as they were pasted", "path/read/message_text.py": "messages of ROS",
     "proof/check.py": "keys", "proof/regions.py": "keys", "report/chart.py": "numbers",
     "results/analysis.py": "keys of files", "results/stored_conditions.py": "keys of files",
     **dict.fromkeys(("results/old_files.py", "results/old_sentences.py"), "files of versions up to 0.2"),

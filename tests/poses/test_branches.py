@@ -301,3 +301,12 @@ def test_an_arm_with_too_few_joints_for_a_pose_has_a_posture(name: str, elbow: i
         signs.add(bent * (1 if "+" in branch.posture[0] else -1))
     assert len(signs) == 1
     assert {branch.posture for branch in found.branches} == {("elbow +",), ("elbow −",)}
+
+
+def test_a_position_without_an_orientation_is_for_tasks_without_rotation() -> None:
+    arm = open_robot("irb120")
+    with pytest.raises(ConfigurationError, match="no orientation"):
+        inverse(arm, [0.3, 0.1, 0.3])
+    found = inverse(arm, [0.3, 0.1, 0.3], "position", starts=64)
+    assert found.continua
+    assert found.sections()[0].lines == ("Position: (300.0, 100.0, 300.0) mm, base axes.",)

@@ -143,6 +143,12 @@ POSES: dict[str, tuple[str, Callable[[int], str]]] = {
     "numbers of URScript": ("", lambda size: repeated("0,", size, "p[")),
     "names of KRL": ("", lambda size: repeated("A 1, ", size, "{")),
     "orders of a quaternion": ("", lambda size: repeated("wxyz ", size)),
+    "blanks in an array": ("", lambda size: repeated(" ", size, "np.array([1,", ", dtype")),
+    "commas in an array": ("", lambda size: repeated(", ", size, "array(")),
+    "modules of an array": ("", lambda size: repeated("np.", size)),
+    "signs in a message": ("", lambda size: repeated("1-", size, "position: ", "x")),
+    "names in a message": ("", lambda size: repeated("x = ", size, "position: ")),
+    "orientations": ("", lambda size: repeated("orientation ", size, "position: ")),
 }
 CASES = {
     f"{kind}: {name}": (read, ending, make)

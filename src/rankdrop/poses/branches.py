@@ -184,9 +184,9 @@ def inverse(
 
     Args:
         robot: the arm.
-        pose: of the tip in the base frame: (4, 4); x, y, z, roll, pitch, yaw; or x, y, z, qx, qy, qz, qw [m, rad]. Of
-            x, y, z alone the orientation is that of the base. What the task leaves free is ignored, but for the tilt of
-            a tool that no joint tilts.
+        pose: of the tip in the base frame: (4, 4); x, y, z, roll, pitch, yaw; or x, y, z, qx, qy, qz, qw [m, rad]. x,
+            y, z alone do for a task without rotation. What the task leaves free is ignored, but for the tilt of a tool
+            that no joint tilts.
         task: name, rows or Task; None is the task the arm is made for.
         options: starts and seed; its fields are taken as keywords as well.
 
@@ -195,7 +195,7 @@ def inverse(
         is out of reach where there is none.
 
     Raises:
-        ConfigurationError: this is no pose.
+        ConfigurationError: this is no pose, or the task needs an orientation and the pose has none.
         OptionError: an option outside what is allowed.
         TaskError: no such task, or the pose does not determine what it wants.
 
@@ -210,7 +210,7 @@ def inverse(
     check_robot(robot)
     how = InverseOptions.of(options, given)
     resolved = resolve_task(task, robot)
-    goal = matrix_of(pose)
+    goal = _goal_of(pose, resolved)
     aim = Aim(robot, resolved)
     search = SolutionSearch(aim, resolved, goal)
     tilted = tilt_missing(search, how)
@@ -225,6 +225,23 @@ def inverse(
         robot, resolved, how, goal, branches, curves, _most(robot, resolved), search.tried, search.arrived, more,
         None if branches or curves else why_unreached(search, how),
     )  # fmt: skip
+
+
+def _goal_of(pose: ArrayLike, task: Task) -> Array:
+    """(4, 4) the pose that numbers write, with an orientation where the task has rows of rotation.
+
+    Raises:
+        ConfigurationError: as of `matrix_of`, or the orientation is missing.
+    """
+    goal = matrix_of(pose)
+    if np.shape(pose) == (3,) and {3, 4, 5} & set(task.rows):
+        raise ConfigurationError(
+            "the pose has no orientation, and the task needs one", where="pose", got="x,y,z",
+            allowed="x,y,z,roll,pitch,yaw; or x,y,z,qx,qy,qz,qw [m, rad]",
+            mend="task='position', or 'planar-position', asks for the position alone",
+            typed="--task position, or planar-position, asks for the position alone",
+        )  # fmt: skip
+    return goal
 
 
 def _most(robot: Robot, task: Task) -> int | None:
@@ -252,7 +269,7 @@ def self_motion_curves(
     """
     check_robot(robot)
     resolved = resolve_task(task, robot)
-    search = SolutionSearch(Aim(robot, resolved), resolved, matrix_of(pose))
+    search = SolutionSearch(Aim(robot, resolved), resolved, _goal_of(pose, resolved))
     search.run(options or InverseOptions())
     _, _, more = search.isolated_and_curves()
     return tuple(search.curves), more

@@ -33,10 +33,16 @@ def tool_place(robot: Robot, pose: Array) -> str:
         robot: the arm.
         pose: (4, 4) of the tool in the base frame.
     """
-    place, angles = _place_and_angles(robot, pose)
-    at = ", ".join(_fixed_point(value) for value in place)
+    _, angles = _place_and_angles(robot, pose)
     roll, pitch, yaw = (_fixed_point(value, 2) for value in angles)
-    return f"({at}) {_length_unit(robot)}, roll {roll}°, pitch {pitch}°, yaw {yaw}°"
+    return f"{tip_place(robot, pose)}, roll {roll}°, pitch {pitch}°, yaw {yaw}°"
+
+
+def tip_place(robot: Robot, pose: Array) -> str:
+    """Where the tip is, in base axes: "(300.0, 200.0, 400.0) mm"."""
+    place, _ = _place_and_angles(robot, pose)
+    at = ", ".join(_fixed_point(value) for value in place)
+    return f"({at}) {_length_unit(robot)}"
 
 
 def tool_sentence(robot: Robot, pose: Array) -> str:
@@ -281,8 +287,11 @@ def _needed_turn(task: Task, wanted: Array, made: Array) -> Array:
 def inverse_sections(inverse: Any, *, deg: bool) -> tuple[Section, ...]:
     """The count, the solutions, how they were searched."""
     tone = "good" if inverse.inside else "bad"
-    place = tool_place(inverse.robot, inverse.pose)
-    first = Section(inverse.sentence, lines=(f"Pose: {place}, base axes.",), tone=tone)
+    if {3, 4, 5} & set(inverse.task.rows):
+        wanted = f"Pose: {tool_place(inverse.robot, inverse.pose)}"
+    else:
+        wanted = f"Position: {tip_place(inverse.robot, inverse.pose)}"
+    first = Section(inverse.sentence, lines=(f"{wanted}, base axes.",), tone=tone)
     return (first, *_tables(inverse, deg=deg), Section("Search", lines=tuple(_search_lines(inverse))))
 
 

@@ -68,6 +68,11 @@ URSCRIPT_UNITS = "other units need names: x 400mm, y 0mm, z 300mm, roll 180deg, 
 ORDER_IN_DOUBT = "the order of the quaternion is in doubt: its real part is the first number or the last"
 POSE_TEXTS = "X, Y, Z and roll, pitch, yaw; qx, qy, qz, qw; rx, ry, rz; A, B, C; W, P, R; q1 … q4; or none of these"
 """Names of a pose in a text."""
+BY_COLUMNS = "a matrix written column by column, as libfranka writes O_T_EE: its last column is 0 0 0 1"
+"""How a matrix of sixteen numbers was read."""
+LARGEST_IN_METRES = 20.0
+"""A translation beyond it is hardly in metres [m]."""
+MATRIX_UNIT = "write mm or m behind the matrix"
 RAISED = "Z counts from the height of axis 2, {0:.6g} mm above the base, as FANUC counts it"
 
 
@@ -113,11 +118,22 @@ DEGREES_STATED = {
     "objects": 'write "angle": "deg" next to "poses"',
 }
 """How each form of poses states degrees."""
-ROTATIONS_MENDED = (
-    "rotations of {0} poses are replaced by the nearest ones: RᵀR differs from 1 by up to {1:.2g} (pose {2}, which "
-    "turns by {3:.2g}°)"
-)
-"""A note on rotations of few digits."""
+
+
+def mended_rotations(count: int, off: float, number: int, turned: float) -> str:
+    """A note on rotations of few digits: how many poses have one, how far the worst is from one, and which it is.
+
+    Args:
+        count: of the poses with a rotation that was replaced by the nearest one.
+        off: largest entry of |RᵀR − 1|.
+        number: of the worst pose, from 1.
+        turned: how far that one was turned [°].
+    """
+    if count == 1:
+        rotations, by = "the rotation of one pose is replaced by the nearest one", "by"
+    else:
+        rotations, by = f"rotations of {count} poses are replaced by the nearest ones", "by up to"
+    return f"{rotations}: RᵀR differs from 1 {by} {off:.2g} (pose {number}, which turns by {turned:.2g}°)"
 BAG_NOTES = {
     "others": "{0} of {1} messages have none of this arm's joints and are passed over",
     "recording": "headers have no times: those of the recording are taken",

@@ -11,7 +11,7 @@ import numpy as np
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.files import LARGEST_LENGTH, allowed_range
 from rankdrop.robot.model import Array
-from rankdrop.text.path_files import LAST_AXIS, ROTATIONS_ALONE, ROTATIONS_MENDED, TRANSPOSED
+from rankdrop.text.path_files import LAST_AXIS, ROTATIONS_ALONE, TRANSPOSED, mended_rotations
 
 Where = Callable[[int], str]
 ENTRIES = tuple(f"m{row}{column}" for row, column in product(range(4), range(4)))
@@ -95,7 +95,8 @@ def poses_of(values: Array, where: Where, *, most: float = ORTHONORMAL) -> tuple
     if off[worst] <= REPORTED:
         return made, ()
     turned = np.linalg.norm(made[worst, :3, :3] - values[worst, :3, :3]) / np.sqrt(2.0)  # chord of the angle
-    return made, (ROTATIONS_MENDED.format(int((off > REPORTED).sum()), off[worst], worst + 1, np.degrees(turned)),)
+    count = int((off > REPORTED).sum())
+    return made, (mended_rotations(count, float(off[worst]), worst + 1, float(np.degrees(turned))),)
 
 
 def deviation(turns: Array) -> Array:

@@ -5,6 +5,7 @@
 - RAPID: [[x, y, z], [q1, q2, q3, q4], …]; mm, the real part first.
 - Names and values: X = 100 mm, Y = 0 mm, …, W = 180 deg, P = 0 deg, R = 0 deg; x 0.1, …, qw 1, qx 0, qy 0, qz 0.
 - Seven numbers with the order of the quaternion behind them: 0.1,0,0.5,1,0,0,0 wxyz.
+- A homogeneous matrix (`matrix_text`), and a message of ROS (`message_text`).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.errors import OptionError, RankdropError
+from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.path.read.csv_file import UNITS
 from rankdrop.path.read.makers import (
     ABB,
@@ -28,6 +30,8 @@ from rankdrop.path.read.makers import (
     sizes_of,
     writing_of,
 )
+from rankdrop.path.read.matrix_text import matrix_of_text
+from rankdrop.path.read.message_text import message_of_text
 from rankdrop.path.read.program_record import flat, numbers_of
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import quantity
@@ -87,6 +91,9 @@ def pose_of_text(text: str, where: str, *, deg: bool = False, robot: Robot | Non
         [0.1, 0.0, 0.5]
     """
     plain = text.translate(_AS_TYPED).replace("π", "pi").strip()
+    pasted = _of_matrix(plain, where) or _of_message(plain, where)
+    if pasted is not None:
+        return pasted
     if re.match(r"p\s*\[", plain):
         return _of_urscript(plain[1:].strip(), where, deg=deg)
     if plain.startswith("[") and plain[1:].lstrip().startswith("["):
@@ -94,13 +101,24 @@ def pose_of_text(text: str, where: str, *, deg: bool = False, robot: Robot | Non
     order = _ORDER.search(plain)
     if order is not None and not plain[order.end() :].strip(_AFTER_ORDER):
         return _of_quaternion(plain[: order.start()].rstrip(_BEFORE_ORDER), order[1].lower(), where)
-    named = _named_values(plain)
-    if named is None:
+    return _of_named_values(plain, where, deg=deg, robot=robot)
+
+
+def _of_matrix(text: str, where: str) -> PoseText | None:
+    """The place and the quaternion of a matrix; None where the text is none."""
+    matrix = matrix_of_text(text, where)
+    if matrix is None:
         return None
-    default = ""
-    if deg or re.match(r"\{[^{}]*\bA[\s=:]", plain):  # KRL
-        default = "deg"
-    return _of_names(named, where, default=default, deg=deg, robot=robot)
+    w, x, y, z = map(float, orientation_coordinates(matrix.pose[:3, :3], "quaternion"))
+    return PoseText([*map(float, matrix.pose[:3, 3]), x, y, z, w], matrix.notes)
+
+
+def _of_message(text: str, where: str) -> PoseText | None:
+    """The pose in a message of ROS; None where the text is none."""
+    numbers = message_of_text(text, where)
+    if numbers is None:
+        return None
+    return PoseText(numbers, ())
 
 
 def _of_urscript(text: str, where: str, *, deg: bool) -> PoseText:
@@ -146,6 +164,17 @@ def _of_quaternion(numbers: str, order: str, where: str) -> PoseText:
     values = [_value(word, "length", where) for word in words[:3]]
     turn = dict(zip(order, (_value(word, "number", where) for word in words[3:]), strict=True))
     return PoseText([*values, *(turn[key] for key in "xyzw")], ())
+
+
+def _of_named_values(text: str, where: str, *, deg: bool, robot: Robot | None) -> PoseText | None:
+    """A pose of names and values; angles of KRL are in degrees. None where the text is none."""
+    named = _named_values(text)
+    if named is None:
+        return None
+    default = ""
+    if deg or re.match(r"\{[^{}]*\bA[\s=:]", text):  # KRL
+        default = "deg"
+    return _of_names(named, where, default=default, deg=deg, robot=robot)
 
 
 def _named_values(text: str) -> list[tuple[str, str]] | None:

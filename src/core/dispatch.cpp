@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include "kernels.hpp"
+#include "svd_of_one.hpp"
 
 namespace rankdrop {
 
@@ -47,6 +48,14 @@ std::unique_ptr<Watcher> watch(bool walks, const Chain& chain, const View& view,
     if (avx512::table.width <= lanes) best = avx512::watch;
 #endif
     return best(chain, view, families, settings);
+}
+
+bool svd_of_one([[maybe_unused]] double* matrix, [[maybe_unused]] int rows, [[maybe_unused]] int columns,
+                [[maybe_unused]] double* sigma, [[maybe_unused]] double* vectors) {
+#if defined(RANKDROP_HAVE_X86_SETS)
+    if (kernels().width >= avx2::table.width) return avx2::svd_of_one(matrix, rows, columns, sigma, vectors);
+#endif
+    return false;
 }
 
 const Kernels& narrowest() { return single::table; }

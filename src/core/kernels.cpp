@@ -15,6 +15,7 @@
 #include "newton.hpp"
 #include "set_feet.hpp"
 #include "spread.hpp"
+#include "svd_of_one.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
 namespace {
@@ -90,6 +91,15 @@ void derivative(const Chain& chain, const View& view, const double* q, std::int6
     }
 }
 
+// The SVD of W matrices; with one lane the pairs of columns may have lanes instead.
+void take_apart(Pack* w, int rows, int columns, Precision precision, Pack* sigma, Pack* basis) {
+    if constexpr (W == 1)
+        if (svd_of_one(reinterpret_cast<double*>(w), rows, columns, reinterpret_cast<double*>(sigma),
+                       reinterpret_cast<double*>(basis)))
+            return;
+    svd(w, rows, columns, precision, sigma, basis);
+}
+
 void decompose_range(const Chain& chain, const View& view, const double* q, std::int64_t begin, std::int64_t end,
                      double* sigma, double* u, double* v) {
     const int n = chain.variables, m = view.m, s = m < n ? m : n;
@@ -99,7 +109,7 @@ void decompose_range(const Chain& chain, const View& view, const double* q, std:
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
-        decompose(chain, view, x, u ? s : -1, ws);
+        decompose(chain, view, x, u ? s : -1, ws, take_apart);
         store(ws.sigma, s, count, sigma + row * s, s);
         if (!u) continue;
         store_columns(ws.u, m, m, count, u + row * m * m, m * m, room);
@@ -117,7 +127,7 @@ void block_range(const Chain& chain, const View& view, int rank, const double* q
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
-        decompose(chain, view, x, rank, ws);
+        decompose(chain, view, x, rank, ws, take_apart);
         fill_block(chain, view, rank, ws, parts);
         store(ws.sigma, s, count, out.sigma + row * s, s);
         store(parts.f, p * r, count, out.f + row * p * r, p * r);

@@ -140,10 +140,12 @@ def view_of(robot: Robot, task: Task | str | None) -> _core.View:
     Raises:
         TaskError: the task does not exist.
     """
-    views, name = handles_of(robot).tasks, tuple(task) if isinstance(task, list) else task
-    view = views.get(name)
+    views = handles_of(robot).tasks
+    if isinstance(task, list):
+        task = tuple(task)
+    view = views.get(task)
     if view is None:
-        view = views[name] = task_view(robot, resolve_task(task, robot))
+        view = views[task] = task_view(robot, resolve_task(task, robot))
     return view
 
 

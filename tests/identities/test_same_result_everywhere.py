@@ -21,7 +21,7 @@ from rankdrop.distance.distance import family_distances
 from rankdrop.distance.monitor import Monitor
 from rankdrop.families.searching import METHODS, Search, search
 from rankdrop.kinematics import chain_of, jacobian, jacobian_derivative, link_poses, pose, task_view
-from rankdrop.local.block import block, decompose, joint_scale
+from rankdrop.local.block import block, decompose, joint_scale, singular_values
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.task import BODY, Frame, resolve_task
@@ -146,6 +146,23 @@ def test_every_set_gives_the_same_bits(name: str) -> None:
     _core.choose_instruction_set(name)
     for got, expected in zip(everything(), want, strict=True):
         np.testing.assert_array_equal(got, expected)
+
+
+@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("kinds", ["rrrrrrr", "rrprrr", "rhrpr"])
+def test_one_configuration_gives_the_bits_of_a_batch(kinds: str, name: str) -> None:
+    """Alone, pairs of columns have lanes of their own, at singular configurations too."""
+    robot = arms.random_chain(np.random.default_rng(1), kinds)
+    q = np.random.default_rng(2).uniform(-np.pi, np.pi, (64, robot.n))
+    q[::4], q[1::8, 1:4] = 0.0, 0.0
+    for arm in (robot, arms.pa10()) if robot.n == 7 else (robot,):
+        _core.choose_instruction_set(SETS[0])
+        batch = decompose(arm, q)
+        _core.choose_instruction_set(name)
+        for row, own in enumerate(q):
+            for got, expected in zip(decompose(arm, own), (batch.u, batch.sigma, batch.v), strict=True):
+                np.testing.assert_array_equal(got, expected[row])
+            np.testing.assert_array_equal(singular_values(arm, own), batch.sigma[row])
 
 
 @pytest.mark.parametrize("name", SETS)

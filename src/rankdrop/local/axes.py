@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,8 @@ from rankdrop.task import SPACE
 from rankdrop.tolerances import ALIGNED
 
 Verdicts = NDArray[np.bool_]  # one per configuration
+_KEPT = 16
+"""Scenes of one configuration that are kept: an explanation asks for one several times."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +38,12 @@ class Scene:
         """The scene at configurations (N, n) in which every mimic joint is a joint of its own."""
         free, values, _ = release_mimics(robot, q)
         return cls(free, values, tolerance)
+
+    @staticmethod
+    def at(robot: Robot, q: Array, tolerance: float = ALIGNED, *, every_joint: bool = False) -> Scene:
+        """The scene at one configuration (n,), the same one for the next who asks; `every_joint`: as `of_joints`."""
+        split = every_joint and robot.n < len(robot.joints)
+        return _scene_at(robot, np.asarray(q, dtype=np.float64).tobytes(), tolerance, split)
 
     @cached_property
     def screws(self) -> Array:
@@ -157,6 +165,14 @@ class Scene:
     def small(self, vector: Array) -> Verdicts:
         """Vectors (..., 3) that are zero."""
         return np.asarray(np.linalg.norm(vector, axis=-1) < self.tolerance)
+
+
+@lru_cache(maxsize=_KEPT)
+def _scene_at(robot: Robot, q: bytes, tolerance: float, split: bool) -> Scene:
+    row = np.frombuffer(q)[None]
+    if split:
+        return Scene.of_joints(robot, row, tolerance)
+    return Scene(robot, row, tolerance)
 
 
 def inner_product(a: Array, b: Array) -> Array:

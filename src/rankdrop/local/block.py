@@ -121,7 +121,7 @@ def decompose(robot: Robot, q: ArrayLike, task: Task | str | None = None) -> Dec
     view = view_of(robot, task)
     parts = decompose_one(robot, q, view)
     if parts is not None:
-        return Decomposition(*parts)
+        return tuple.__new__(Decomposition, parts)  # its own constructor takes three times as long
     rows, batch = configurations(robot, q)
     u, sigma, v = _core.decompose(chain_of(robot), view, rows)
     return Decomposition(*(part.reshape(batch + part.shape[1:]) for part in (u, sigma, v)))

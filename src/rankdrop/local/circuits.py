@@ -21,7 +21,7 @@ from rankdrop.kinematics import one_configuration, task_jacobian
 from rankdrop.local.axes import Scene
 from rankdrop.local.block import generic_rank, sigma_of, singular_values, structural_sample, svd
 from rankdrop.local.dependence import describe
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, once
 from rankdrop.task import Task
 from rankdrop.tolerances import DEPENDENT
 
@@ -90,9 +90,8 @@ def circuits_at(
         )  # fmt: skip
     columns = task_jacobian(robot, configuration[None, :], task)
     sets = shared_circuits(columns, tolerance, most=most)
-    usual = _unit_columns(task_jacobian(robot, structural_sample(robot, task, _REGULAR), task))
-    scene = Scene(robot, configuration[None, :])
-    generic = _dependent(usual, sets, tolerance)
+    scene = Scene.at(robot, configuration)
+    generic = _dependent(_usual_columns(robot, task), sets, tolerance)
     dependencies, least = _dependencies(columns[0], sets)
     units = robot.units
     return tuple(
@@ -106,6 +105,12 @@ def circuits_at(
         )
         for members, held, dependency, sigma in zip(sets, generic, dependencies, least, strict=True)
     )
+
+
+@once
+def _usual_columns(robot: Robot, task: Task) -> Array:
+    """(N, m, n) unit columns of the task Jacobian at regular configurations."""
+    return _unit_columns(task_jacobian(robot, structural_sample(robot, task, _REGULAR), task))
 
 
 def blame(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPENDENT) -> tuple[Circuit, ...]:

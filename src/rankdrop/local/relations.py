@@ -70,7 +70,7 @@ def relations_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tupl
         True axes 1, 2 intersect
         True axes 2, 3 parallel
     """
-    here = Scene.of_joints(robot, one_configuration(robot, q)[None], tolerance)
+    here = Scene.at(robot, one_configuration(robot, q), tolerance, every_joint=True)
     elsewhere, always = _structure(robot, tolerance)
     groups = _groups(here)
     structural = [group for group in groups if _holds(elsewhere, group)]

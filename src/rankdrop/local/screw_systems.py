@@ -20,7 +20,7 @@ from rankdrop.local.axes import Scene
 from rankdrop.local.block import generic_rank, structural_sample
 from rankdrop.local.departure import release_mimics
 from rankdrop.local.subgroups import closure, subgroups
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, once
 from rankdrop.robot.numbers import reach
 from rankdrop.sections import words_of
 from rankdrop.task import Task, resolve_task
@@ -90,7 +90,7 @@ def systems_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tuple[
         >>> [(s.numbers, s.kind) for s in systems_at(open_robot("puma560"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6])]
         [((4, 5, 6), 'spherical')]
     """
-    scene = Scene.of_joints(robot, one_configuration(robot, q)[None], tolerance)
+    scene = Scene.at(robot, one_configuration(robot, q), tolerance, every_joint=True)
     pieces: dict[tuple[int, ...], ScrewSystem] = {}
     for kind, dimension, members, keepers in subgroups(scene):
         for joints, structural in _pieces(members, keepers):
@@ -196,6 +196,7 @@ def _lost_by(losses: Sequence[Loss]) -> int:
     return sum(one.lost for one in losses)
 
 
+@once
 def _stay_inside(robot: Robot, joints: tuple[int, ...], dimension: int) -> bool:
     """Whether some joints lie in a subgroup of this dimension at random configurations too."""
     points = structural_sample(robot, resolve_task("pose", robot), _SYSTEM_SAMPLES)
@@ -216,7 +217,7 @@ def _kind_of_all(robot: Robot, q: Array, dimension: int) -> str:
     if dimension == 6:
         return ""
     every = tuple(range(len(robot.joints)))
-    for kind, size, joints, _ in subgroups(Scene.of_joints(robot, q[None])):
+    for kind, size, joints, _ in subgroups(Scene.at(robot, q, every_joint=True)):
         if joints == every and size == dimension:
             return kind
     return ""

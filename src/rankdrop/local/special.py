@@ -209,7 +209,7 @@ def _triples(count: int, turns: bool, sliding: bool) -> list[tuple[Part, int]]:
 
 def _candidates(robot: Robot, q: Array, turns: bool, moves: bool) -> Iterator[Special]:
     """Every condition of the arm, measured at q (n,); `turns`, `moves`: rotation and translation matter."""
-    scene = Scene(robot, q[None])
+    scene = Scene.at(robot, q)
     axes = scene.axes
     if len(axes) < 2:
         return

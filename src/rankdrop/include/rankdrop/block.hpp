@@ -50,14 +50,19 @@ inline void place(const Chain& chain, const View& view, const Pack* q, Workspace
 }
 
 // Singular values at q; U and V by columns, the first `keep` columns of the longer side from J, the rest any completion.
-// keep < 0: singular values only.
-inline void decompose(const Chain& chain, const View& view, const Pack* q, int keep, Workspace& ws) {
+// keep < 0: singular values only. `take_apart` is `svd`, or what does the same.
+template <class TakeApart>
+inline void decompose(const Chain& chain, const View& view, const Pack* q, int keep, Workspace& ws, TakeApart take_apart) {
     const int m = view.m, n = chain.variables;
     place(chain, view, q, ws);
     Pack *narrow = m <= n ? ws.u : ws.v, *wide = m <= n ? ws.v : ws.u;
     const int longer = m <= n ? n : m, shorter = m <= n ? m : n;
-    svd(ws.w, longer, shorter, kExact, ws.sigma, keep < 0 ? nullptr : narrow);
+    take_apart(ws.w, longer, shorter, kExact, ws.sigma, keep < 0 ? nullptr : narrow);
     if (keep >= 0) complete_basis(ws.w, ws.sigma, longer, keep < shorter ? keep : shorter, wide);
+}
+
+inline void decompose(const Chain& chain, const View& view, const Pack* q, int keep, Workspace& ws) {
+    decompose(chain, view, q, keep, ws, svd);
 }
 
 // Of a Jacobian by rows, J or its transpose as it maps the wide side to the narrow one: the left vectors of the first

@@ -150,15 +150,17 @@ class Enclosure : private Expansion {
 
     void judge_balls(std::int64_t row, int count, const EnclosureOutput& out) {
         for (int lane = 0; lane < count; ++lane) {
-            double sigma[6], bound[36];
-            for (int a = 0; a < r_; ++a) sigma[a] = get(ws_.sigma[a], lane);
+            double sigma[6], bound[36], slope[36], bend[36], rest[6];
+            for (int a = 0; a < r_; ++a) sigma[a] = get(ws_.sigma[a], lane), rest[a] = get(third_[a], lane);
+            for (int e = 0; e < r_ * r_; ++e)
+                slope[e] = std::sqrt(get(first_[e], lane)), bend[e] = std::sqrt(get(second_[e], lane));
+            const double slack = get(slack_, lane);
             const auto at = [&](double radius) {
                 const double x = radius * set_.repeats;
                 for (int a = 0; a < r_; ++a)
                     for (int j = 0; j < r_; ++j) {
                         const int e = a * r_ + j;
-                        bound[e] = x * std::sqrt(get(first_[e], lane)) + 0.5 * x * x * std::sqrt(get(second_[e], lane)) +
-                                   x * x * x * get(third_[j], lane) + get(slack_, lane);
+                        bound[e] = x * slope[e] + 0.5 * x * x * bend[e] + x * x * x * rest[j] + slack;
                         bound[e] *= 1.0 + 1e-12;
                     }
                 return regular(sigma, bound, r_);

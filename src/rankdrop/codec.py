@@ -53,7 +53,7 @@ def text(**bounds: Any) -> Any:
     return Annotated[str, Meta(**bounds)]
 
 
-def many(kind: Any) -> Any:
+def list_of(kind: Any) -> Any:
     """Type of a list."""
     return list[kind]
 
@@ -73,7 +73,7 @@ def row(kind: Any, length: int) -> Any:
     return Annotated[list[kind], Meta(min_length=length, max_length=length)]
 
 
-def some(kind: Any, min_length: int = 1, max_length: int | None = None) -> Any:
+def nonempty(kind: Any, min_length: int = 1, max_length: int | None = None) -> Any:
     """Type of a list of at least one entry."""
     return Annotated[list[kind], Meta(min_length=min_length, max_length=max_length)]
 

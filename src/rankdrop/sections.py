@@ -50,7 +50,7 @@ _WORDED = {
     "Analysis": "rankdrop.text.analysis", "Conditions": "rankdrop.text.conditions",
     "Covered": "rankdrop.text.coverings", "PartSet": "rankdrop.text.explanation", "Progress": "rankdrop.text.jobs",
     "Verified": "rankdrop.text.certificates",
-    "Explanation": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
+    "Explanation": "rankdrop.text.explanation", "Far": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
     "FamilyEvidence": "rankdrop.text.family",
     "FamilyName": "rankdrop.text.names", "Dependence": "rankdrop.text.names",
     "ExactConditions": "rankdrop.text.conditions",

@@ -71,11 +71,11 @@ def in_units(robot: Robot) -> Robot:
     """The arm in its own unit of length; itself where it is in it already. Made once for each robot."""
     if robot.exponent is not None:
         return robot
-    return _own(robot)
+    return _in_own_unit(robot)
 
 
 @_once
-def _own(robot: Robot) -> Robot:
+def _in_own_unit(robot: Robot) -> Robot:
     return _with_exponent(robot, exponent(robot))
 
 

@@ -162,7 +162,7 @@ def test_the_clock_counts_work_and_a_share_of_it_ends_with_its_block() -> None:
     assert work_spent() - before == pytest.approx(11.0)
     work.check()
     assert work.remaining == pytest.approx(89.0)
-    assert work.again().remaining == pytest.approx(89.0)
+    assert work.restarted().remaining == pytest.approx(89.0)
 
 
 def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -173,7 +173,7 @@ def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> No
     work.check()
     assert work.remaining == pytest.approx(100.0), "time passes, no work is done"
     now += 0.2 * SAFETY * 100.0
-    for one in (work, work.again()):
+    for one in (work, work.restarted()):
         with pytest.raises(OutOfTime, match="processor's time"):
             one.check()
     work = Work(100.0)

@@ -10,7 +10,7 @@ import pytest
 from known.members import members
 from known.truths import PA10_TABLES
 
-from rankdrop.distance.distance import FamilyDistance, SetDistance, family_distances, feet_on, walls_of
+from rankdrop.distance.distance import SetDistance, family_distances, feet_on, walls_of
 from rankdrop.errors import ConfigurationError
 from rankdrop.families.record import Family
 from rankdrop.formula.equation import System
@@ -18,16 +18,12 @@ from rankdrop.local.block import joint_scale
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explained import Difference, DifferenceKind
-from rankdrop.results.explanation import differences
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.text.verdict import difference_sentence
 from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.analyze import analyze
-from rankdrop.verbs.explain import explain
 
 ARMS = ("pa10", "puma560", "ur5", "panda", "canadarm2", "stanford", "scara", "planar3r")
 _analyses: dict[str, Analysis] = {}
@@ -168,26 +164,6 @@ def test_a_family_that_is_not_singular_is_not_near(rng: np.random.Generator) -> 
     found, other = analysed("pa10"), open_robot("panda")
     records = family_distances(found.families, other, rng.uniform(-3, 3, 7), found.task)
     assert [record.distance for record in records if record.family.corank == 2] == [inf] * 4
-
-
-def test_disagreement_is_said() -> None:
-    far = explain(open_robot("pa10"), [0.1, 1.2, 0.4, 0.3, 0.7, 1.3, 0.2]).far  # θ4 = 0 is the nearest
-    nearest = far.nearest
-    assert nearest is not None
-
-    def verdict(some: tuple[FamilyDistance, ...], **changed: float) -> list[Difference]:
-        changed_far = replace(far, families=some, nearest=replace(nearest, **changed))
-        return list(differences(changed_far, ()))
-
-    first, *rest = far.families
-    assert verdict(far.families) == []
-    assert verdict(tuple(rest)) == [Difference(DifferenceKind.FAMILIES_MISSED)]
-    assert verdict(tuple(replace(one, distance=inf) for one in far.families)) == verdict(tuple(rest))
-    unnamed = replace(first, family=replace(first.family, named=False), distance=inf)
-    assert verdict((*rest, unnamed)) == []  # a family without conditions was not asked
-    (missed,) = verdict(far.families, distance=0.5)
-    told = f"the search missed a nearer point of family {first.family.id} ("
-    assert difference_sentence(missed).startswith(told)
 
 
 def test_one_configuration_is_needed() -> None:

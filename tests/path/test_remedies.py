@@ -419,7 +419,8 @@ def test_bumps_beside_detours_leave_no_singularity_but_those_without_a_bump(
     proposals = [SimpleNamespace(made=check, number=k) for k, check in enumerate(checks)]
     without = SimpleNamespace(core=SimpleNamespace(stretches=(None,)))
     monkeypatch.setattr(remedies, "_bump_proposals", lambda *given: iter(proposals))
-    mender = SimpleNamespace(_bumps=lambda *given: ([None] * bumps, [without] * failed), _again=lambda made: made)
+    left = [None] * bumps, [without] * failed
+    mender = SimpleNamespace(_bumps=lambda *given: left, _check_changed=lambda changed: changed)
     found = remedies._Mender._bumps_beside(mender, SimpleNamespace(bound=bound), CLEARANCE)
     assert found == (None if chosen is None else (proposals[chosen], checks[chosen]))
 

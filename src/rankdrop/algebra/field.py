@@ -271,8 +271,8 @@ def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
         return
     module, prime = flint(), int(f.context().modulus())
     for y in roots(dense(eliminated, 1), prime):
-        one, two = (module.nmod_poly(dense(h.subs({"y": y}), 0), prime) for h in (f, g))
-        for x in roots([int(value) for value in one.gcd(two).coeffs()], prime):
+        f_at_y, g_at_y = (module.nmod_poly(dense(h.subs({"y": y}), 0), prime) for h in (f, g))
+        for x in roots([int(value) for value in f_at_y.gcd(g_at_y).coeffs()], prime):
             yield x, y
 
 
@@ -281,9 +281,9 @@ _LARGEST = 400  # terms that a resultant of three conditions on the way to their
 
 def plane_size(f: Polynomial, g: Polynomial, place: int) -> int:
     """Number of terms that the resultant of two polynomials in one of three variables may have."""
-    one, two = (list(map(int, h.degrees())) for h in (f, g))
-    others = [k for k in range(len(one)) if k != place]
-    return prod(1 + one[k] * two[place] + two[k] * one[place] for k in others)
+    degrees_f, degrees_g = (list(map(int, h.degrees())) for h in (f, g))
+    others = [k for k in range(len(degrees_f)) if k != place]
+    return prod(1 + degrees_f[k] * degrees_g[place] + degrees_g[k] * degrees_f[place] for k in others)
 
 
 def solvable_in_space(conditions: Sequence[Polynomial], moving: int) -> bool:
@@ -341,15 +341,15 @@ def zeros_in_space(conditions: Sequence[Polynomial]) -> list[tuple[int, ...]] | 
 
 def _zeros_in_plane(pair: Sequence[Polynomial], without: int) -> list[tuple[int, int]] | None:
     """The common zeros of two polynomials in two of x, y, z; None where they have a common factor."""
-    one, two = pair
-    if one == 0 or two == 0:
+    first, second = pair
+    if first == 0 or second == 0:
         return None
-    module, prime = flint(), int(one.context().modulus())
+    module, prime = flint(), int(first.context().modulus())
     context = module.nmod_mpoly_ctx.get(["x", "y"], prime, module.Ordering.lex)
     f, g = (
         context.from_dict({tuple(int(x) for k, x in enumerate(e) if k != without): int(c)
                            for e, c in h.to_dict().items()})
-        for h in (one, two)
+        for h in (first, second)
     )  # fmt: skip
     if not f.gcd(g).is_constant():
         return None

@@ -83,8 +83,8 @@ def replace_angles(
     groups: dict[Any, list[tuple[tuple[int, ...], Any]]] = {}
     for item in items:
         groups.setdefault(key(item[0], place), []).append(item)
-    inner = ((one, replace_angles(group, angles, key, value, rest, place + 1)) for one, group in groups.items())
-    return reduce(add, (value(place, one) * part for one, part in inner))
+    inner = ((power, replace_angles(group, angles, key, value, rest, place + 1)) for power, group in groups.items())
+    return reduce(add, (value(place, power) * part for power, part in inner))
 
 
 class Memory(dict[Any, Any]):
@@ -467,11 +467,11 @@ class Form:
         factors = factor(f)
         letters = list[tuple[Polynomial, int]]()
         atoms = [(ring.pin(joint, "pi"), multiplicity) for joint, multiplicity in self.at_pi]
-        for one, multiplicity in factors:
-            if all(place >= ring.moving for place in variables_in(one)):
-                letters.append((primitive(one), multiplicity))
-            elif not ring.is_unit(one):
-                atoms.append((ring.atom(one), multiplicity))
+        for irreducible, multiplicity in factors:
+            if all(place >= ring.moving for place in variables_in(irreducible)):
+                letters.append((primitive(irreducible), multiplicity))
+            elif not ring.is_unit(irreducible):
+                atoms.append((ring.atom(irreducible), multiplicity))
         return Factors(tuple(letters), tuple(atoms))
 
 

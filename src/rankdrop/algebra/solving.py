@@ -117,8 +117,8 @@ def atoms(form: Form, work: Work) -> list[Atom]:
     zero for a plain reason; empty where it never does. Lengths are assumed not to vanish.
     """
     letters, every = form.factors()
-    for one, _ in letters:
-        work.assume(one)
+    for letter, _ in letters:
+        work.assume(letter)
     return [atom for atom, _ in every if atom.is_pin or not plainly_positive(form.ring, atom.f)]
 
 
@@ -169,8 +169,8 @@ def without_real_zero(ring: Ring, system: Sequence[Polynomial]) -> bool:
     places = sorted(used_by(system))
     if len(places) != 2 or places[1] >= ring.moving:
         return False
-    one, two = places
-    kept = chain(_projections(ring, system, one, two), _projections(ring, system, two, one))
+    first, second = places
+    kept = chain(_projections(ring, system, first, second), _projections(ring, system, second, first))
     return any(map(_never_real, kept))
 
 
@@ -182,8 +182,8 @@ def _projections(ring: Ring, system: Sequence[Polynomial], place: int, other: in
             common = common.gcd(f)
             yield common
     for f, g in combinations(sorted(system, key=len), 2):
-        one, two = f.degrees(), g.degrees()
-        if not one[other] * two[other] or one[place] * two[other] + one[other] * two[place] > _ROOTED:
+        m, n = f.degrees(), g.degrees()
+        if not m[other] * n[other] or m[place] * n[other] + m[other] * n[place] > _ROOTED:
             continue
         tick(100 + 5 * len(f) * len(g))
         common = common.gcd(f.resultant(g, ring.names[other]))
@@ -235,10 +235,10 @@ def remainder(ring: Ring, g: Polynomial, f: Polynomial, k: int, work: Work) -> F
 
 def eliminable(f: Polynomial, g: Polynomial, k: int) -> bool:
     """Whether the resultant is worth its time: it cannot be interrupted."""
-    one, two = f.degrees(), g.degrees()
-    if len(f) * len(g) > _LARGE or int(one[k]) * int(two[k]) > _DEGREE:
+    m, n = f.degrees(), g.degrees()
+    if len(f) * len(g) > _LARGE or int(m[k]) * int(n[k]) > _DEGREE:
         return False
-    powers = (1 + a * two[k] + b * one[k] for place, (a, b) in enumerate(zip(one, two, strict=True)) if place != k)
+    powers = (1 + a * n[k] + b * m[k] for place, (a, b) in enumerate(zip(m, n, strict=True)) if place != k)
     return prod(map(int, powers)) <= _POWERS
 
 
@@ -304,7 +304,7 @@ def binds_more(
 def _in_two_variables(system: Sequence[Polynomial], moving: int) -> Iterator[list[Polynomial]]:
     """Three or more conditions of a system on the same two variables: they rarely have a zero, whatever the others."""
     places = [{place for place in variables_in(f) if place < moving} for f in system]
-    for pair in {tuple(sorted(one)) for one in places if len(one) == 2}:
+    for pair in {tuple(sorted(places_of_set)) for places_of_set in places if len(places_of_set) == 2}:
         part = [f for f, here in zip(system, places, strict=True) if here <= {*pair}]
         if 2 < len(part) < len(system):
             yield part

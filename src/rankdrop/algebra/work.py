@@ -148,7 +148,7 @@ class Work:
         finally:
             self._end = end
 
-    def again(self) -> Work:
+    def restarted(self) -> Work:
         """A derivation begun anew, with the same limits."""
         new = Work(self.remaining, self.seed, self._progress)
         new._last = self._last

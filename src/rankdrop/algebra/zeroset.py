@@ -127,18 +127,18 @@ class ZeroSet:
     def _chosen(self, point: Point) -> bool:
         """Whether what else vanishes does at a point of the conditions, and what does not does not."""
         return all(value_at(self.ring, p, point) == 0 for p in self.zero) and not any(
-            holds(self.ring, one, point) for one in self.nonzero
+            holds(self.ring, condition, point) for condition in self.nonzero
         )
 
     def _fill_in(self, values: Point) -> bool:
         """Give the solved variables their values; whether each has one."""
         prime = values.prime
-        for one in reversed(self.solved):
-            bottom = value_at(self.ring, one.denominator, values)
+        for solved in reversed(self.solved):
+            bottom = value_at(self.ring, solved.denominator, values)
             if bottom == 0:
                 return False
-            top = value_at(self.ring, one.numerator, values)
-            values[self.ring.names[one.place]] = top * pow(bottom, -1, prime) % prime
+            top = value_at(self.ring, solved.numerator, values)
+            values[self.ring.names[solved.place]] = top * pow(bottom, -1, prime) % prime
         return True
 
     def _solve_rest(self, values: Point, rng: random.Random) -> bool:
@@ -186,7 +186,7 @@ class ZeroSet:
 
     def _moving(self, f: Polynomial) -> list[int]:
         """Places of the variables of joints in a condition that no other one is solved for."""
-        taken = {one.place for one in self.solved}
+        taken = {solved.place for solved in self.solved}
         return [place for place in variables_in(f) if place < self.ring.moving and place not in taken]
 
     def _towers(self, values: Point, place: int) -> Iterator[Point]:
@@ -194,16 +194,16 @@ class ZeroSet:
         if place >= len(self.rest):
             yield values
             return
-        own = self._own(self._unsolved_in_order, place)
+        own = self._new_variable(self._unsolved_in_order, place)
         if own is None:
             return
         name = self.ring.names[own]
         for root in roots(univariate(self.ring, self._unsolved_in_order[place], name, values), values.prime):
             yield from self._towers(values.replace_values({name: root}), place + 1)
 
-    def _own(self, conditions: Sequence[Polynomial], place: int) -> int | None:
+    def _new_variable(self, conditions: Sequence[Polynomial], place: int) -> int | None:
         """A variable of one of some conditions that those before it are not in; None where there is none."""
-        before = used_by(conditions[:place]) | {one.place for one in self.solved}
+        before = used_by(conditions[:place]) | {solved.place for solved in self.solved}
         return next((p for p in variables_in(conditions[place]) if p < self.ring.moving and p not in before), None)
 
     @cached_property
@@ -218,7 +218,7 @@ class ZeroSet:
             ordered = list(pair)
             waiting = leave_out(sorted(self.rest, key=len), pair)
             while waiting:
-                top = next((f for f in waiting if self._own([*ordered, f], len(ordered)) is not None), None)
+                top = next((f for f in waiting if self._new_variable([*ordered, f], len(ordered)) is not None), None)
                 if top is None:
                     break
                 ordered.append(top)
@@ -274,7 +274,7 @@ class ZeroSet:
     @cached_property
     def _base(self) -> int:
         """How many unsolved conditions are solved together: three where the third has no variable of its own."""
-        if len(self.rest) > 2 and self._own(self._unsolved_in_order, 2) is None:
+        if len(self.rest) > 2 and self._new_variable(self._unsolved_in_order, 2) is None:
             return 3
         return 2
 
@@ -393,29 +393,29 @@ class ZeroSet:
     def _solves(self, point: Point) -> bool:
         """Whether every solution exists at a point and is the one there, and the point is in the part that is meant."""
         ring = self.ring
-        if any(holds(ring, one, point) for one in self.nonzero):
+        if any(holds(ring, solved, point) for solved in self.nonzero):
             return False
         far = {j: "pi" for j in ring.revolute if f"t{j}" not in point}
-        for one in self.solved:
-            if ring.names[one.place] not in point:
+        for solved in self.solved:
+            if ring.names[solved.place] not in point:
                 return False
-            degrees = tuple(map(max, *(ring.form(f).degrees for f in (one.numerator, one.denominator))))
-            bottom, top = (Form(ring, f, degrees).at(far).f for f in (one.denominator, one.numerator))
+            degrees = tuple(map(max, *(ring.form(f).degrees for f in (solved.numerator, solved.denominator))))
+            bottom, top = (Form(ring, f, degrees).at(far).f for f in (solved.denominator, solved.numerator))
             divisor = value_at(self.ring, bottom, point)
-            if divisor == 0 or (point[ring.names[one.place]] * divisor - value_at(ring, top, point)) % point.prime:
+            if divisor == 0 or (point[ring.names[solved.place]] * divisor - value_at(ring, top, point)) % point.prime:
                 return False
         return True
 
 
-def _has_matching(own: Sequence[set[int]], moving: Sequence[int]) -> bool:
+def _has_matching(places: Sequence[set[int]], moving: Sequence[int]) -> bool:
     """Whether each condition can be given a moving variable of its own."""
-    return any(all(place in mine for place, mine in zip(one, own, strict=True)) for one in permutations(moving))
+    return any(all(place in mine for place, mine in zip(order, places, strict=True)) for order in permutations(moving))
 
 
 def independent(pieces: Sequence[ZeroSet]) -> list[ZeroSet]:
     """The sets that lie in no other one."""
     kept: list[ZeroSet] = []
-    for one in sorted(pieces, key=lambda v: v.codimension):
-        if not any(one.lies_inside(other) for other in kept):
-            kept.append(one)
+    for piece in sorted(pieces, key=lambda v: v.codimension):
+        if not any(piece.lies_inside(other) for other in kept):
+            kept.append(piece)
     return kept

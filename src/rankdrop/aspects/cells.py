@@ -120,32 +120,32 @@ class Shadow:
 
 @dataclass(frozen=True, eq=False)
 class Either:
-    """h = max(one, other): positive where one of the two is."""
+    """h = max(first, second): positive where one of the two is."""
 
-    one: Positive
-    other: Positive
+    first: Positive
+    second: Positive
 
     @property
     def joints(self) -> tuple[int, ...]:
         """Joints it depends on."""
-        return tuple(sorted({*self.one.joints, *self.other.joints}))
+        return tuple(sorted({*self.first.joints, *self.second.joints}))
 
     def over(self, middles: Mapping[int, Array], radius: float) -> Interval:
         """Enclosures of h."""
-        one, other = self.one.over(middles, radius), self.other.over(middles, radius)
-        return Interval(np.maximum(one.low, other.low), np.maximum(one.high, other.high))
+        first, second = self.first.over(middles, radius), self.second.over(middles, radius)
+        return Interval(np.maximum(first.low, second.low), np.maximum(first.high, second.high))
 
     def slopes_over(self, middles: Mapping[int, Array], radius: float) -> dict[int, Interval]:
         """Enclosures of its derivatives: those of the larger one, or of both where that is not decided."""
-        one, other = self.one.over(middles, radius), self.other.over(middles, radius)
-        slopes = [some.slopes_over(middles, radius) for some in (self.one, self.other)]
-        zero = Interval(np.zeros(len(one.low)), np.zeros(len(one.low)))
-        first, second = one.low > other.high, other.low > one.high
+        first, second = self.first.over(middles, radius), self.second.over(middles, radius)
+        slopes = [part.slopes_over(middles, radius) for part in (self.first, self.second)]
+        zero = Interval(np.zeros(len(first.low)), np.zeros(len(first.low)))
+        first_larger, second_larger = first.low > second.high, second.low > first.high
         bounds = {}
         for joint in self.joints:
-            a, b = (some.get(joint, zero) for some in slopes)
-            low = np.where(first, a.low, np.where(second, b.low, np.minimum(a.low, b.low)))
-            high = np.where(first, a.high, np.where(second, b.high, np.maximum(a.high, b.high)))
+            a, b = (slopes_of_part.get(joint, zero) for slopes_of_part in slopes)
+            low = np.where(first_larger, a.low, np.where(second_larger, b.low, np.minimum(a.low, b.low)))
+            high = np.where(first_larger, a.high, np.where(second_larger, b.high, np.maximum(a.high, b.high)))
             bounds[joint] = Interval(low, high)
         return bounds
 
@@ -285,12 +285,12 @@ def _grids(conditions: Sequence[Condition], box: Box) -> Iterator[Grid]:
     yield from (grid for grid in finer if grid.cells <= MOST_CELLS)
 
 
-def _better(one: Parts, other: Parts) -> Parts:
+def _better(first: Parts, second: Parts) -> Parts:
     """Of two grids: the larger proven lower number, the upper one that is proven, or of the finer grid."""
-    at_least = max(one.at_least, other.at_least)
-    if one.proven and other.proven:
-        return Parts(at_least, min(one.at_most, other.at_most), proven=True)
-    upper = one if one.proven else other
+    at_least = max(first.at_least, second.at_least)
+    if first.proven and second.proven:
+        return Parts(at_least, min(first.at_most, second.at_most), proven=True)
+    upper = first if first.proven else second
     return Parts(at_least, max(upper.at_most, at_least), upper.proven)
 
 
@@ -415,12 +415,12 @@ def connected_components(count: int, edges: Labels) -> Labels:
     """(count,) a number for each node of a graph, the same for those that edges (2, E) join: the least node there."""
     label = np.arange(count)
     while True:
-        one, two = label[edges[0]], label[edges[1]]
-        apart = one != two
+        left, right = label[edges[0]], label[edges[1]]
+        apart = left != right
         if not apart.any():
             return label
         edges = edges[:, apart]
-        low, high = np.minimum(one, two)[apart], np.maximum(one, two)[apart]
+        low, high = np.minimum(left, right)[apart], np.maximum(left, right)[apart]
         np.minimum.at(label, high, low)
         while True:  # every node to the root of its tree
             above = label[label]

@@ -249,8 +249,8 @@ def aspects_of(
     try:
         roadmap = Roadmap(there, there_task, how.seed, how.limits)
         by_signs = count.signs_decide and not how.limits
-        for one, best in _solve_poses(roadmap, places, how, decision, progress, by_signs=by_signs):
-            named = _name_solutions(robot, one, signs)
+        for solved_pose, best in _solve_poses(roadmap, places, how, decision, progress, by_signs=by_signs):
+            named = _name_solutions(robot, solved_pose, signs)
             solved.append(_by_signs(named, count, numeric, limits=how.limits))
             change = best
     except KeyboardInterrupt:
@@ -318,10 +318,10 @@ def _solve_poses(
         if number > how.poses and _is_settled(decision, change):
             break
         needless = decision.impossible or (by_signs and change is not None)
-        one, ways = _solve(roadmap, place, how, near_cusp, ways_wanted=not needless)
+        solved_pose, ways = _solve(roadmap, place, how, near_cusp, ways_wanted=not needless)
         change = _best(change, ways)
         if change is not None or not near_cusp:
-            yield one, change
+            yield solved_pose, change
         if progress is not None:
             progress(number, how.poses if _is_settled(decision, change) else len(places))
 
@@ -578,10 +578,10 @@ class Roadmap:
     def _determinants(self, nodes: Array) -> Array:
         return determinants(self.robot, self.task, nodes * self.scale)
 
-    def _difference(self, one: Array, other: Array) -> Array:
+    def _difference(self, start: Array, end: Array) -> Array:
         if self.limits:
-            return other - one
-        return joint_difference(self.robot, one, other)
+            return end - start
+        return joint_difference(self.robot, start, end)
 
 
 def _widest(count: int, edges: Index, weights: Array, start: int, end: int) -> list[int]:

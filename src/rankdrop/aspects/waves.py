@@ -77,7 +77,7 @@ class Wave:
         steps = np.abs(self.frequencies)
         return np.asarray(np.einsum("k,ka,kb->ab", size, steps, steps))
 
-    def _own(self, middles: Mapping[int, Array]) -> Any:
+    def _exponentials(self, middles: Mapping[int, Array]) -> Any:
         """(N, K) exp(i k·θ) at the middles of cells."""
         if middles:
             count = len(next(iter(middles.values())))
@@ -90,7 +90,7 @@ class Wave:
 
     def jets(self, middles: Mapping[int, Array]) -> tuple[Array, Array]:
         """(N,) values and (N, d) derivatives at points, the angles by joint number [rad]."""
-        terms = self._own(middles) * self.amplitudes
+        terms = self._exponentials(middles) * self.amplitudes
         slopes = (1j * (terms @ self.frequencies)).real
         return np.asarray(terms.sum(axis=1).real), np.asarray(slopes)
 

@@ -78,7 +78,7 @@ def _agrees(
 ) -> bool:
     """Whether J · adj J = det J · 1 at a random point modulo the prime."""
     n, point = len(rows), random_point(ring, random.Random(seed))
-    (one, _), (two, _) = (residues(ring, matrix, [point])[0] for matrix in (rows, adjugate))
+    (jacobian, _), (adjoint, _) = (residues(ring, matrix, [point])[0] for matrix in (rows, adjugate))
     middle = value_at(ring, whole, point)
-    entries = ((i, j, sum(one[i][k] * two[k][j] for k in range(n)) % P) for i in range(n) for j in range(n))
+    entries = ((i, j, sum(jacobian[i][k] * adjoint[k][j] for k in range(n)) % P) for i in range(n) for j in range(n))
     return all(value == (middle if i == j else 0) for i, j, value in entries)

@@ -94,7 +94,7 @@ def values_of(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, 
         moving = exponents[: len(powers)]
         numbers[moving] = numbers.get(moving, 0.0) + number
         amounts[moving] = amounts.get(moving, 0.0) + abs(number)
-    sizes = [[np.maximum(np.abs(x), 1.0) for x in one] for one in powers]
+    sizes = [[np.maximum(np.abs(x), 1.0) for x in powers_of_variable] for powers_of_variable in powers]
     return (
         add_terms(((number, exponents) for exponents, number in numbers.items()), powers),
         add_terms(((amount, exponents) for exponents, amount in amounts.items()), sizes),
@@ -398,7 +398,7 @@ def conjunctions(
     rest = {cases - common for cases in sets}
     cases = [Conjunction((Equality((atom,)),), unequal) for atom in sorted(common, key=order)]
     if all(rest):  # a polynomial that is the common factors alone leaves no more
-        least = [equality_of(one) for one in smallest_sets(rest)]
+        least = [equality_of(cases_left) for cases_left in smallest_sets(rest)]
         cases.append(Conjunction((*sorted(least, key=place_of), *whole), unequal))
     return tuple(cases)
 

@@ -233,8 +233,8 @@ def _equal(chain: Chain, f: Polynomial) -> EqualLengths | None:
     terms = list(primitive(f).terms())
     if len(terms) != 2 or f.total_degree() != 1 or any(abs(value) != 1 for _, value in terms):
         return None
-    (one, first), (two, second) = ((names[list(powers).index(1)], value) for powers, value in terms)
-    return EqualLengths(one, 1 if first != second else -1, two)
+    (first_name, first), (second_name, second) = ((names[list(powers).index(1)], value) for powers, value in terms)
+    return EqualLengths(first_name, 1 if first != second else -1, second_name)
 
 
 def _special_families(

@@ -395,7 +395,7 @@ def _cusps_and_nodes(known: Regional) -> tuple[tuple[Pair, ...], tuple[Pair, ...
             continue
         form = known.ring.form(d)
         wider = tuple(degree + 2 for degree in form.degrees)
-        cusps += _zeros((form, *(Form(known.ring, one, wider) for one in tangents)))
+        cusps += _zeros((form, *(Form(known.ring, tangent, wider) for tangent in tangents)))
     form = known.ring.form(whole)
     nodes = _zeros((form, *(replace(form, f=slope) for slope in _slopes(known, whole))))
     smooth = [place for place in cusps if not any(abs(place[0] - a) + abs(place[1] - b) < 1e-9 for a, b in nodes)]

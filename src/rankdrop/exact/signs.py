@@ -533,13 +533,13 @@ def families_between(chain: Chain, first: ArrayLike, second: ArrayLike, *, signs
         known = signs
     else:
         known = signs_of(chain)
-    one, two = (configuration_flags(chain, q, signs=known) for q in (first, second))
-    products = [(a.sign or 0) * (b.sign or 0) for a, b in zip(one.flags, two.flags, strict=True)]
-    start, end = np.array(one.q), np.array(two.q)
+    first_flags, second_flags = (configuration_flags(chain, q, signs=known) for q in (first, second))
+    products = [(a.sign or 0) * (b.sign or 0) for a, b in zip(first_flags.flags, second_flags.flags, strict=True)]
+    start, end = np.array(first_flags.q), np.array(second_flags.q)
     crossings = flat_map(lambda k: _crossings(known, k, start, end), range(len(known.factors)))
     return Between(
-        first=one,
-        second=two,
+        first=first_flags,
+        second=second_flags,
         parting=tuple(i for i, x in enumerate(products) if x < 0),
         equal=tuple(i for i, x in enumerate(products) if x > 0),
         open=tuple(i for i, x in enumerate(products) if x == 0),

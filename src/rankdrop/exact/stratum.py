@@ -93,7 +93,7 @@ class Stratum:
     def separating_polynomial(self, other: Stratum) -> Polynomial | None:
         """A polynomial that is = 0 on one of the two strata and ≠ 0 on the other: they have no point in common."""
         pairs = ((self, other), (other, self))
-        return next((p for one, two in pairs for p in one.equalities if p in two.inequalities), None)
+        return next((p for first, second in pairs for p in first.equalities if p in second.inequalities), None)
 
     @cached_property
     def pins(self) -> dict[int, tuple[str, ...]]:

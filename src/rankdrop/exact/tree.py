@@ -197,8 +197,8 @@ class _Known:
         rng = random.Random(_SEED)
         values = {name: rng.randrange(1, prime) for k, name in enumerate(names) if k != place}
         tick(20 + 0.2 * (len(f) + len(g)))
-        one, two = f.subs(values), g.subs(values)
-        return bool(one.gcd(two).total_degree() > 0)
+        f_there, g_there = f.subs(values), g.subs(values)
+        return bool(f_there.gcd(g_there).total_degree() > 0)
 
     def eliminate_pairs(self, work: Work, until: float) -> Iterator[Polynomial]:
         """Resultants of pairs in few variables together, which are kept as well; none begun after so much work."""
@@ -207,9 +207,10 @@ class _Known:
         pool = sorted([*singles, *self._kept], key=len)
         pairs = []
         for f, g in combinations(pool, 2):
-            one, two = ({k for k in range(self._moving) if h.degrees()[k]} for h in (f, g))
-            if one & two and len(f) * len(g) <= _COST.get(len(one | two), 0):
-                pairs += [(one | two, len(f) * len(g), f, g, k) for k in one & two if _size(f, g, k) <= _TERMS]
+            variables_f, variables_g = ({k for k in range(self._moving) if h.degrees()[k]} for h in (f, g))
+            if variables_f & variables_g and len(f) * len(g) <= _COST.get(len(variables_f | variables_g), 0):
+                cheap = (k for k in variables_f & variables_g if _size(f, g, k) <= _TERMS)
+                pairs += [(variables_f | variables_g, len(f) * len(g), f, g, k) for k in cheap]
         for together, cost, f, g, k in sorted(pairs, key=lambda pair: (len(pair[0]), pair[1])):
             key = (id(f), id(g), k)
             if key in self._tried:
@@ -230,9 +231,9 @@ class _Known:
 
 def _size(f: Polynomial, g: Polynomial, place: int) -> int:
     """Number of terms that the resultant of two polynomials may have."""
-    one, two = (list(map(int, h.degrees())) for h in (f, g))
-    a, b = one[place], two[place]
-    return prod(1 + b * x + a * y for k, (x, y) in enumerate(zip(one, two, strict=True)) if k != place)
+    degrees_f, degrees_g = (list(map(int, h.degrees())) for h in (f, g))
+    a, b = degrees_f[place], degrees_g[place]
+    return prod(1 + b * x + a * y for k, (x, y) in enumerate(zip(degrees_f, degrees_g, strict=True)) if k != place)
 
 
 _EASY = 0.2  # work on one set before a proof is tried that it holds nothing of a lower rank [s]

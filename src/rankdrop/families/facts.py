@@ -161,11 +161,11 @@ def _stretched_arm_facts(structure: Structure) -> Iterator[Fact]:
     """The wrist centre is farthest from the centre of a spherical shoulder, or nearest to it."""
     if structure.shoulder and structure.wrist:
         # a force along the line from shoulder to wrist centre meets the axes there and is reciprocal to those between
-        yield _own(lambda s: _reach_stationary(structure, s), Detail(Geometry.STRETCHED), (), _ELBOW)
+        yield _detailed_fact(lambda s: _reach_stationary(structure, s), Detail(Geometry.STRETCHED), (), _ELBOW)
     elif structure.shoulder and structure.wrist_point:
         # the same of the point that the wrist turns about, where its last axis passes it by
         nearly = Detail(Geometry.NEARLY_STRETCHED)
-        yield _own(lambda s: _reach_stationary(structure, s, structure.wrist_point), nearly, (), _ELBOW, 0)
+        yield _detailed_fact(lambda s: _reach_stationary(structure, s, structure.wrist_point), nearly, (), _ELBOW, 0)
 
 
 def _coplanar_elbow(structure: Structure, bundle: tuple[int, ...]) -> Iterator[Fact]:
@@ -180,18 +180,18 @@ def _coplanar_elbow(structure: Structure, bundle: tuple[int, ...]) -> Iterator[F
     elif len(bundle) >= 3:
         # parallel lines of one plane span a screw system of rank 2, those of space 3
         detail = Detail(Geometry.COPLANAR, (bundle,))
-        yield _own(_coplanar(bundle), detail, bundle, _ELBOW, 1 if len(bundle) == 3 else 0)
+        yield _detailed_fact(_coplanar(bundle), detail, bundle, _ELBOW, 1 if len(bundle) == 3 else 0)
 
 
 def _with_centre(structure: Structure, axes: tuple[int, ...]) -> Fact:
     detail = Detail(Geometry.COPLANAR_WITH_CENTRE, (axes,), centre=structure.centre_kind)
-    return _own(lambda s: s.coplanar(axes, structure.centre(s)), detail, axes, _ELBOW)
+    return _detailed_fact(lambda s: s.coplanar(axes, structure.centre(s)), detail, axes, _ELBOW)
 
 
 _SHOULDER, _ELBOW, _WRIST = (ArmPart.SHOULDER,), (ArmPart.ELBOW,), (ArmPart.WRIST,)
 
 
-def _own(
+def _detailed_fact(
     holds: Callable[[Scene], Verdicts], detail: Detail, joints: tuple[int, ...], roles: tuple[ArmPart, ...] = (),
     losses: int = 1,
 ) -> Fact:  # fmt: skip
@@ -224,7 +224,7 @@ def _spherical(structure: Structure) -> Iterator[Fact]:
     """Three axes through one point and in one plane: rank 2. Two of them on one line is another fact."""
     for roles, joints in ((_SHOULDER, structure.shoulder), (_WRIST, structure.wrist)):
         if joints:
-            yield _own(_fan(joints), Detail(Geometry.COPLANAR, (joints,)), joints, roles)
+            yield _detailed_fact(_fan(joints), Detail(Geometry.COPLANAR, (joints,)), joints, roles)
 
 
 def _centre(structure: Structure) -> Iterator[Fact]:
@@ -239,12 +239,12 @@ def _centre(structure: Structure) -> Iterator[Fact]:
             # the line through the centre along axis 2 meets axis 1, and axes 2 and 3 (parallel, or in the same plane)
             holds = _in_shoulder_plane(structure.centre)
             in_plane = Detail(Geometry.CENTRE_IN_PLANE, ((0, 1),), centre=structure.centre_kind, plane=plane)
-            yield _own(holds, in_plane, (0, 1), _SHOULDER)
+            yield _detailed_fact(holds, in_plane, (0, 1), _SHOULDER)
     elif n == 6 and plane and _is_ur_type(structure):
         # the line through that point along axis 2 meets or is parallel to every axis
         holds = _in_shoulder_plane(lambda s: s.common_point((4, 5))[0])
         meet = Detail(Geometry.AXES_MEET_IN_PLANE, ((4, 5), (0, 1)), plane=plane)
-        yield _own(holds, meet, (0, 1, 4, 5), _SHOULDER)
+        yield _detailed_fact(holds, meet, (0, 1, 4, 5), _SHOULDER)
 
 
 def _centre_on_axes(structure: Structure) -> Iterator[Fact]:
@@ -252,7 +252,7 @@ def _centre_on_axes(structure: Structure) -> Iterator[Fact]:
     for i in structure.scene.axes:
         if i not in structure.wrist:
             on_axis = Detail(Geometry.CENTRE_ON_AXIS, ((i,),), centre=structure.centre_kind)
-            yield _own(_centre_on(structure, i), on_axis, (i,), _SHOULDER if i == 0 else ())
+            yield _detailed_fact(_centre_on(structure, i), on_axis, (i,), _SHOULDER if i == 0 else ())
 
 
 def _parallel(structure: Structure, scene: Scene) -> Iterator[Fact]:
@@ -260,7 +260,7 @@ def _parallel(structure: Structure, scene: Scene) -> Iterator[Fact]:
         # four parallel axes are four screws of a system of rank 3
         yield Fact(_all_pairs("parallel", group), Geometry.PARALLEL, group, losses=max(0, len(group) - 3))
         if len(group) > 2 and group not in structure.bundles:
-            yield _own(_coplanar(group), Detail(Geometry.PARALLEL_AND_COPLANAR, (group,)), group, losses=0)
+            yield _detailed_fact(_coplanar(group), Detail(Geometry.PARALLEL_AND_COPLANAR, (group,)), group, losses=0)
 
 
 def _perpendicular(scene: Scene) -> Iterator[Fact]:

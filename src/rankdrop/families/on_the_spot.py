@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.fit import FamilyPoints, fitted_equations, group_by_signature, linear_rows, smooth
+from rankdrop.families.incidence import Incidence, families_at
 from rankdrop.families.inspection import Inspection, Signature, inspect
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import name_family, shorten_names
@@ -287,6 +288,32 @@ class _Spot:
             local=local,
             slides=tuple(i + 1 for i in slides_of(self.robot)),
         )
+
+
+def families_through(
+    robot: Robot,
+    q: Array,
+    task: Task,
+    corank: int,
+    families: Sequence[Family],
+    *,
+    source: str,
+    seed: int,
+    tolerances: Tolerances = DEFAULT,
+) -> tuple[Incidence, ...]:
+    """The families that a singular configuration lies on; named on the spot where none of its corank is known.
+
+    Args:
+        robot, q, task, corank, seed: as for `name_on_the_spot`.
+        families: known families of the arm, of all coranks.
+        source: of these, as `Incidence.source` says it.
+        tolerances: decide which known families hold.
+    """
+    incidences = families_at(families, robot, q, task, tolerances, source)
+    if incidences and incidences[0].family.corank >= corank:
+        return incidences
+    local = name_on_the_spot(robot, q, task, corank, seed=seed)
+    return (Incidence(local, 0.0, "on the spot"), *incidences)
 
 
 def _values(linear: Linear, points: Array) -> Values:

@@ -102,7 +102,7 @@ def draw_singular(
             where="method", got="reciprocal", mend=_MEND, typed=_TYPED,
         )  # fmt: skip
     q, sigma, stratum = _interleave(parts, count)
-    names = tuple(one.name for one in strata) if have else ()
+    names = tuple(wrench_set.name for wrench_set in strata) if have else ()
     return q, sigma, stratum, names, complete
 
 
@@ -141,7 +141,7 @@ def _strata(arm: _Chain, problem: Problem) -> list[_Stratum]:
 def _interleave(parts: Sequence[_Drawn], count: int) -> tuple[Array, Array, NDArray[np.int32]]:
     """The first `count` of all configurations, one stratum after the other, so that a part has all of them."""
     q, sigma = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
-    stratum = np.concatenate([np.full(len(one), k, dtype=np.int32) for one, _, k in parts])
+    stratum = np.concatenate([np.full(len(points), k, dtype=np.int32) for points, _, k in parts])
     turn = np.zeros(len(q), dtype=np.int64)
     for k in np.unique(stratum):
         turn[stratum == k] = np.arange(int((stratum == k).sum()))
@@ -415,9 +415,9 @@ class _Chain:
             zeros = []
             for slope in (False, True):  # double zeros of the determinant are simple ones of its derivative
                 rows, roots = _zeros(waves, slope)
-                one = q[rows]
-                one[:, p] = roots
-                zeros.append(one)
+                singular = q[rows]
+                singular[:, p] = roots
+                zeros.append(singular)
             return np.concatenate(zeros)
 
         return draw
@@ -430,7 +430,8 @@ def _zeros(waves: Waves, slope: bool) -> tuple[NDArray[np.int64], Array]:
     waves = waves * (1j * k if slope else 1.0)
     sizes = np.abs(waves).max(axis=0)
     largest = float(sizes.max())
-    degree = max((int(abs(one)) for one, size in zip(k, sizes, strict=True) if size > 1e-12 * largest), default=0)
+    counted = (exponent for exponent, size in zip(k, sizes, strict=True) if size > 1e-12 * largest)
+    degree = max((int(abs(exponent)) for exponent in counted), default=0)
     if not degree or not largest:
         return np.zeros(0, np.int64), np.zeros(0)
     rows = np.flatnonzero(np.abs(waves[:, degree]) > 1e-9 * largest)

@@ -378,7 +378,8 @@ class Meaning:
     def relation(self, left: Node, rights: Sequence[Node]) -> Parsed:
         """Σ m_j θ_j = value, modulo 2π."""
         halves = []
-        for right in [signed for one in rights for signed in _both_signs(one)] or [Node("number", left.place)]:
+        signed = [node for right_side in rights for node in _both_signs(right_side)]
+        for right in signed or [Node("number", left.place)]:
             angle = _combine_angles(self.angle(left), self.angle(right), Fraction(-1))
             turns = [m for j, m in angle.items() if j > PI]
             if not turns or any(m.denominator != 1 for m in turns):
@@ -406,18 +407,18 @@ class Meaning:
         """A product as an angle: numbers, and one angle at most."""
         number, kept = Fraction(1), {ONE: Fraction(1)}
         for part in node.parts:
-            one = self.angle(part.parts[0] if part.kind == "/" else part)
-            plain = one.keys() <= {ONE}
+            angle = self.angle(part.parts[0] if part.kind == "/" else part)
+            plain = angle.keys() <= {ONE}
             if part.kind == "/":
-                if not plain or not one:
+                if not plain or not angle:
                     raise wrong(self.text, part.place, "an angle is divided by numbers only, not by 0")
-                number /= one[ONE]
+                number /= angle[ONE]
             elif plain:
-                number *= one.get(ONE, Fraction(0))
+                number *= angle.get(ONE, Fraction(0))
             elif kept.keys() - {ONE}:
                 raise wrong(self.text, part.place, "angles are multiplied by numbers only")
             else:
-                kept = one
+                kept = angle
         return _combine_angles({}, kept, number)
 
     def named_angle(self, node: Node) -> Angle:
@@ -478,9 +479,9 @@ class Meaning:
         """sin or cos of Σ turns_j θ_j / 2 plus quarter turns."""
         kinds = ("cos", "sin")  # cos, −sin, −cos, sin as the angle grows by quarter turns
         steps = (quarters + (3 if kind == "sin" else 0)) % 4
-        sign, one = wave(kinds[steps % 2], turns)
+        sign, wave_of_turns = wave(kinds[steps % 2], turns)
         sign = -sign if steps in (1, 2) else sign
-        form = Product(Fraction(sign), () if one is None else ((one, 1),))
+        form = Product(Fraction(sign), () if wave_of_turns is None else ((wave_of_turns, 1),))
         return Parsed(half_of(form, self.ring))
 
     # values
@@ -507,9 +508,9 @@ class Meaning:
 
     def inverse(self, node: Node) -> Parsed:
         """1 / a number."""
-        one = self.value(node.parts[0])
-        form = one.form
-        if one.root or any(form.degrees) or form.f == 0 or form.f.total_degree() > 0:
+        divisor = self.value(node.parts[0])
+        form = divisor.form
+        if divisor.root or any(form.degrees) or form.f == 0 or form.f.total_degree() > 0:
             raise wrong(self.text, node.place, "a condition is divided by numbers only, not by 0")
         return self.number(1 / form.f.coeffs()[0] * self.ring.half.constant(1))
 
@@ -636,4 +637,5 @@ def parse_conditions(text: str, ring: Ring, *, shifts: Sequence[float] | None = 
         ['θ3=pi', 'θ3=0']
     """
     meaning = Meaning(text, ring, shifts)
-    return tuple(replace(meaning.statement(one), text=one.name) for one in read(text, frozenset(ring.letters)))
+    statements = read(text, frozenset(ring.letters))
+    return tuple(replace(meaning.statement(statement), text=statement.name) for statement in statements)

@@ -137,7 +137,7 @@ def derivative(form: Product, joint: int) -> Product:
     for place, (factor, power) in enumerate(form.factors):
         inner = _slope(factor, joint)
         if inner.number:
-            others = [(one, p) for k, (one, p) in enumerate(form.factors) if k != place]
+            others = [(left, p) for k, (left, p) in enumerate(form.factors) if k != place]
             outer = [*others, *inner.factors, (factor, power - 1)]
             parts.append(product(form.number * power * inner.number, outer))
     return total(parts)
@@ -213,9 +213,9 @@ def half_of(form: Product, ring: Ring) -> Form:
     """
     f, degrees = number_of(form.number, ring), (0,) * ring.angles
     for factor, power in form.factors:
-        one = _half_of_factor(factor, ring)
-        f = f * one.f**power
-        degrees = tuple(d + power * m for d, m in zip(degrees, one.degrees, strict=True))
+        half = _half_of_factor(factor, ring)
+        f = f * half.f**power
+        degrees = tuple(d + power * m for d, m in zip(degrees, half.degrees, strict=True))
     return Form(ring, reduced_roots(f), degrees)
 
 
@@ -292,12 +292,12 @@ def fourier(form: Form) -> Product:
         twice = 2 if first else 1
         monomial = symbols(key[n:], ring)
         for kind, value in (("cos", twice * real), ("sin", -twice * imaginary)):
-            sign, one = wave(kind, dict(zip(ring.revolute, turns, strict=True)))
+            sign, wave_of_turns = wave(kind, dict(zip(ring.revolute, turns, strict=True)))
             if value and sign:
-                if one is None:
+                if wave_of_turns is None:
                     factors = monomial
                 else:
-                    factors = [*monomial, (one, 1)]
+                    factors = [*monomial, (wave_of_turns, 1)]
                 parts.append(product(Fraction(value * sign, bottom), factors))
     return total(parts)
 
@@ -318,8 +318,8 @@ def _expand_power(state: dict[tuple[int, ...], Pair], k: int, degree: int) -> di
             real, imaginary = imaginary, -real
         for z, value in tables[power].items():
             new = (*key[:k], z, *key[k + 1 :])
-            one, two = expansion.get(new, (0, 0))
-            expansion[new] = (one + value * real, two + value * imaginary)
+            re, im = expansion.get(new, (0, 0))
+            expansion[new] = (re + value * real, im + value * imaginary)
     return {key: pair for key, pair in expansion.items() if any(pair)}
 
 
@@ -335,11 +335,11 @@ def _table(power: int, degree: int) -> dict[int, int]:
 def joints_of(form: Product) -> set[int]:
     """Numbers of the joints in a form."""
     joints: set[int] = set()
-    for one in leaves_of(form):
-        if isinstance(one, Wave):
-            joints.update(j for j, _ in one.turns)
-        elif one.slide:
-            joints.add(one.slide)
+    for leaf in leaves_of(form):
+        if isinstance(leaf, Wave):
+            joints.update(j for j, _ in leaf.turns)
+        elif leaf.slide:
+            joints.add(leaf.slide)
     return joints
 
 
@@ -347,9 +347,9 @@ def functions_of(forms: Iterable[Product]) -> list[str]:
     """The functions and constants that forms need in Python: out of "cos", "pi" and "sin", in this order."""
     names: set[str] = set()
     for form in forms:
-        waves = [one for one in leaves_of(form) if isinstance(one, Wave)]
-        names.update(one.kind for one in waves)
-        if any(one.less != "0" for one in waves):
+        waves = [leaf for leaf in leaves_of(form) if isinstance(leaf, Wave)]
+        names.update(leaf.kind for leaf in waves)
+        if any(leaf.less != "0" for leaf in waves):
             names.add("pi")
     return sorted(names)
 

@@ -218,7 +218,7 @@ def joint_scale(robot: Robot, task: Task) -> Array:
     length = task.scale(robot)
     scales = handles_of(robot).scales
     if length not in scales:
-        every = [length if one.kind is JointKind.PRISMATIC else 1.0 for one in robot.variables]
+        every = [length if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables]
         scales[length] = read_only(np.array(every))
     return scales[length]
 

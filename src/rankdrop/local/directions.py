@@ -346,11 +346,11 @@ class FramedDirections:
 
     def sentences(self, length: float = 1.0) -> tuple[str, ...]:
         """One sentence for each direction; `length`: the directions' own unit of length [m]."""
-        return tuple(words(one, self.name, length) for one in self.directions)
+        return tuple(words(direction, self.name, length) for direction in self.directions)
 
     def blocked_sentences(self, length: float = 1.0) -> tuple[str, ...]:
         """The same directions read as wrenches; `length`: their own unit of length [m]."""
-        return tuple(blocked_words(one, self.name, length) for one in self.directions)
+        return tuple(blocked_words(direction, self.name, length) for direction in self.directions)
 
 
 def lost_directions(robot: Robot, q: ArrayLike, task: Task, corank: int) -> Array:

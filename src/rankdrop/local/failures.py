@@ -95,7 +95,7 @@ class Failures:
     def worst_numbers(self) -> tuple[int, ...]:
         """Numbers of the joints whose failures are as bad as the worst, to a millionth."""
         least = self.worst.sigma_min
-        return tuple(one.number for one in self.single if one.sigma_min <= least * (1.0 + 1e-6))
+        return tuple(failure.number for failure in self.single if failure.sigma_min <= least * (1.0 + 1e-6))
 
 
 def failures_at(

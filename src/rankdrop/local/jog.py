@@ -122,12 +122,13 @@ def _in_pairs(here: Configuration) -> Iterator[Array]:
     if not pairs:
         return
     first, second = np.array(pairs).T
-    for one, other in sorted(product(range(len(_PAIRED)), repeat=2), key=lambda two: sum(_PAIRED[i] for i in two)):
+    sizes = sorted(product(range(len(_PAIRED)), repeat=2), key=lambda pair: sum(_PAIRED[i] for i in pair))
+    for first_size, second_size in sizes:
         jogs = np.zeros((4, len(pairs), len(here.q)))
         rows = np.arange(len(pairs))
         for side, (sign, sign_of_second) in enumerate(product((1.0, -1.0), repeat=2)):
-            jogs[side, rows, first] = sign * steps[first, one]
-            jogs[side, rows, second] = sign_of_second * steps[second, other]
+            jogs[side, rows, first] = sign * steps[first, first_size]
+            jogs[side, rows, second] = sign_of_second * steps[second, second_size]
         yield jogs.reshape(-1, len(here.q))
 
 
@@ -270,9 +271,9 @@ class _Trial:
         if here.generic < here.task.m:
             return least
         bars = {"m/s": options.speed, "rad/s": options.turn_speed}
-        for one in slowest_motions(here.robot, ends, here.task):
-            if bars[one.unit] > 0.0:
-                least = np.minimum(least, one.speed / bars[one.unit])
+        for motion in slowest_motions(here.robot, ends, here.task):
+            if bars[motion.unit] > 0.0:
+                least = np.minimum(least, motion.speed / bars[motion.unit])
         return least
 
     def _is_clear(self, end: Array) -> bool:

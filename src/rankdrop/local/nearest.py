@@ -151,12 +151,12 @@ def nearest_singularity(
         (0.25, 1, [0.0, 0.0, 0.0, -0.25, 0.0, 0.0, 0.0])
     """
     asked = NearestOptions.of(options, given)
-    centre, extra = one_configuration(robot, q), [one_configuration(robot, one) for one in seeds]
+    centre, extra = one_configuration(robot, q), [one_configuration(robot, seed_q) for seed_q in seeds]
     resolved = resolve_task(task, robot)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
     there_task = replace(there_task, length_scale=there_task.scale(there))  # the reach is worked out once
     problem = Problem(there, there_task, asked.corank, tolerances, asked.limits)
-    first = np.array([into_metres(robot, one) for one in extra]).reshape(-1, robot.n)
+    first = np.array([into_metres(robot, seed_q) for seed_q in extra]).reshape(-1, robot.n)
     nearest = _nearest(problem, into_metres(robot, centre), first, asked)
     if nearest is None or there is robot:
         return nearest
@@ -264,7 +264,7 @@ def other_sheets(
     step = _step_off(problem, place.q, seed)
     centre = read_only(place.q + step * bool(here.measured.corank))
     walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if limits else None)
-    given = np.array([into_metres(here.robot, np.array(one)) + step for one in seeds]).reshape(-1, robot.n)
+    given = np.array([into_metres(here.robot, np.array(seed_q)) + step for seed_q in seeds]).reshape(-1, robot.n)
     starts = walk.all_around(given, OTHERS, seed)
     if known is None:
         known_here = None

@@ -427,7 +427,7 @@ class Representations:
             OptionError: no such representation.
         """
         _check_known(name)
-        return next(one for one in self.every if one.name == name)
+        return next(representation for representation in self.every if representation.name == name)
 
 
 def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Array:

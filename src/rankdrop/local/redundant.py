@@ -195,7 +195,7 @@ def redundancy(
     projector = null @ null.T
     closed = _closed_form(scaled, verdict.rank)
     twists = six_rows(parts.u[:, : verdict.rank].T / parts.rows, here.task)
-    given, form = (np.asarray(parts.joints[:, None] * one / parts.joints) for one in (projector, closed))
+    given, form = (np.asarray(parts.joints[:, None] * matrix / parts.joints) for matrix in (projector, closed))
     return Redundancy(
         rank=verdict,
         check=_check(scaled, parts, verdict.rank, here.tolerances.singular),

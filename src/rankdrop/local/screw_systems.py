@@ -193,7 +193,7 @@ def always_singular_reason(robot: Robot, task: Task) -> AlwaysSingular | None:
 
 def _lost_by(losses: Sequence[Loss]) -> int:
     """How many dimensions some sets of joints lose together."""
-    return sum(one.lost for one in losses)
+    return sum(loss.lost for loss in losses)
 
 
 @once

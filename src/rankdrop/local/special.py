@@ -111,15 +111,15 @@ def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Specia
         [('wrist', 5, True)]
     """
     specials = measured_at(robot, task, q)
-    exact = [one for one in specials if one.exact]
+    exact = [special for special in specials if special.exact]
     if len(exact) > max(corank, 1):
         free = _without_cost(robot, task)
-        costly = [one for one in exact if (one.part, one.joint) not in free]
+        costly = [special for special in exact if (special.part, special.joint) not in free]
         if len(costly) >= max(corank, 1):
             exact = costly
-    chosen = exact or sorted(specials, key=lambda one: one.off)[: max(corank, 1)]
+    chosen = exact or sorted(specials, key=lambda special: special.off)[: max(corank, 1)]
     order = [*Part]
-    return tuple(sorted(chosen, key=lambda one: order.index(one.part)))
+    return tuple(sorted(chosen, key=lambda special: order.index(special.part)))
 
 
 def exact_at(robot: Robot, task: Task, q: Array) -> list[Special]:
@@ -133,18 +133,26 @@ def measured_at(robot: Robot, task: Task, q: Array) -> list[Special]:
     """
     turns, moves = bool({3, 4, 5} & set(task.rows)), bool({0, 1, 2} & set(task.rows))
     left_out = _always(robot, turns, moves)
-    found = [one for one in _candidates(robot, q, turns, moves) if (one.part, one.joint) not in left_out]
+    candidates = _candidates(robot, q, turns, moves)
+    found = [special for special in candidates if (special.part, special.joint) not in left_out]
     if not any(joint.kind is JointKind.PRISMATIC for joint in robot.variables):
         return found
     free = _without_cost(robot, task)
-    return [one for one in found if one.exact or one.shape is Shape.JOINT or (one.part, one.joint) not in free]
+    kept = []
+    for special in found:
+        if special.exact or special.shape is Shape.JOINT or (special.part, special.joint) not in free:
+            kept.append(special)
+    return kept
 
 
 @once
 def _always(robot: Robot, turns: bool, moves: bool) -> frozenset[tuple[Part, int]]:
     """Conditions that hold at every configuration."""
     draws = np.random.default_rng(3).uniform(-pi, pi, (_STRUCTURE, robot.n))
-    seen = [{(one.part, one.joint) for one in _candidates(robot, q, turns, moves) if one.exact} for q in draws]
+    seen = []
+    for q in draws:
+        exact = (special for special in _candidates(robot, q, turns, moves) if special.exact)
+        seen.append({(special.part, special.joint) for special in exact})
     return frozenset(set.intersection(*seen))
 
 
@@ -364,9 +372,9 @@ class _Axes:
         if square < EXACT:
             return self.p[j]
         apart = _less(self.p[j], self.p[i])
-        s = _dot(_cross(apart, self.z[j]), skew) / square
+        special = _dot(_cross(apart, self.z[j]), skew) / square
         t = _dot(_cross(apart, self.z[i]), skew) / square
-        a, b = (_plus(self.p[k], self.z[k], along) for k, along in ((i, s), (j, t)))
+        a, b = (_plus(self.p[k], self.z[k], along) for k, along in ((i, special), (j, t)))
         return ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2)
 
 

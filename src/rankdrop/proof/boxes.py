@@ -304,7 +304,7 @@ class Plan:
 
 def plan_from_entries(record: dict[str, Any]) -> Plan:
     """The plan that `Plan.entries` wrote."""
-    lists: dict[str, Any] = {key: tuple(one) if isinstance(one, list) else one for key, one in record.items()}
+    lists: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in record.items()}
     return Plan(**lists)
 
 

@@ -484,22 +484,22 @@ def _standing_still(claim: Claim, point: list[Interval]) -> list[Interval]:
         Unproven: the point does not stand still in that link.
     """
     f = flint()
-    drivers = [one.driver for one in claim.links]
+    drivers = [link.driver for link in claim.links]
     near = claim.tolerance is not None or claim.in_tool_axes
     for place in range(len(claim.links) - 1, claim.link - 1, -1):
-        one = claim.links[place]
-        off = _distance_from_axis(one, point)
-        if near or one.kind != TURN or drivers.count(one.driver) > 1 or not off < _ON_AXIS * claim.length:
+        link = claim.links[place]
+        off = _distance_from_axis(link, point)
+        if near or link.kind != TURN or drivers.count(link.driver) > 1 or not off < _ON_AXIS * claim.length:
             raise Unproven(f"the point of the translation does not stand still in link {claim.link}")
         point = [x + f.arb(0, (2 * off).upper()) for x in point]
     return point
 
 
-def _distance_from_axis(one: Link, point: list[Interval]) -> Interval:
+def _distance_from_axis(link: Link, point: list[Interval]) -> Interval:
     """Of a point from the axis of a joint that turns [m], at most."""
     f = flint()
-    v = [f.arb(float(x)) for x in one.screw[:3]]
-    w = [f.arb(float(x)) for x in one.screw[3:]]
+    v = [f.arb(float(x)) for x in link.screw[:3]]
+    w = [f.arb(float(x)) for x in link.screw[3:]]
     square = dot(w, w)
     foot = [x / square for x in cross(w, v)]
     moment = cross([x - y for x, y in zip(foot, point, strict=True)], w)
@@ -508,11 +508,11 @@ def _distance_from_axis(one: Link, point: list[Interval]) -> Interval:
 
 def _check_points_on_axes(claim: Claim) -> None:
     assert claim.tolerance is not None
-    for number, (one, point) in enumerate(zip(claim.links, claim.tolerance.points, strict=True), start=1):
-        if one.kind == SLIDE:
+    for number, (link, point) in enumerate(zip(claim.links, claim.tolerance.points, strict=True), start=1):
+        if link.kind == SLIDE:
             continue
-        v, w = np.array(one.screw[:3]), np.array(one.screw[3:])
-        if one.kind == SCREW:
+        v, w = np.array(link.screw[:3]), np.array(link.screw[3:])
+        if link.kind == SCREW:
             along = w * (v @ w) / (w @ w)
         else:
             along = np.zeros(3)

@@ -115,8 +115,8 @@ def _check_within_limits(claim: Claim, j: int, low: float, high: float) -> None:
 
 def periodic(claim: Claim, j: int) -> bool:
     """Does a whole turn of a variable lead to the same columns? It turns every joint that it drives, in whole turns."""
-    driven = [one for one in claim.links if one.driver == j]
-    return all(one.kind == TURN and one.multiplier.is_integer() for one in driven)
+    driven = [link for link in claim.links if link.driver == j]
+    return all(link.kind == TURN and link.multiplier.is_integer() for link in driven)
 
 
 def corank_of(claim: Claim) -> int:

@@ -35,7 +35,7 @@ _FINEST = 14  # halvings of a range, at most: a table holds every part of it
 
 def applies(arm: Arm, rows: list[int], rank: int) -> bool:
     """Is its determinant a trigonometric polynomial: turning joints, each for itself, as many as rows?"""
-    alone = all(one.kind == TURN and (one.multiplier, one.offset) == (1.0, 0.0) for one in arm.links)
+    alone = all(link.kind == TURN and (link.multiplier, link.offset) == (1.0, 0.0) for link in arm.links)
     return alone and len(arm.links) == arm.variables == len(rows) == rank
 
 
@@ -271,8 +271,8 @@ def _products(sides: list[tuple[Array, float]], numbers: NDArray[np.int64], leve
         cells = np.unravel_index(numbers, [1 << level for level in levels])
     else:
         cells = ()
-    for (made, _), cell in zip(sides, cells, strict=True):
-        one = made[cell]
-        size = products.shape[1] * one.shape[1]
-        products = np.einsum("nij,nkl->nikjl", products, one).reshape(len(numbers), size, size)
+    for (side, _), cell in zip(sides, cells, strict=True):
+        matrices = side[cell]
+        size = products.shape[1] * matrices.shape[1]
+        products = np.einsum("nij,nkl->nikjl", products, matrices).reshape(len(numbers), size, size)
     return products

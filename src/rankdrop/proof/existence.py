@@ -67,7 +67,7 @@ class _Zero:
         self._free = arm.moving
         self._d = len(self._free)
         self._motion = len(rows) > arm.variables  # u is a joint motion that moves nothing
-        self._equation = {one: place for place, one in enumerate(self._moving())}  # of each variable
+        self._equation = {variable: place for place, variable in enumerate(self._moving())}  # of each variable
         self._equals = (len(rows) if self._motion else len(self._equation)) + 1
 
     def _moving(self) -> list[int]:
@@ -76,10 +76,10 @@ class _Zero:
         columns = arm.screws_over(zero, zero)[0]
         ends = {arm.link, arm.link - 1}  # these do not depend on the configuration
         drivers = set()
-        for i, one in enumerate(arm.links):
+        for i, link in enumerate(arm.links):
             entries = columns[i].entries()
             if i not in ends or not all(entries[row].is_zero() for row in self._rows):
-                drivers.add(one.driver)
+                drivers.add(link.driver)
         return sorted(drivers)
 
     def proven(self) -> tuple[float, float]:
@@ -115,7 +115,7 @@ class _Zero:
 
     def _configuration(self, x: list[Interval]) -> tuple[list[Interval], list[Interval]]:
         f = self._f
-        q, half = [f.arb(one) for one in self._given], [f.arb(0)] * self._arm.variables
+        q, half = [f.arb(angle) for angle in self._given], [f.arb(0)] * self._arm.variables
         for place, j in enumerate(self._free):
             q[j], half[j] = x[place].mid(), x[place].rad()
         return q, half
@@ -127,19 +127,19 @@ class _Zero:
         u = x[self._d :]
         value = [f.arb(0)] * self._equals
         slope = [[f.arb(0)] * len(x) for _ in range(self._equals)]
-        for one, column in zip(arm.links, columns, strict=True):
+        for link, column in zip(arm.links, columns, strict=True):
             entries = column.entries()
-            for row, equation, unknown in self._places_of(one):
-                value[equation] += one.multiplier * u[unknown] * entries[row]
-                slope[equation][self._d + unknown] += one.multiplier * entries[row]
+            for row, equation, unknown in self._places_of(link):
+                value[equation] += link.multiplier * u[unknown] * entries[row]
+                slope[equation][self._d + unknown] += link.multiplier * entries[row]
         for i, by, bracket in arm.brackets(columns):
-            one, entries, variable = arm.links[i], bracket.entries(), self._free.index(by)
-            for row, equation, unknown in self._places_of(one):
-                slope[equation][variable] += one.multiplier * u[unknown] * entries[row]
-        value[-1] = sum((one * one for one in u), f.arb(-1)) / 2
-        for place, one in enumerate(u):
-            slope[-1][self._d + place] = one
-        return f.arb_mat([[one] for one in value]), f.arb_mat(slope)
+            link, entries, variable = arm.links[i], bracket.entries(), self._free.index(by)
+            for row, equation, unknown in self._places_of(link):
+                slope[equation][variable] += link.multiplier * u[unknown] * entries[row]
+        value[-1] = sum((u_i * u_i for u_i in u), f.arb(-1)) / 2
+        for place, u_i in enumerate(u):
+            slope[-1][self._d + place] = u_i
+        return f.arb_mat([[entry] for entry in value]), f.arb_mat(slope)
 
     def _places_of(self, link: Link) -> list[tuple[int, int, int]]:
         """(row of the task, equation, entry of u) of each entry of the column of a link that plays a part."""
@@ -171,7 +171,7 @@ class _Zero:
     def _krawczyk_inside(self, x: list[Interval], start: list[Interval], planes: Matrix, width: float) -> bool:
         """Krawczyk's operator maps the box of this half-width around x into its inside."""
         f = self._f
-        box = [one + f.arb(0, width) for one in x]
+        box = [x_i + f.arb(0, width) for x_i in x]
         value, _ = self._equations(x)
         _, slope = self._equations(box)
         system, right = self._square(value, slope, planes, x, start)
@@ -183,4 +183,4 @@ class _Zero:
         unit = f.arb_mat(np.eye(size, dtype=np.int64).tolist())
         off = f.arb_mat(size, 1, [f.arb(0, width)] * size)
         moved = (unit - inverse * system) * off - inverse * right
-        return all(abs(one) < width for one in moved.entries())
+        return all(abs(x_i) < width for x_i in moved.entries())

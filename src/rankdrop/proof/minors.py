@@ -47,7 +47,7 @@ def verify_in_minors(claim: Claim) -> None:
         raise Unproven(f"the rank is below {claim.rank} at a configuration taken at random: that it is so near q is no "
                        "finding")  # fmt: skip
     given = [arm.rational(k, value, snap=True) for k, value in enumerate(q)]
-    away = max(arm.distance(one, value) for one, value in zip(given, q, strict=True))
+    away = max(arm.distance(pose, value) for pose, value in zip(given, q, strict=True))
     if away <= radius and any(
         arm.singular(given, moved, radius - away) is not None for moved in range(claim.variables)
     ):
@@ -141,7 +141,7 @@ class _Exact(Arm):
     def task_rows(self, given: list[Value], *, turned: bool = True) -> Any:
         """(m, n) the rows of the task, columns as long as their axes are; in the axes of the task if `turned`."""
         seen = self.carry_screws(lambda i, sign: self.exponential(i, sign * given[i][0], given[i][1]))
-        columns = self._matrix([one.entries() for one in seen[0]])
+        columns = self._matrix([screw.entries() for screw in seen[0]])
         six = columns.transpose().tolist()
         linear, angular = self._matrix(six[:3]), self._matrix(six[3:])
         if turned and self._turned:
@@ -214,8 +214,8 @@ class _Exact(Arm):
 
 def _refuse_unsuited(claim: Claim, *, partial: bool) -> None:
     """Refuse joints and frames for which rational numbers do not do; see `_Exact`."""
-    for place, one in enumerate(claim.links):
-        if (one.driver, one.multiplier, one.offset) != (place, 1.0, 0.0) or one.kind == SCREW:
+    for place, link in enumerate(claim.links):
+        if (link.driver, link.multiplier, link.offset) != (place, 1.0, 0.0) or link.kind == SCREW:
             raise Unproven("in rational numbers joints turn or slide, each for itself")
     axes, origin, _ = claim.frame
     if partial:
@@ -224,7 +224,7 @@ def _refuse_unsuited(claim: Claim, *, partial: bool) -> None:
         decides = [origin]
     else:
         decides = []
-    if any(one not in claim.poses for one in decides):
+    if any(link not in claim.poses for link in decides):
         raise Unproven("in rational numbers the frame of a task is that of the base, the last link or the tip")
 
 

@@ -131,19 +131,19 @@ class _Pose:
         """(n, 1) F and (n, n) F′ over a box."""
         f = self._f
         turned, place = self._placed_tip(q)
-        twists = [one.entries() for one in self._arm.screws_over([x.mid() for x in q], [x.rad() for x in q])[0]]
+        twists = [column.entries() for column in self._arm.screws_over([x.mid() for x in q], [x.rad() for x in q])[0]]
         values: list[Interval] = []
         moved: list[list[Interval]] = [[] for _ in twists]
         if self._moves:
             values += (place - self._place).entries()
-            for one, twist in zip(moved, twists, strict=True):
-                one += velocity(twist, place.entries())
+            for column, twist in zip(moved, twists, strict=True):
+                column += velocity(twist, place.entries())
         if self._turns:
             m = turned.tolist()
             values += [(m[2][1] - m[1][2]) / 2, (m[0][2] - m[2][0]) / 2, (m[1][0] - m[0][1]) / 2]
             half = (unit(3) * (m[0][0] + m[1][1] + m[2][2]) - turned) / 2
-            for one, twist in zip(moved, twists, strict=True):
-                one += (half * f.arb_mat(3, 1, twist[3:])).entries()
+            for column, twist in zip(moved, twists, strict=True):
+                column += (half * f.arb_mat(3, 1, twist[3:])).entries()
         return f.arb_mat(len(values), 1, values), self._by_variable(moved)
 
     def _by_variable(self, moved: list[list[Interval]]) -> Matrix:
@@ -179,13 +179,13 @@ class _Pose:
         """Krawczyk's operator maps the box of this half-width around x into its inside."""
         f, n = self._f, self._n
         value, _ = self._equations(x)
-        _, slope = self._equations([one + f.arb(0, width) for one in x])
+        _, slope = self._equations([x_i + f.arb(0, width) for x_i in x])
         try:
             inverse = slope.mid().inv().mid()
         except ZeroDivisionError:
             return False
         moved = (unit(n) - inverse * slope) * f.arb_mat(n, 1, [f.arb(0, width)] * n) - inverse * value
-        return all(abs(one) < width for one in moved.entries())
+        return all(abs(x_i) < width for x_i in moved.entries())
 
     def distance_from(self, end: Array) -> str:
         """How far the pose of a configuration is from that of q0 at most: "1e-15 m and 2e-15 rad"."""

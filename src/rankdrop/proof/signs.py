@@ -221,7 +221,7 @@ class _Factors:
 
     def values(self, arm: Arm, q: list[Interval]) -> list[Interval]:
         """The factors at a configuration; `arm` is seen from the base."""
-        columns = [one.entries() for one in arm.screws_over(q, [self._f.arb(0)] * arm.variables)[0]]
+        columns = [screw.entries() for screw in arm.screws_over(q, [self._f.arb(0)] * arm.variables)[0]]
         w = [column[3:] for column in columns]
         if self._structure == ORIENTATION:
             return [dot(w[0], cross(w[1], w[2]))]

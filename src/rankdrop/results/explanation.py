@@ -1,4 +1,4 @@
-"""The explanation of one configuration: how its parts are made when they are read.
+"""How are the parts of the explanation of one configuration made when they are read?
 
 Families are known beforehand, or those that the configuration lies on. How far: the nearest found, each known family, a
 radius that is proven free. Its entries as plain data have the names of docs/json.md; its other records are in
@@ -7,22 +7,19 @@ radius that is proven free. Its entries as plain data have the names of docs/jso
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from operator import itemgetter
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from rankdrop.codec import Result
-from rankdrop.configuration import Cause, Configuration, Rank, configuration_at
-from rankdrop.cover.ball import LARGEST, Certificate, certified_radius
+from rankdrop.configuration import Cause, Configuration, Rank
 from rankdrop.distance.distance import FamilyDistance, family_distances
 from rankdrop.errors import OptionError
-from rankdrop.families.incidence import Incidence, families_at
-from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.families.incidence import Incidence
+from rankdrop.families.on_the_spot import families_through
 from rankdrop.families.record import Family
 from rankdrop.families.searching import Outcome, refine
 from rankdrop.local.block import decompose
@@ -39,7 +36,7 @@ from rankdrop.local.directions import (
 from rankdrop.local.ellipsoids import Ellipsoids, ellipsoids
 from rankdrop.local.failures import Failures, failures_at
 from rankdrop.local.jog import Jog, jog_farther, jog_out
-from rankdrop.local.nearest import STARTS, Nearest, nearest_singularity, other_sheets
+from rankdrop.local.nearest import STARTS, Nearest, nearest_singularity
 from rankdrop.local.ordered import ordered_subsets
 from rankdrop.local.orientation import Representations, representation_at
 from rankdrop.local.rates import Rates, joint_rates
@@ -49,73 +46,21 @@ from rankdrop.local.screw_systems import always_singular_reason, systems_at
 from rankdrop.local.screws import screw_of
 from rankdrop.local.slowest import StraightMotion, slowest_motions
 from rankdrop.local.special import Special, specials_at
-from rankdrop.local.ways_out import Escape, JointEscape, escape
-from rankdrop.problem import wrap
+from rankdrop.local.ways_out import Escape, escape
 from rankdrop.questions import ExplainOptions
-from rankdrop.results.explained import Blame, Difference, DifferenceKind, Lost, Next, Summary
-from rankdrop.results.known import known_families, shipped_conditions_record
-from rankdrop.robot.ideal import Near, ideal, near_ideal
+from rankdrop.results.explained import Blame, Difference, Lost, Next, Summary
+from rankdrop.results.far import Far, differences, no_farther
+from rankdrop.results.known import shipped_conditions_record
+from rankdrop.results.other_singularities import SEEDS, OtherSingularities
+from rankdrop.results.slow_family import SlowFamily, slow_family_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, words_of
 from rankdrop.task import BASE, TIP, Task, six_rows
 from rankdrop.tolerances import ENTRY, NEAR, SMALL
 from rankdrop.units import counted_as_radian, counted_length
 
-_AS_GOOD = 1e-4  # what a radius may stay below the distance of the singularity that was found, as a share of it
 AT_LIMIT = 1e-3
 """A joint so close to its limit stands at it [rad; slides in length scales]: `escape` does not move it that way."""
-
-
-@dataclass(frozen=True, eq=False)
-class Far:
-    """How far the next singularity is.
-
-    Attributes:
-        explanation: what it is part of.
-        nearest: the nearest singular configuration that was found; None where none was.
-        nearest_family: a family it belongs to.
-        families: distance to each known family that does not hold here, nearest first.
-        unasked: why a regular configuration has no certified radius; empty where it has.
-        near_miss: σ_r of the smallest nonzero local minimum met from here; None unless that is what is near.
-    """
-
-    explanation: Explanation
-    nearest: Nearest | None
-    nearest_family: Incidence | None
-    families: tuple[FamilyDistance, ...]
-    unasked: str = ""
-    near_miss: float | None = None
-
-    @property
-    def certificate(self) -> Certificate | None:
-        """Ball proven free of singularities, worked out when it is first asked for; None where the task cannot be
-        certified (`uncertified` says why) or the configuration is singular."""
-        return self._certificate_and_reason[0]
-
-    @property
-    def uncertified(self) -> str:
-        """Why there is no certificate; empty where there is one."""
-        return self._certificate_and_reason[1]
-
-    @cached_property
-    def _certificate_and_reason(self) -> tuple[Certificate | None, str]:
-        """Within the limits the nearest singularity may lie farther than one outside them, and bounds nothing."""
-        if self.unasked:
-            return None, self.unasked
-        here, options = self.explanation.here, self.explanation.options
-        if here.measured.corank:
-            return None, words_of(self.explanation).SINGULAR_HERE
-        if self.nearest is not None and not options.limits:
-            distance = self.nearest.distance
-        else:
-            distance = float("inf")
-        try:
-            return certified_radius(
-                here.robot, here.q, here.task, at_most=min(LARGEST, distance * (1 + 1e-9)),
-                enough=distance * (1 - _AS_GOOD), evaluations=options.evaluations,
-            ), ""  # fmt: skip
-        except OptionError as error:  # a task that cannot be certified
-            return None, error.what
 
 
 def _seen_in_axes(
@@ -130,42 +75,16 @@ def _seen_in_axes(
     return {name: framed for name, framed in directions.items() if not axes or axes == name}
 
 
-def _never_possible(here: Configuration) -> Array:
+def _never_possible(configuration: Configuration) -> Array:
     """Readable basis of what is beyond the generic rank: the arm makes it nowhere near."""
-    robot, task = here.robot, here.task
-    if task.m == here.generic:
+    robot, task = configuration.robot, configuration.task
+    if task.m == configuration.generic:
         return np.zeros((0, 6))
-    away = here.q + np.random.default_rng(0).uniform(-1e-3, 1e-3, robot.n) * bool(here.measured.corank)
-    rows = six_rows(decompose(robot, away, task).u[:, here.generic :].T, task)
+    singular = bool(configuration.measured.corank)
+    beside = configuration.q + np.random.default_rng(0).uniform(-1e-3, 1e-3, robot.n) * singular
+    rows = six_rows(decompose(robot, beside, task).u[:, configuration.generic :].T, task)
     rows[:, :3] *= counted_as_radian(robot) / task.scale(robot)
     return readable_basis(rows.T).T
-
-
-_AGREE = 1e-6  # distances that differ by less are the same: σ of second order leaves half the digits [rad]
-
-
-def differences(far: Far, single: Sequence[JointEscape]) -> Iterator[Difference]:
-    """Two methods, two answers: on what a joint alone regains, and on how far."""
-    for gain in single:
-        if not gain.agrees:
-            yield Difference(DifferenceKind.GAIN, number=gain.number, predicted=gain.gain, measured=gain.measured_gain)
-    nearest, certificate = far.nearest, far.certificate
-    if nearest is not None and certificate is not None and certificate.radius > nearest.distance * (1 + 1e-8):
-        yield Difference(DifferenceKind.RADIUS, radius=certificate.radius, distance=nearest.distance)
-    if nearest is not None and far.families and all(point.family.named for point in far.families):
-        first = min(far.families, key=lambda point: point.distance)
-        if first.distance < nearest.distance - _AGREE:
-            yield Difference(DifferenceKind.SEARCH_MISSED, family=first.family)
-        elif not first.distance <= nearest.distance + _AGREE:
-            yield Difference(DifferenceKind.FAMILIES_MISSED)
-
-
-def _no_farther(record: FamilyDistance, nearest: Nearest, incidences: Sequence[Incidence]) -> FamilyDistance:
-    """A family through the point that the search found is no farther away than that point."""
-    through = any(met.family is record.family for met in incidences)
-    if not through or record.distance <= nearest.distance:
-        return record
-    return replace(record, distance=nearest.distance, q=nearest.q, delta=nearest.delta, sigma=nearest.sigma)
 
 
 VERDICTS = {
@@ -173,28 +92,6 @@ VERDICTS = {
     Cause.SMALL: "near", Cause.SLOW: "near", Cause.NONE: "regular",
 }  # fmt: skip
 """What decides -> the verdict."""
-
-
-SlowFamily = tuple[Family, float, Near | None, Array]
-"""The family that makes a motion slow, the distance to it, the ideal arm nearby where it is that arm's family, and the
-nearest configuration of the family (n,)."""
-_ALIGNED = 0.7  # cosine between a slow motion and what a family loses from which the family explains it
-
-
-@lru_cache(maxsize=16)
-def _ideal_arm(robot: Robot, length: float | None, angle: float | None) -> Robot:
-    """The ideal arm nearby, made once: it costs more than the rest of an explanation."""
-    return ideal(robot, length=length, angle=angle)[0]
-
-
-def _loses_along(here: Configuration, q: Sequence[float], corank: int, normal: Array) -> bool:
-    """Whether a singular configuration loses a motion along `normal`, in the rows of the task [m/s, rad/s]."""
-    lost = lost_directions(here.robot, q, here.task, corank)
-    unit = six_rows(normal, here.task) / np.linalg.norm(normal)
-    return bool(np.linalg.norm(lost @ unit) >= _ALIGNED)
-
-
-_SHEETS = 1e-3  # distances that differ by less belong to the same sheet [rad]
 
 
 def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
@@ -219,7 +116,6 @@ def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, d
 
 
 _TURNS = 1  # whole turns that may bring a joint inside its limits
-_SEEDS = 8  # nearest points of families that the search begins from
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -266,34 +162,36 @@ class Explanation(Result):
     @cached_property
     def far(self) -> Far:
         """How far the next singularity is."""
-        here, options, away = self.here, self.options, self._families_away
-        if here.measured.corank:
-            return Far(self, None, None, away)
+        configuration, options, away = self.here, self.options, self._families_away
+        if configuration.measured.corank:
+            return Far(configuration, options, None, None, away)
         try:
             nearest = nearest_singularity(
-                here.robot, here.q, here.task, limits=options.limits, seed=options.seed,
-                seeds=[np.array(point.q) for point in away[:_SEEDS]], tolerances=here.tolerances,
+                configuration.robot, configuration.q, configuration.task, limits=options.limits, seed=options.seed,
+                seeds=[np.array(point.q) for point in away[:SEEDS]], tolerances=configuration.tolerances,
             )  # fmt: skip
         except OptionError as error:  # a long arm: rank, σ and all that is said at q itself do not need the distance
-            return Far(self, None, None, away, f"{error.what}: {error.got}")
-        if float(here.measured.sigma[here.generic - 1]) <= options.small:
+            return Far(configuration, options, None, None, away, f"{error.what}: {error.got}")
+        if float(configuration.measured.sigma[configuration.generic - 1]) <= options.small:
             miss = self._near_miss
         else:
             miss = None
         if nearest is None:
-            return Far(self, None, None, away, near_miss=miss)
+            return Far(configuration, options, None, None, away, near_miss=miss)
         incidences = self.incidences_at(np.array(nearest.q), nearest.corank)
-        closer = sorted((_no_farther(point, nearest, incidences) for point in away), key=lambda point: point.distance)
-        return Far(self, nearest, incidences[0], tuple(closer), near_miss=miss)
+        closer = sorted((no_farther(point, nearest, incidences) for point in away), key=lambda point: point.distance)
+        return Far(configuration, options, nearest, incidences[0], tuple(closer), near_miss=miss)
 
     @property
     def _families_away(self) -> tuple[FamilyDistance, ...]:
         """Families that were reached and do not hold here."""
-        options, here = self.options, self.here
+        options, configuration = self.options, self.here
         targets = [family for family in self.families if family.corank <= options.coranks]
-        every = family_distances(targets, here.robot, here.q, here.task, limits=options.limits, seed=options.seed)
-        if here.measured.corank:
-            least = here.tolerances.explained
+        every = family_distances(
+            targets, configuration.robot, configuration.q, configuration.task, limits=options.limits, seed=options.seed
+        )
+        if configuration.measured.corank:
+            least = configuration.tolerances.explained
         else:
             least = -np.inf
         return tuple(point for point in every if least < point.distance < np.inf)
@@ -301,33 +199,35 @@ class Explanation(Result):
     @property
     def _near_miss(self) -> float | None:
         """σ_r at the nonzero local minimum that a descent from q ends in; None where it ends in a singularity."""
-        here, seed = self.here, self.options.seed
-        descent = refine(here.robot, here.q[None], 1, task=here.task, seed=seed, tolerances=here.tolerances, threads=1)
+        configuration, seed = self.here, self.options.seed
+        descent = refine(
+            configuration.robot, configuration.q[None], 1, task=configuration.task, seed=seed,
+            tolerances=configuration.tolerances, threads=1,
+        )  # fmt: skip
         if descent.outcome[0] == Outcome.NEAR_MISS:
             return descent.smallest_near_miss
         return None
 
     def incidences_at(self, q: Array, corank: int) -> tuple[Incidence, ...]:
         """The families that a singular configuration q lies on; named on the spot where none of its corank is known."""
-        here = self.here
-        incidences = families_at(self.families, here.robot, q, here.task, here.tolerances, self.source)
-        if incidences and incidences[0].family.corank >= corank:
-            return incidences
-        local = name_on_the_spot(here.robot, q, here.task, corank, seed=self.options.seed)
-        return (Incidence(local, 0.0, "on the spot"), *incidences)
+        configuration, seed = self.here, self.options.seed
+        return families_through(
+            configuration.robot, q, configuration.task, corank, self.families, source=self.source, seed=seed,
+            tolerances=configuration.tolerances,
+        )  # fmt: skip
 
     @cached_property
     def straight(self) -> tuple[StraightMotion, ...]:
         """The slowest translation and the slowest rotation of the tool."""
-        here, options = self.here, self.options
-        if here.generic < here.task.m:
+        configuration, options = self.here, self.options
+        if configuration.generic < configuration.task.m:
             return ()
         limits = {"m/s": options.speed, "rad/s": options.turn_speed}
         return tuple(
             StraightMotion(motion.unit, float(motion.speed[0]), limits[motion.unit],
                            tuple(motion.direction[0].tolist()), int(motion.joint[0]),
-                           here.robot.variables[int(motion.joint[0]) - 1].name, motion.exact)
-            for motion in slowest_motions(here.robot, here.q[None], here.task)
+                           configuration.robot.variables[int(motion.joint[0]) - 1].name, motion.exact)
+            for motion in slowest_motions(configuration.robot, configuration.q[None], configuration.task)
         )  # fmt: skip
 
     @property
@@ -341,39 +241,7 @@ class Explanation(Result):
         """The family that makes a straight motion slow; None where speed does not decide the verdict."""
         if self.cause != Cause.SLOW:
             return None
-        far, here, ideal_family = self.far, self.here, self._slow_ideal_family()
-        if ideal_family is not None or far.nearest is None or far.nearest_family is None:
-            return ideal_family
-        slow = [motion.normal[0] for motion in slowest_motions(here.robot, here.q[None], here.task)]
-        nearest = (far.nearest.distance, far.nearest.q, far.nearest.corank, far.nearest_family.family)
-        on_families = ((point.distance, point.q, point.family.corank, point.family) for point in far.families)
-        explains = (
-            candidate for candidate in (nearest, *on_families)
-            if any(_loses_along(here, candidate[1], candidate[2], y) for y in slow)
-        )  # fmt: skip
-        distance, singular_q, _, family = next(explains, nearest)
-        return family, distance, None, np.array(singular_q)
-
-    def _slow_ideal_family(self) -> SlowFamily | None:
-        """The nearest family of the ideal arm nearby; None where there is no such arm, or the arm's own are nearer."""
-        here, nearest = self.here, self.far.nearest
-        near = near_ideal(here.robot)
-        if near is None:
-            return None
-        model = _ideal_arm(here.robot, near.tolerance.length, near.tolerance.angle)
-        task = replace(here.task, length_scale=self.length_scale)
-        try:
-            ideal_nearest = nearest_singularity(model, here.q, task, seed=self.options.seed)
-        except OptionError:  # too many joints for a search
-            return None
-        if ideal_nearest is None or (nearest is not None and ideal_nearest.distance >= nearest.distance):
-            return None
-        families, source = known_families(model, task, None, here.tolerances)
-        other = replace(
-            self, here=configuration_at(model, here.q, task, here.tolerances), families=families, source=source
-        )
-        place = np.array(ideal_nearest.q)
-        return other.incidences_at(place, ideal_nearest.corank)[0].family, ideal_nearest.distance, near, place
+        return slow_family_at(self.here, self.far, self.options.seed)
 
     @property
     def distance(self) -> float | None:
@@ -387,14 +255,17 @@ class Explanation(Result):
     @cached_property
     def summary(self) -> Summary:
         """The answer in facts."""
-        here, slow = self.here, self.slow_family
+        configuration, slow = self.here, self.slow_family
         if self.met and slow is None:
             about = self.met[0].family
         else:
             about = None
-        family, distance, near, singular_q = slow or (about, self.distance, None, self.focus)
+        if slow is None:
+            family, distance, near, singular_q = about, self.distance, None, self.focus
+        else:
+            family, distance, near, singular_q = slow.family, slow.distance, slow.ideal, slow.q
         place = () if family is None else self._specials_at(singular_q, family.corank)
-        known = shipped_conditions_record(here.robot, here.task, any_tip=True)
+        known = shipped_conditions_record(configuration.robot, configuration.task, any_tip=True)
         return Summary(
             verdict=self.verdict, cause=self.cause, distance=distance,
             family=family.name if family else "", family_id=family.id if family else "",
@@ -460,62 +331,19 @@ class Explanation(Result):
     @cached_property
     def next(self) -> Next:
         """The nearest singularity other than the one that the answer is about, on any sheet."""
-        far, ideal_arm = self.far, self.slow_family is not None and self.slow_family[2] is not None
-        if self.cause in (Cause.NONE, Cause.NEVER, Cause.NEAR_MISS):
-            if far.nearest is None or far.nearest_family is None:
-                return Next(None, None, 0 if far.unasked else STARTS[0])
-            return Next(far.nearest_family.family, far.nearest.distance, far.nearest.starts, np.array(far.nearest.q))
-        others = [*self._other_families(), *self._other_values()]
-        same: list[tuple[Family, float, Array]] = []
-        searches = 0
-        if far.nearest is not None and not ideal_arm:
-            known = far.nearest.q
-        else:
-            known = None
-        with suppress(OptionError):  # a long arm: families that are known are all there is
-            searches, sheets = other_sheets(
-                self.here, known, limits=self.options.limits, seed=self.options.seed,
-                seeds=tuple(point.q for point in far.families[:_SEEDS]),
-            )  # fmt: skip
-            least = min((distance for _, distance, _ in others), default=np.inf)
-            for sheet in sheets:
-                if sheet.distance >= least - _SHEETS:
-                    break
-                if self._is_slow_family(sheet.q, sheet.corank, sheet.distance):
-                    continue
-                place = np.array(sheet.q)
-                nearest = self.incidences_at(place, sheet.corank)[0].family, sheet.distance, place
-                if self._is_same_again(nearest[0], place):
-                    same.append(nearest)
-                    continue
-                others.append(nearest)
-                break
-        others = others or same[:1]
-        if not others:
-            return Next(None, None, searches)
-        family, distance, q = min(others, key=itemgetter(1))
-        return Next(family, distance, searches, q)
+        far = self.far
+        if self.cause not in (Cause.NONE, Cause.NEVER, Cause.NEAR_MISS):
+            return self._others.nearest()
+        if far.nearest is None or far.nearest_family is None:
+            return Next(None, None, 0 if far.unasked else STARTS[0])
+        return Next(far.nearest_family.family, far.nearest.distance, far.nearest.starts, np.array(far.nearest.q))
 
-    def _is_same_again(self, family: Family, q: Array) -> bool:
-        """Whether a singular configuration is the family of the answer again, with the same parts at the same values.
-
-        The sheet of a family comes near to q at more than one place; that is no other singularity.
-        """
-        if self.met and self.slow_family is None:
-            about, place = self.met[0].family, self.focus
-        elif self.slow_family is not None and self.slow_family[0] is not None:
-            about, place = self.slow_family[0], self.slow_family[3]
-        else:
-            return False
-        if family.name != about.name:
-            return False
-        here, there = (self._parts_at(at, about.corank) for at in (place, q))
-        return bool(there) and here == there
-
-    def _parts_at(self, q: Array, corank: int) -> set[tuple[str, str, int, int]]:
-        """The parts special at a configuration: their condition, its joint, and which half turn of it [1]."""
-        specials = self._specials_at(q, corank)
-        return {(part.part, part.shape, part.joint, round(abs(part.value) / np.pi)) for part in specials}
+    @property
+    def _others(self) -> OtherSingularities:
+        return OtherSingularities(
+            configuration=self.here, options=self.options, far=self.far, incidences=self.met, focus=self.focus,
+            slow=self.slow_family, families_at=self.incidences_at, specials_at=self._specials_at,
+        )  # fmt: skip
 
     def _specials_at(self, q: Array, corank: int) -> tuple[Special, ...]:
         """The parts special at a configuration, looked for once at each."""
@@ -528,43 +356,6 @@ class Explanation(Result):
     def _specials(self) -> dict[tuple[bytes, int], tuple[Special, ...]]:
         """By configuration and corank: what `_specials_at` has found."""
         return {}
-
-    def _other_families(self) -> Iterator[tuple[Family, float, Array]]:
-        """Known families that do not hold here, but for what the answer is about."""
-        if self.met and self.slow_family is None:
-            about = self.met[0].family.name
-        else:
-            about = None
-        for point in self.far.families:
-            if point.family.name != about and not self._is_slow_family(point.q, point.family.corank, point.distance):
-                yield point.family, point.distance, np.array(point.q)
-
-    def _other_values(self) -> Iterator[tuple[Family, float, Array]]:
-        """Families that hold here and pin a single joint, at their other values."""
-        for family in (incidence.family for incidence in self.met if self.slow_family is None):
-            if family.coupled or len(family.pinned) != 1 or family.corank != 1:
-                continue
-            joint = family.pinned[0].number - 1
-            ways = np.array(family.pinned[0].values) - self.q[joint]
-            if self.robot.periodic[joint]:
-                ways = wrap(ways)
-            ends = self.q[joint] + ways
-            if self.options.limits:
-                ways = ways[(ends >= self.robot.lower[joint]) & (ends <= self.robot.upper[joint])]
-            for way in ways[np.argsort(np.abs(ways))][1:2]:
-                place = self.q.copy()
-                place[joint] += way
-                yield family, float(abs(way) / self.here.scale[joint]), place
-
-    def _is_slow_family(self, q: Sequence[float], corank: int, distance: float) -> bool:
-        """Whether a singular configuration is what the answer is about already: near because slow."""
-        if self.slow_family is None:
-            return False
-        _, slow_distance, near, _ = self.slow_family
-        if near is None:
-            return abs(distance - slow_distance) < _SHEETS
-        slow = (motion.normal[0] for motion in slowest_motions(self.here.robot, self.here.q[None], self.here.task))
-        return any(_loses_along(self.here, q, corank, normal) for normal in slow)
 
     @property
     def robot(self) -> Robot:
@@ -729,8 +520,8 @@ class Explanation(Result):
     @property
     def outside_limits(self) -> tuple[int, ...]:
         """Joints (from 1) whose value is beyond a limit by more than `AT_LIMIT`."""
-        out = np.maximum(self.robot.lower - self.q, self.q - self.robot.upper) / self._scale
-        return tuple(int(i) + 1 for i in np.flatnonzero(out > AT_LIMIT))
+        inside = np.maximum(self.robot.lower - self.q, self.q - self.robot.upper) / self._scale
+        return tuple(int(i) + 1 for i in np.flatnonzero(inside > AT_LIMIT))
 
     @property
     def same_inside(self) -> tuple[tuple[int, float], ...]:

@@ -129,10 +129,10 @@ def check_analysis(analysis: _Analysed, record: dict[str, Any]) -> None:
     for i, family in enumerate(analysis.families):
         where = f"$.families[{i}]"
         _check_id(family, ids[:i], where)
-        with_place(where, lambda one=family, place=where: _check_family(analysis, one, place))  # type: ignore[misc]
+        with_place(where, lambda entry=family, place=where: _check_family(analysis, entry, place))  # type: ignore[misc]
     if analysis.near is not None:
         require(
-            ([one.id for one in analysis.near.families] == ids, "the families are not those of the analysis",
+            ([entry.id for entry in analysis.near.families] == ids, "the families are not those of the analysis",
              "$.near.families", None, ", ".join(ids)),
             *((row.near <= row.samples, "more configurations are near than there are", "$.near", row.near,
                f"up to {row.samples}") for row in (*analysis.near.families, analysis.near.any)),
@@ -156,7 +156,7 @@ def _check_robot(robot: Robot, record: dict[str, Any]) -> None:
     with_place("$.robot.home", lambda: rigid(robot.home, ""))
     for i, (joint, written) in enumerate(zip(robot.joints, record["chain"], strict=True)):
         where, measure, mimic = f"$.robot.chain[{i}]", "length" if joint.unit == "m" else "angle", joint.mimic
-        with_place(f"{where}.frame", lambda one=joint: rigid(one.frame, ""))  # type: ignore[misc]
+        with_place(f"{where}.frame", lambda row=joint: rigid(row.frame, ""))  # type: ignore[misc]
         _check_screw(joint, np.array(written["screw"], dtype=np.float64), f"{where}.screw")
         require(
             *((written[key] is None or abs(written[key]) <= RANGE[measure], "the limit is too large",
@@ -166,8 +166,8 @@ def _check_robot(robot: Robot, record: dict[str, Any]) -> None:
             (mimic is None or 0.0 < abs(mimic.multiplier) <= RANGE["angle"], "the joint follows at no rate",
              f"{where}.mimic.multiplier", mimic and mimic.multiplier, None),
         )  # fmt: skip
-    listed = [(one["name"], one["number"], one["kind"], one["lower"], one["upper"]) for one in record["joints"]]
-    chain = {one["name"]: one for one in record["chain"]}
+    listed = [(row["name"], row["number"], row["kind"], row["lower"], row["upper"]) for row in record["joints"]]
+    chain = {row["name"]: row for row in record["chain"]}
     for i, joint in enumerate(robot.variables):
         written = chain[joint.name]
         want = (joint.name, i + 1, str(joint.kind), written["lower"], written["upper"])
@@ -328,7 +328,7 @@ def _check_speeds(analysis: _Analysed, ids: Sequence[str]) -> None:
     told = analysis.speeds
     if told is None:
         return
-    named = [*(one.family for one in told.distances), *told.others]
+    named = [*(speed.family for speed in told.distances), *told.others]
     require(
         (set(named) <= set(ids), "a distance is of no family of the analysis", "$.speeds", ", ".join(named),
          ", ".join(ids)),

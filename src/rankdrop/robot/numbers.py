@@ -245,8 +245,8 @@ def section_numbers(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Nu
 def parallel_runs(numbers: Sequence[Numbers]) -> list[list[int]]:
     """Indices of axes, from 0, parted where two that follow each other are not exactly parallel."""
     runs = [[0]]
-    for i, one in enumerate(numbers[:-1]):
-        if parallel(one.twist):
+    for i, number in enumerate(numbers[:-1]):
+        if parallel(number.twist):
             runs[-1].append(i + 1)
         else:
             runs.append([i + 1])
@@ -364,15 +364,15 @@ def changes_between(old: Robot, new: Robot, *, angle: float, length: float) -> t
 def _differences(before: Sequence[Numbers], after: Sequence[Numbers]) -> Iterator[Change]:
     for run in parallel_runs(after):
         for i in run:
-            one, other, pair = before[i], after[i], (i + 1, i + 2)
+            first, second, pair = before[i], after[i], (i + 1, i + 2)
             if i == run[0]:
                 joints = tuple(k + 1 for k in run)
                 yield Change("offset", joints, sum(offsets_along(before, run)), sum(offsets_along(after, run)))
-            yield Change("angle", (i + 1,), one.phase, other.phase)
-            yield Change("distance", pair, one.a, other.a)
-            lean = abs(one.tilt) > NOTHING
-            turned = hypot(wrap_angle(one.twist - other.twist), one.tilt)
-            yield Change("twist", pair, other.twist + turned if lean else one.twist, other.twist)
+            yield Change("angle", (i + 1,), first.phase, second.phase)
+            yield Change("distance", pair, first.a, second.a)
+            lean = abs(first.tilt) > NOTHING
+            turned = hypot(wrap_angle(first.twist - second.twist), first.tilt)
+            yield Change("twist", pair, second.twist + turned if lean else first.twist, second.twist)
 
 
 def _ends(robot: Robot) -> tuple[Array, Array]:
@@ -569,7 +569,7 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     unit = _unit(robot)
     lines = axis_lines(robot, length=length)
     normals = common_normals(robot, lines, angle=angle, length=length)
-    made = [_exact(one, unit, angle, length) for one in section_numbers(lines, normals)]
+    made = [_exact(section, unit, angle, length) for section in section_numbers(lines, normals)]
     made = _cancel_offsets(made, [joint.slides for joint in robot.joints], length)
     pose = _pose_squared(frame_at(normals[0][0], lines[0][0], normals[0][2]), unit, angle)
     joints = []

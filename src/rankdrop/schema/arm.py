@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from msgspec import UNSET
 
-from rankdrop.codec import Positive, many, mapping, num, optional, row, some, table, whole
+from rankdrop.codec import Positive, list_of, mapping, nonempty, num, optional, row, table, whole
 from rankdrop.cover.ball import ModelTolerance
 from rankdrop.families.record import Pin
 from rankdrop.robot.ideal import near_ideal
@@ -82,14 +82,14 @@ ROBOT = table(
     task=(str, "name of the task, or its rows joined by commas", _attribute_of(1, "name")),
     generic_rank=(whole(ge=0, le=6),
         "rank of the task Jacobian almost everywhere; corank k is rank generic_rank − k", itemgetter(2)),
-    joints=(many(JOINTS), "the joint variables, in the order of q", _joints),
+    joints=(list_of(JOINTS), "the joint variables, in the order of q", _joints),
     base=(str, "first link", _attribute_of(0, "base")),
     tip=(str, "last link", _attribute_of(0, "tip")),
     about=(str, "", _attribute_of(0, "about")),
     lengths=(optional(mapping(num("m", gt=0))),
         "letters that exact conditions write lengths with, and their values [m]; absent where the robot has none",
         lambda arm: dict(arm[0].lengths) or UNSET),
-    notes=(many(str), "choices made and things tolerated while reading the description",
+    notes=(list_of(str), "choices made and things tolerated while reading the description",
         lambda arm: tuple(map(str, arm[0].notes))),
     near=(optional(NEAR),
         "where an ideal arm is near: the nearest one with axes exactly parallel, square and intersecting",
@@ -97,10 +97,10 @@ ROBOT = table(
     source=(SOURCE, "where the numbers come from", _attribute_of(0, "source")),
     made_for=(str, "task the description names", _attribute_of(0, "task")),
     frame=(FRAME, "frame of the task", _attribute_of(1, "frame")),
-    rows=(some(whole(ge=0, le=5)), "rows of the twist (vx, vy, vz, wx, wy, wz) in the task, counted from 0",
+    rows=(nonempty(whole(ge=0, le=5)), "rows of the twist (vx, vy, vz, wx, wy, wz) in the task, counted from 0",
         _attribute_of(1, "rows")),
     home=(row(row(num("pose"), 4), 4), "pose of the tip at q = 0 in the base frame", _attribute_of(0, "home")),
-    chain=(some(CHAIN), "every moving joint, mimic joints included, as screws (v; ω) at q = 0 in the base frame",
+    chain=(nonempty(CHAIN), "every moving joint, mimic joints included, as screws (v; ω) at q = 0 in the base frame",
         _attribute_of(0, "joints")),
 )
 TOLERANCES = table(
@@ -116,8 +116,8 @@ TOLERANCES = table(
     coefficient=num("1", gt=0),
     explained=num("distance", gt=0),
 )
-PINNED = table("pinned", of=Pin, number=Positive, values=some(num("joint")))
-INSIDE_PINNED = table("inside_pinned", number=Positive, values=many(num("joint")))
+PINNED = table("pinned", of=Pin, number=Positive, values=nonempty(num("joint")))
+INSIDE_PINNED = table("inside_pinned", number=Positive, values=list_of(num("joint")))
 TOLERANCE = table(
     "tolerance",
     of=ModelTolerance,
@@ -129,7 +129,7 @@ MOVED = table(
     "moved",
     name=str,
     kind=Literal["twist", "angle", "distance", "offset", "base", "tip"],
-    joints=some(Positive),
+    joints=nonempty(Positive),
     before=num("entry"),
     after=num("entry"),
     by=num("entry", ge=0),

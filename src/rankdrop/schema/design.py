@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter, itemgetter
 from typing import Any, Literal
 
-from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table
+from rankdrop.codec import Count, Positive, list_of, mapping, nonempty, num, optional, row, table
 from rankdrop.robot.numbers import reach
 from rankdrop.schema.arm import INSIDE_PINNED, ROBOT, file
 from rankdrop.schema.families import ASPECTS_SUMMARY
@@ -29,15 +29,15 @@ ENTRIES = table(
 INVERSE = table(
     "inverse",
     determinant=(str, "", lambda jacobian: jacobian.closed.determinant.text()),
-    entries=(many(many(ENTRIES)), "one list per joint", attrgetter("inverse_code")),
+    entries=(list_of(list_of(ENTRIES)), "one list per joint", attrgetter("inverse_code")),
 )
 NUMBERS = table(
     "numbers",
-    q=many(num("joint")),
-    matrix=many(many(num("screw"))),
+    q=list_of(num("joint")),
+    matrix=list_of(list_of(num("screw"))),
     determinant=num("product") | None,
-    inverse=many(many(num("rate"))) | None,
-    sigma=(many(num("1")), "singular values, lengths in metres"),
+    inverse=list_of(list_of(num("rate"))) | None,
+    sigma=(list_of(num("1")), "singular values, lengths in metres"),
 )
 CHECKS = table(
     "checks",
@@ -51,20 +51,20 @@ JACOBIAN_FILE = file(
     robot=(ROBOT, "", lambda jacobian: (jacobian.robot, jacobian.task, min(jacobian.task.m, jacobian.robot.n))),
     frame=(Positive, "link that gives the axes"),
     at=(int | None, "link with its frame's origin at the reference point; null for the tip"),
-    rows=(many(str), "of the task, vx … wz", lambda jacobian: [ROWS[row] for row in jacobian.task.rows]),
+    rows=(list_of(str), "of the task, vx … wz", lambda jacobian: [ROWS[row] for row in jacobian.task.rows]),
     letters=(mapping(num("m")), "value of each length that is a letter [m]"),
-    shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
-    matrix=(many(many(str)), "entries as text, one list per row; empty where numbers alone were asked for",
+    shifts=(nonempty(num("joint")), "θ = q + shift, per joint [rad, m]"),
+    matrix=(list_of(list_of(str)), "entries as text, one list per row; empty where numbers alone were asked for",
         lambda jacobian: jacobian.texts()),
     latex=(str, "matrix, determinant and inverse as displayed formulas",
         lambda jacobian: jacobian.latex() if jacobian.rows else ""),
-    shortest=(many(SHORTEST), "terms of all axes and reference points, the shortest first"),
+    shortest=(list_of(SHORTEST), "terms of all axes and reference points, the shortest first"),
     inverse=(INVERSE | None, "in closed form; null where it was not asked for",
         lambda jacobian: jacobian.closed and jacobian),
     numbers=(NUMBERS | None,
         "at the configuration of --q; the inverse is null where it was not asked for, and at singular "
         "configurations"),
-    checks=many(CHECKS),
+    checks=list_of(CHECKS),
     holds=(bool, "whether every check does"),
 )
 MEASURES = table(
@@ -73,9 +73,9 @@ MEASURES = table(
     unit=(str, "", UNITS.__getitem__),
     meaning=(str, "", MEANINGS.__getitem__),
 )
-_PIN = tuple[Positive, bool, many(num("deg or m")), Count]  # type: ignore[misc,valid-type]
-_STRUCTURE = tuple[Positive, Count, many(_PIN), many(Positive)]  # type: ignore[misc,valid-type]
-FAMILY_PARTS = table("family_parts", parts=many(str), either=bool, base=bool)
+_PIN = tuple[Positive, bool, list_of(num("deg or m")), Count]  # type: ignore[misc,valid-type]
+_STRUCTURE = tuple[Positive, Count, list_of(_PIN), list_of(Positive)]  # type: ignore[misc,valid-type]
+FAMILY_PARTS = table("family_parts", parts=list_of(str), either=bool, base=bool)
 ARMS_FAMILY = table(
     "arms_family",
     id=str,
@@ -88,20 +88,20 @@ ARMS_FAMILY = table(
     about=(optional(FAMILY_PARTS), "parts of the arm that it is about; since 0.3"),
     corank=Positive,
     dimension=Count,
-    pinned=many(INSIDE_PINNED),
-    free=many(int),
-    coupled=many(int),
-    conditions=many(str),
+    pinned=list_of(INSIDE_PINNED),
+    free=list_of(int),
+    coupled=list_of(int),
+    conditions=list_of(str),
     named=bool,
     sound=row(int, 2),
     explained=row(int, 2),
-    witness=many(num("joint")),
+    witness=list_of(num("joint")),
 )
 NEAR_SHARE = table("near_share", id=str, share=num("1"), error=num("1"), interval=row(num("1"), 2), bound=bool)
 ARMS_NEAR = table(
     "arms_near",
     any=NEAR_SHARE,
-    families=many(NEAR_SHARE),
+    families=list_of(NEAR_SHARE),
     samples=(optional(Positive), "random configurations, the same for every variant"),
     hits=(optional(str), "which of them are near any family: a bit each, as hexadecimal digits, the first one highest"),
 )
@@ -133,11 +133,11 @@ REGION = table(
     "region",
     poses=int,
     reached=int,
-    each=(optional(many(num("1") | None)), "σ of the best posture at each pose; null where none was found"),
+    each=(optional(list_of(num("1") | None)), "σ of the best posture at each pose; null where none was found"),
     lowest=num("1") | None,
     sigma=(num("1") | None, "smallest σ of a best posture found"),
-    at=many(num("m")) | None,
-    q=many(num("joint")) | None,
+    at=list_of(num("m")) | None,
+    q=list_of(num("joint")) | None,
     sigma_lower=(optional(num("1") | None), "proven: σ of the best posture is at least this at every pose of the box"),
     sigma_upper=(optional(num("1") | None),
         "proven: σ of the best posture is at most this at some pose of the box; null where nothing is proven"),
@@ -152,7 +152,7 @@ ARMS_PATH = table(
     verdict=str,
     sigma=num("1") | None,
     distance=num("distance") | None,
-    q=many(num("joint")) | None,
+    q=list_of(num("joint")) | None,
     why=str,
 )
 CERTIFIED = table("certified", free=num("1"), boxes=int, complete=bool)
@@ -162,12 +162,12 @@ _MEASURED: dict[str, Any] = {
     "verdict": optional(Literal["verified", "incomplete", "unsound", "contradicted"]),
     "sentence": optional(str),
     "rank": optional(int),
-    "families": optional(many(ARMS_FAMILY)),
+    "families": optional(list_of(ARMS_FAMILY)),
     "aspects": optional(ASPECTS_SUMMARY),
     "near": optional(ARMS_NEAR),
     "slow": optional(ARMS_SLOW | None),
     "region": optional(REGION),
-    "paths": optional(many(ARMS_PATH)),
+    "paths": optional(list_of(ARMS_PATH)),
     "certified": optional(CERTIFIED),
 }
 ARMS = table(
@@ -200,45 +200,45 @@ SIDE_BY_SIDE_FILE = file(
     seed=Count,
     sentence=str,
     holds=bool,
-    measures=many(MEASURES),
-    arms=(many(ARMS), "", _arms),
+    measures=list_of(MEASURES),
+    arms=(list_of(ARMS), "", _arms),
 )
 SWEEP_PARAMETERS = table(
     "sweep_parameters",
     name=str,
     unit=Literal["m", "rad"],
-    sets=(many(str), "places in the arm", lambda parameter: [str(place) for place in parameter.places]),
+    sets=(list_of(str), "places in the arm", lambda parameter: [str(place) for place in parameter.places]),
     lower=num("entry"),
     upper=num("entry"),
 )
 STRUCTURES = table(
     "structures",
-    families=(many(str), "", lambda structure: structure.keys),
-    variants=(many(int), "counted from 1", lambda structure: [i + 1 for i in structure.variants]),
-    ranges=many(many(num("entry"))),
+    families=(list_of(str), "", lambda structure: structure.keys),
+    variants=(list_of(int), "counted from 1", lambda structure: [i + 1 for i in structure.variants]),
+    ranges=list_of(list_of(num("entry"))),
 )
 CHANGES = table(
     "changes",
     kind=Literal["appears", "vanishes", "splits", "join"],
-    before=many(str),
-    after=many(str),
+    before=list_of(str),
+    after=list_of(str),
     variants=(row(int, 2), "counted from 1", lambda change: [change.first + 1, change.second + 1]),
     parameter=(str | None, "the one that differs; null where several do", lambda change: change.parameter or None),
-    between=(many(num("entry")) | None, "its values",
+    between=(list_of(num("entry")) | None, "its values",
         lambda change: [change.low, change.high] if change.parameter else None),
 )
-EXACT_FAMILIES = table("exact_families", id=str, name=str, corank=int, conditions=many(str), real=str)
+EXACT_FAMILIES = table("exact_families", id=str, name=str, corank=int, conditions=list_of(str), real=str)
 SWEEP_EXACT = table(
     "sweep_exact",
     variant=int,
     letters=mapping(num("m")),
-    families=many(EXACT_FAMILIES),
-    not_real=many(str),
+    families=list_of(EXACT_FAMILIES),
+    not_real=list_of(str),
 )
 VARIANTS = table(
     "variants",
     number=(Positive, "", lambda variant: variant["number"] + 1),
-    values=many(num("entry")),
+    values=list_of(num("entry")),
     **_MEASURED,
 )
 SWEEP_FILE = file(
@@ -254,19 +254,19 @@ SWEEP_FILE = file(
     limits=(bool, "", lambda designs: designs.spec.limits),
     seed=(Count, "", lambda designs: designs.spec.seed),
     sentence=str,
-    summary=(optional(many(str)), "the lines that are printed first"),
+    summary=(optional(list_of(str)), "the lines that are printed first"),
     holds=bool,
-    measures=many(MEASURES),
-    parameters=many(SWEEP_PARAMETERS),
+    measures=list_of(MEASURES),
+    parameters=list_of(SWEEP_PARAMETERS),
     goals=(mapping(Literal["less", "more"]), "", lambda designs: designs.spec.goals),
-    pareto=(many(Positive), "variants not dominated by any other beyond the error",
+    pareto=(list_of(Positive), "variants not dominated by any other beyond the error",
         lambda designs: [number + 1 for number in designs.pareto]),
     pareto_differ=(optional(bool), "some of them differ from one another beyond the error",
         lambda designs: designs.ranking.differ),
-    structures=many(STRUCTURES),
-    changes=many(CHANGES),
-    exact=many(SWEEP_EXACT),
-    variants=(many(VARIANTS), "", lambda designs: designs.records),
+    structures=list_of(STRUCTURES),
+    changes=list_of(CHANGES),
+    exact=list_of(SWEEP_EXACT),
+    variants=(list_of(VARIANTS), "", lambda designs: designs.records),
 )
 
 

@@ -7,7 +7,19 @@ from typing import Any, Literal
 
 from msgspec import UNSET
 
-from rankdrop.codec import Count, Positive, many, meanings, num, optional, pair, plain, row, some, table
+from rankdrop.codec import (
+    Count,
+    Positive,
+    list_of,
+    meanings,
+    nonempty,
+    num,
+    optional,
+    pair,
+    plain,
+    row,
+    table,
+)
 from rankdrop.configuration import Rank
 from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions
 from rankdrop.local.circuits import Circuit
@@ -55,27 +67,27 @@ ESCAPE_SETTINGS = table(
 CIRCUIT = table(
     "circuit",
     of=Circuit,
-    numbers=some(Positive),
-    coefficients=many(num("entry")),
-    units=many(Literal["rad", "m"]),
+    numbers=nonempty(Positive),
+    coefficients=list_of(num("entry")),
+    units=list_of(Literal["rad", "m"]),
     sigma=num("1", ge=0),
 )
 ORDERED = table("ordered", of=OrderedSubset, first=Positive, last=Positive, dimension=Count, loss=Positive)
 SYSTEMS = table(
-    "systems", of=ScrewSystem, numbers=many(Positive), dimension=Count, members=None,
+    "systems", of=ScrewSystem, numbers=list_of(Positive), dimension=Count, members=None,
     words=(str, "the whole in English."),
 )  # fmt: skip
 HUNT_JOINTS = table("hunt_joints", of=HuntJoint, number=Positive, share=num("1", ge=0, le=1), rate=num("1/distance"))
 HUNT = table(
-    "hunt", of=Hunt, shape=None, lost=None, matrix=many(many(num("1"))),
+    "hunt", of=Hunt, shape=None, lost=None, matrix=list_of(list_of(num("1"))),
     words=(str, "why not; else whom it names, and whether finite motion agrees", hunt_words),
 )  # fmt: skip
 BLAME = table(
     "blame",
-    circuits=(many(CIRCUIT), "all of `circuits`"),
-    smallest=(many(CIRCUIT), "the smallest special ones from which all dependencies follow"),
-    ordered=many(ORDERED),
-    systems=many(SYSTEMS),
+    circuits=(list_of(CIRCUIT), "all of `circuits`"),
+    smallest=(list_of(CIRCUIT), "the smallest special ones from which all dependencies follow"),
+    ordered=list_of(ORDERED),
+    systems=list_of(SYSTEMS),
     always=(str | None, "why the arm is deficient everywhere"),
     complete=(bool, "false: only the first 1,000 circuits are listed, of more than 20 joints none"),
     hunt=(optional(HUNT | None), "Hunt's matrix of cofactors; null where nothing is lost"),
@@ -87,8 +99,8 @@ WAY = table(
     gain=Count,
     order=Positive | None,
     rate=num("1/joint^order"),
-    first_order=many(num("1/distance")),
-    receptors=many(Positive),
+    first_order=list_of(num("1/distance")),
+    receptors=list_of(Positive),
     measured_gain=int,
     step=num("joint"),
     sigma_after=num("1", ge=0),
@@ -96,8 +108,8 @@ WAY = table(
 DIRECTION = table(
     "direction",
     of=Direction,
-    delta=many(num("joint")),
-    numbers=many(Positive),
+    delta=list_of(num("joint")),
+    numbers=list_of(Positive),
     gain=int,
     order=Positive | None,
     rate=num("1/distance^order"),
@@ -106,7 +118,7 @@ DIRECTION = table(
     measured_gain=int,
 )
 LOST_MOTION = table(
-    "lost_motion", of=LostMotion, direction=row(num("1"), 6), type=Literal[1, 2], form=many(num("1")),
+    "lost_motion", of=LostMotion, direction=row(num("1"), 6), type=Literal[1, 2], form=list_of(num("1")),
     words=(str, "", lambda lost: lost_type(lost.type)),
 )  # fmt: skip
 ESCAPE = table(
@@ -114,7 +126,7 @@ ESCAPE = table(
     of=Escape,
     corank=Count,
     floor=num("1", ge=0),
-    types=many(LOST_MOTION),
+    types=list_of(LOST_MOTION),
     avoidable_words=(str, "", avoidable_words),
     avoidable_reason=optional(str),
     still_error=optional(num("1", ge=0)),
@@ -125,19 +137,19 @@ ESCAPE = table(
 _ASKED: dict[str, Any] = {
     "robot": (ROBOT, "", lambda explanation: (explanation.robot, explanation.task, explanation.rank.generic_rank)),
     "settings": (ESCAPE_SETTINGS, "what was asked for", lambda explanation: explanation),
-    "q": (many(num("joint")), "the given configuration [rad, m]"),
-    "outside_limits": (many(Positive), "joints beyond a limit"),
-    "at_limits": (many(Positive), "joints that stand at a limit"),
+    "q": (list_of(num("joint")), "the given configuration [rad, m]"),
+    "outside_limits": (list_of(Positive), "joints beyond a limit"),
+    "at_limits": (list_of(Positive), "joints that stand at a limit"),
     "verdict": Literal["regular", "near", "singular", "always-singular"],
     "reason": str,
     "rank": (Count, "", attrgetter("rank.rank")),
     "generic_rank": (Count, "almost everywhere", attrgetter("rank.generic_rank")),
     "corank": (Count, "task freedoms lost: generic_rank - rank", attrgetter("rank.corank")),
     "nullity": (Count, "joint motions that leave the task still: n - rank", attrgetter("rank.nullity")),
-    "sigma": (many(num("1", ge=0)), "descending; translation divided by the length scale", attrgetter("rank.sigma")),
+    "sigma": (list_of(num("1", ge=0)), "descending; translation divided by the length scale", attrgetter("rank.sigma")),
 }
 _WAYS: dict[str, Any] = {
-    "circuits": (many(some(Positive)), "inclusion-minimal dependent sets of joints; all where `blame.complete`",
+    "circuits": (list_of(nonempty(Positive)), "inclusion-minimal dependent sets of joints; all where `blame.complete`",
         lambda explanation: [circuit.numbers for circuit in explanation.blame.circuits]),
     "blame": (BLAME, "which joints make the dependency"),
     "escape": (ESCAPE, "how to get out"),
@@ -164,20 +176,21 @@ SUMMARY = table(
     distance=num("distance", ge=0) | None,
     length=num("m", ge=0),
     angle=num("rad", ge=0),
-    pinned=many(pair(Positive, num("joint"))),
-    lost=many(row(num("1"), 6)),
+    pinned=list_of(pair(Positive, num("joint"))),
+    lost=list_of(row(num("1"), 6)),
     slowest=STRAIGHT_MOTION | None,
-    way_out=(many(pair(Positive, num("joint"))), "(joint, step) of one or two joints, one after the other"),
+    way_out=(list_of(pair(Positive, num("joint"))), "(joint, step) of one or two joints, one after the other"),
     regular_after=(optional(bool), "the verdict after them is regular"),
     sigma_after=num("1", ge=0) | None,
     next_distance=num("distance", ge=0) | None,
     next_searches=(optional(Count), "searches for it; 0 for none"),
     source=Literal["catalogue", "analysis", "on the spot"],
     radius=num("distance", ge=0) | None,
-    place=(optional(many(SPECIAL)), "parts of the arm that are special at the singularity"),
-    next_place=(optional(many(SPECIAL)), "the same at the next one"),
+    place=(optional(list_of(SPECIAL)), "parts of the arm that are special at the singularity"),
+    next_place=(optional(list_of(SPECIAL)), "the same at the next one"),
     crosses=(optional(bool), "the way out passes another singularity"),
-    text=(some(str), "five sentences: the configuration, the lost motion, the way out, the next singularity, how sure"),
+    text=(nonempty(str),
+        "five sentences: the configuration, the lost motion, the way out, the next singularity, how sure"),
 )
 _SUMMARY = {
     "summary": (optional(SUMMARY), "the answer: facts, then five sentences",
@@ -190,7 +203,7 @@ ESCAPE_FILE = file(
     **_ASKED,
     **_SUMMARY,
     **_WAYS,
-    disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
+    disagreements=(list_of(str), "one sentence for each pair of methods that differ; empty when all is well"),
     lie=(dict[str, Any] | None, "with --lie: the procedure of Gallardo-Alvarado and Rico-Martínez, step by step",
         lambda _: None),
 )
@@ -200,19 +213,19 @@ EXPLANATION_FAMILY = table(
     name=(str, "", attrgetter("family.name")),
     corank=(Positive, "", attrgetter("family.corank")),
     dimension=(Count, "in joint space", attrgetter("family.dimension")),
-    pinned=(many(PINNED), "joints with fixed values [rad, m]", attrgetter("family.pinned")),
-    free=(many(Positive), "joints that do not matter", attrgetter("family.free")),
-    coupled=(many(Positive), "joints tied together", attrgetter("family.coupled")),
-    conditions=(many(str), "for reading",
+    pinned=(list_of(PINNED), "joints with fixed values [rad, m]", attrgetter("family.pinned")),
+    free=(list_of(Positive), "joints that do not matter", attrgetter("family.free")),
+    coupled=(list_of(Positive), "joints tied together", attrgetter("family.coupled")),
+    conditions=(list_of(str), "for reading",
         lambda incidence: list(map(str, incidence.family.equations)) or local_conditions(incidence.family)),
-    equations=(many(str), "expressions in q1 … qn, sin, cos, pi that vanish on the family",
+    equations=(list_of(str), "expressions in q1 … qn, sin, cos, pi that vanish on the family",
         attrgetter("family.equations")),
     residual=(num("distance", ge=0), "distance of the configuration to the family [rad]"),
     source=Literal["catalogue", "analysis", "on the spot"],
 )
 RELATIONS = table(
     "relations", of=Relation, slides=None, words=(str, 'in English: "axes 1, 3, 5, 7 aligned"', attrgetter("words")),
-    joints=many(Positive),
+    joints=list_of(Positive),
 )  # fmt: skip
 SCREW = table(
     "screw",
@@ -228,16 +241,16 @@ LOST_FRAME = table(
     axes=(int, "", attrgetter("framed.frame.axes")),
     origin=(int, "", attrgetter("framed.frame.origin")),
     point=(row(num("m"), 3), "", attrgetter("framed.frame.point")),
-    directions=(many(row(num("1"), 6)), "", attrgetter("framed.directions")),
-    twist_screws=many(SCREW),
-    wrench_screws=many(SCREW),
+    directions=(list_of(row(num("1"), 6)), "", attrgetter("framed.directions")),
+    twist_screws=list_of(SCREW),
+    wrench_screws=list_of(SCREW),
 )
 RATES = table(
     "rates",
     of=DirectionRates,
     direction=row(num("entry"), 6),
     unit=Literal["m/s", "rad/s", "1"],
-    joint_rates=many(num("joint/s")),
+    joint_rates=list_of(num("joint/s")),
     norm=num("distance/s", ge=0) | None,
     worst=Positive | None,
     speed_smallest_rates=num("entry", ge=0) | None,
@@ -246,17 +259,17 @@ RATES = table(
 JOINT_RATES = table(
     "joint_rates",
     of=Rates,
-    limits=many(num("joint/s") | None),
+    limits=list_of(num("joint/s") | None),
     length_scale=num("m"),
-    lost_shares=optional(many(num("1", ge=0, le=1.000001))),
-    remaining=optional(many(RATES | None)),
+    lost_shares=optional(list_of(num("1", ge=0, le=1.000001))),
+    remaining=optional(list_of(RATES | None)),
 )
 NEAREST = table(
     "nearest",
     of=Nearest,
     distance=num("distance", ge=0),
-    q=many(num("joint")),
-    delta=many(num("joint")),
+    q=list_of(num("joint")),
+    delta=list_of(num("joint")),
     corank=Positive,
     sigma=optional(num("1", ge=0)),
     stationarity=optional(num("1", ge=0)),
@@ -270,8 +283,8 @@ FAMILIES_AWAY = table(
     id=(str, "", attrgetter("family.id")),
     name=(str, "", attrgetter("family.name")),
     distance=num("distance", ge=0),
-    q=many(num("joint")),
-    delta=many(num("joint")),
+    q=list_of(num("joint")),
+    delta=list_of(num("joint")),
     residual=num("distance", ge=0) | None,
     sigma=num("1", ge=0) | None,
     exact=bool,
@@ -281,7 +294,7 @@ CERTIFICATE = table(
     radius=(num("distance", ge=0), "[rad]"),
     single=(num("distance", ge=0), "of the first enclosure"),
     at_most=num("distance", ge=0),
-    q=many(num("joint")),
+    q=list_of(num("joint")),
     task=str,
     rank=Count,
     setting=dict[str, Any],
@@ -289,27 +302,27 @@ CERTIFICATE = table(
     model=str,
     complete=bool,
     version=str,
-    rows=some(Literal[0, 1, 2, 3, 4, 5], min_length=1, max_length=6),
+    rows=nonempty(Literal[0, 1, 2, 3, 4, 5], min_length=1, max_length=6),
     frame=FRAME,
 )
 FAILURES = table(
     "failures",
     number=Positive,
     joint=str,
-    sigma=(many(num("1", ge=0)), "singular values of the others' Jacobian, descending"),
+    sigma=(list_of(num("1", ge=0)), "singular values of the others' Jacobian, descending"),
     sigma_min=(num("1", ge=0), "the one at the generic rank of the whole arm; 0 where the rank is lower"),
     rank=Count,
     share=(num("1", ge=0, le=1.000001), "remaining share of the square root of det(J Jᵀ)"),
-    lost_directions=(many(row(num("1"), 6)), "rows (v; ω) that the others cannot make, in the frame of lost_words",
+    lost_directions=(list_of(row(num("1"), 6)), "rows (v; ω) that the others cannot make, in the frame of lost_words",
         attrgetter("lost")),
-    lost_words=many(str),
+    lost_words=list_of(str),
 )
 ELLIPSOID = table(
     "ellipsoid",
     of=Ellipsoid,
-    axes=many(many(num("1"))),
-    half_lengths=many(num("entry", ge=0) | None),
-    semi_axes=many(many(num("entry") | None)),
+    axes=list_of(list_of(num("1"))),
+    half_lengths=list_of(num("entry", ge=0) | None),
+    semi_axes=list_of(list_of(num("entry") | None)),
 )
 INDEX = table("index", of=Index, value=num("entry", ge=0) | None, length_scale=num("m") | None)
 SHAPE = table(
@@ -318,13 +331,13 @@ SHAPE = table(
 SHAPES = table(
     "shapes", of=PartSet, by_limits=None, slide_length=None,
     ball=(str, "the unit balls of joint rates and of joint torques, in words", attrgetter("ball")),
-    joints=many(num("joint/s") | None),
+    joints=list_of(num("joint/s") | None),
 )  # fmt: skip
 ELLIPSOIDS = table("ellipsoids", of=Ellipsoids, length_scale=num("m"))
 RANK = table(
     "rank",
     of=Rank,
-    sigma=many(num("1", ge=0)),
+    sigma=list_of(num("1", ge=0)),
     sigma_error=num("1", ge=0),
     rank=Count,
     generic_rank=Count,
@@ -336,20 +349,20 @@ CHECK = table("check", of=RankNullity, rank=Count, nullity=Count, n=Count, large
 REDUNDANCY = table(
     "redundancy",
     of=Redundancy,
-    range_basis=many(many(num("twist"))),
-    null_basis=many(many(num("joint/s"))),
-    projector=many(many(num("ratio"))),
-    closed_form=many(many(num("ratio"))),
+    range_basis=list_of(list_of(num("twist"))),
+    null_basis=list_of(list_of(num("joint/s"))),
+    projector=list_of(list_of(num("ratio"))),
+    closed_form=list_of(list_of(num("ratio"))),
     difference=num("ratio", ge=0),
     idempotent=num("ratio", ge=0),
     annihilates=num("1", ge=0),
     closed_annihilates=num("1", ge=0),
-    joint_scale=many(num("joint")),
+    joint_scale=list_of(num("joint")),
 )
 COORDINATES = table(
     "coordinates",
     of=Representation,
-    coordinates=many(num("coordinate") | None),
+    coordinates=list_of(num("coordinate") | None),
     sigma_min=num("1", ge=0),
     determinant=num("1") | None,
     angle=num("rad", ge=0) | None,
@@ -365,22 +378,22 @@ REPRESENTATIONS = table(
     quaternion=(COORDINATES, _ABOUT["quaternion"]),
     rotvec=(COORDINATES, _ABOUT["rotvec"]),
     words=(str, "who is singular here: the arm, coordinates, both or neither."),
-    others=(optional(many(COORDINATES)), _ABOUT["others"]),
+    others=(optional(list_of(COORDINATES)), _ABOUT["others"]),
 )
 HERE = table(
     "here",
     number=Positive,
     sigma=num("1", ge=0),
     distance=num("distance", ge=0) | None,
-    q=many(num("joint")) | None,
+    q=list_of(num("joint")) | None,
     there=num("1", ge=0) | None,
 )
 EXPLANATION_IDEAL = table(
     "explanation_ideal",
     tolerance=TOLERANCE,
-    moved=(many(MOVED), "numbers of the chain that were moved [rad, m]"),
+    moved=(list_of(MOVED), "numbers of the chain that were moved [rad, m]"),
     real=(dict[str, Any], "the arm itself, as robot"),
-    families=many(dict[str, Any]),
+    families=list_of(dict[str, Any]),
     here=HERE,
 )
 SLOW_FAMILY = table(
@@ -396,9 +409,9 @@ LOST_SEEN = table(
     "lost_seen",
     frame=Literal["base", "tool", "link"],
     axes=str,
-    directions=many(row(num("1"), 6)),
-    constraints=many(str),
-    short=many(str),
+    directions=list_of(row(num("1"), 6)),
+    constraints=list_of(str),
+    short=list_of(str),
 )
 
 
@@ -415,7 +428,7 @@ def _nearest(explanation: Any) -> dict[str, Any] | None:
 
 _FAR: dict[str, Any] = {
     "nearest": (NEAREST | None, "null: none found", _nearest),
-    "families_away": (many(FAMILIES_AWAY), "nearest first", attrgetter("far.families")),
+    "families_away": (list_of(FAMILIES_AWAY), "nearest first", attrgetter("far.families")),
     "certified_radius": (num("distance", ge=0) | None,
         "no singular configuration within it, proven; 0 at a singular configuration, null where nothing can "
         "be certified"),
@@ -436,44 +449,44 @@ EXPLANATION_FILE = file(
         attrgetter("rank.always_singular")),
     tolerance=(num("1", ge=0), "σ at or below it is zero", attrgetter("rank.tolerance")),
     nearly_lost=(Count, "further singular values at or below settings.small: freedoms nearly lost"),
-    focus=(many(num("joint")),
+    focus=(list_of(num("joint")),
         "the configuration that family, relations and blame speak of: q, or the nearest singular one where q "
         "is near it"),
     family=(EXPLANATION_FAMILY | None, "the family of the singularity; null where the verdict is regular",
         lambda explanation: explanation.met[0] if explanation.met else None),
-    families=(many(EXPLANATION_FAMILY), "all families that hold at focus", attrgetter("met")),
+    families=(list_of(EXPLANATION_FAMILY), "all families that hold at focus", attrgetter("met")),
     family_source=(Literal["catalogue", "analysis", "on the spot"], "", attrgetter("source")),
-    relations=many(RELATIONS),
-    lost_directions=(many(row(num("1"), 6)),
+    relations=list_of(RELATIONS),
+    lost_directions=(list_of(row(num("1"), 6)),
         "orthonormal; twists (v; ω) that cannot be made, in the task's frame. Nearly lost ones where the "
         "verdict is near", attrgetter("lost.directions")),
-    lost_words=(many(str), "", attrgetter("lost.words")),
-    blocked_wrenches=(many(row(num("1"), 6)), "the same numbers read as (f; τ): carried without joint torque",
+    lost_words=(list_of(str), "", attrgetter("lost.words")),
+    blocked_wrenches=(list_of(row(num("1"), 6)), "the same numbers read as (f; τ): carried without joint torque",
         attrgetter("lost.directions")),
-    blocked_words=(many(str), "", attrgetter("lost.blocked_words")),
+    blocked_words=(list_of(str), "", attrgetter("lost.blocked_words")),
     lost_frame=(LOST_FRAME | None, "the frame where they are sparsest",
         lambda explanation: explanation.lost if explanation.lost.framed is not None else None),
     weakest_direction=(row(num("1"), 6), "that of σ_r", attrgetter("lost.weakest")),
-    never_possible=(many(row(num("1"), 6)), "twists beyond the generic rank", attrgetter("lost.never")),
+    never_possible=(list_of(row(num("1"), 6)), "twists beyond the generic rank", attrgetter("lost.never")),
     **_WAYS,
     joint_rates=(JOINT_RATES, "what motion costs", attrgetter("rates")),
     **_FAR,
     failure_bound=(num("1", ge=0) | None,
         "√((n − r)/n) σ1: no worst case is above it here; null at a singular configuration",
         attrgetter("failures.bound")),
-    failures=(many(FAILURES), "what the failure of each joint leaves: it stands still, its column is gone",
+    failures=(list_of(FAILURES), "what the failure of each joint leaves: it stands still, its column is gone",
         attrgetter("failures.single")),
     ellipsoids=(ELLIPSOIDS, "velocity and force ellipsoids"),
     redundancy=(REDUNDANCY, "range, null space and projectors"),
     representations=(REPRESENTATIONS, "singularities of coordinates of the orientation"),
-    disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
+    disagreements=(list_of(str), "one sentence for each pair of methods that differ; empty when all is well"),
     ideal=(optional(EXPLANATION_IDEAL),
         "with --ideal: the given arm; all else is about the ideal one", lambda _: UNSET),
-    lost_seen=(many(LOST_SEEN), "what all motions that remain obey, from base, tool and a link; v [m/s], ω [rad/s]",
+    lost_seen=(list_of(LOST_SEEN), "what all motions that remain obey, from base, tool and a link; v [m/s], ω [rad/s]",
         lambda explanation: [{"frame": frame, "directions": seen.directions, **lost_text(explanation.robot, seen)}
                      for frame, seen in explanation.lost.seen.items()]),
     **_SUMMARY,
-    slowest=(optional(many(STRAIGHT_MOTION)), "slowest straight translation and rotation; empty without rate limits",
+    slowest=(optional(list_of(STRAIGHT_MOTION)), "slowest straight translation and rotation; empty without rate limits",
         attrgetter("straight")),
     slow_family=(optional(SLOW_FAMILY | None), "what makes a motion slow; null where speed does not decide",
         lambda explanation: None if explanation.slow_family is None else explanation.summary),
@@ -485,7 +498,7 @@ NEAREST_FILE = file(
     **_ASKED,
     **_SUMMARY,
     **_FAR,
-    disagreements=(many(str), "one sentence for each pair of methods that differ; empty when all is well"),
+    disagreements=(list_of(str), "one sentence for each pair of methods that differ; empty when all is well"),
 )
 TOLERANT_SETTINGS = table(
     "tolerant_settings",
@@ -501,28 +514,29 @@ TOLERANT_SETTINGS = table(
 TOLERANT_PLACES = table(
     "tolerant_places",
     of=Place,
-    q=some(num("joint")),
+    q=nonempty(num("joint")),
     value=num("1", ge=0),
     slope=num("1/distance", ge=0),
     sigma_min=(num("1", ge=0), "σ_r of the whole arm", attrgetter("failures.sigma_min")),
     failure_bound=(num("1", ge=0) | None,
         "√((n − r)/n) σ1: no worst case is above it here; null at a singular configuration",
         attrgetter("failures.bound")),
-    failures=(many(FAILURES), "", attrgetter("failures.single")),
+    failures=(list_of(FAILURES), "", attrgetter("failures.single")),
 )
 LOCKED_JOINT = table(
     "locked_joint", of=LockedJoint, number=Positive,
-    ranges=(many(row(num("joint"), 2)), "values, from and to, on the self-motions: locked at one of "
+    ranges=(list_of(row(num("joint"), 2)), "values, from and to, on the self-motions: locked at one of "
         "them, the joint leaves the pose in reach"),
     share=(num("1", ge=0, le=1) | None, "of its range inside the limits that count, else of a whole turn; null for a "
         "slide without limits"),
 )  # fmt: skip
 SELF_MOTIONS = table(
-    "self_motions", of=SelfMotions, tool_pose=row(row(num("pose"), 4), 4), q=some(num("joint")),
-    value=(num("1", ge=0), "the measure at q"), best=(some(num("joint")), "where on the self-motions it is largest"),
+    "self_motions", of=SelfMotions, tool_pose=row(row(num("pose"), 4), 4), q=nonempty(num("joint")),
+    value=(num("1", ge=0), "the measure at q"),
+    best=(nonempty(num("joint")), "where on the self-motions it is largest"),
     best_value=num("1", ge=0), least_value=num("1", ge=0), curves=Positive,
     usable=(Positive, "curves with configurations inside the limits, where limits count"),
-    complete=(bool, "every curve that was found was followed to its end"), joints=many(LOCKED_JOINT),
+    complete=(bool, "every curve that was found was followed to its end"), joints=list_of(LOCKED_JOINT),
 )  # fmt: skip
 TOLERANT_FILE = file(
     "tolerant",
@@ -534,9 +548,9 @@ TOLERANT_FILE = file(
     spare=(Count, "n − r, joints to spare"),
     bound=(num("1", ge=0, le=1), "√((n − r)/n), above every relative worst case"),
     optimal=(bool, "the best place reaches the bound"),
-    free=(many(Positive), "joints that may take any value"),
-    crucial=(many(Positive), "joints that cost a freedom at every configuration if they fail"),
-    places=(many(TOLERANT_PLACES), "local maxima, best first"),
+    free=(list_of(Positive), "joints that may take any value"),
+    crucial=(list_of(Positive), "joints that cost a freedom at every configuration if they fail"),
+    places=(list_of(TOLERANT_PLACES), "local maxima, best first"),
     self_motion=(optional(SELF_MOTIONS), "the self-motions of one tool pose; absent where they were not asked for",
         lambda tolerant: tolerant.self_motion or UNSET),
 )

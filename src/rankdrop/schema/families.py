@@ -9,7 +9,19 @@ from typing import Any, Literal
 
 from msgspec import UNSET, UnsetType
 
-from rankdrop.codec import Count, Positive, many, mapping, num, optional, row, some, table, text, whole
+from rankdrop.codec import (
+    Count,
+    Positive,
+    list_of,
+    mapping,
+    nonempty,
+    num,
+    optional,
+    row,
+    table,
+    text,
+    whole,
+)
 from rankdrop.distance.share import Near, SlowShare
 from rankdrop.exact.determinants import Minor
 from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
@@ -63,16 +75,16 @@ SUMMARY = table(
 INSIDE = table(
     "inside",
     holds=(bool, "false: the row lies outside the joint limits"),
-    pinned=(many(INSIDE_PINNED), "values inside the limits, moved by whole turns"),
-    outside=(many(INSIDE_PINNED), "values that no turn brings inside"),
+    pinned=(list_of(INSIDE_PINNED), "values inside the limits, moved by whole turns"),
+    outside=(list_of(INSIDE_PINNED), "values that no turn brings inside"),
 )
 TERMS = table(
     "terms",
     of=Term,
     coefficient=num("1"),
     kind=Literal["sin", "cos"],
-    harmonics=many(num("1")),
-    powers=many(Count),
+    harmonics=list_of(num("1")),
+    powers=list_of(Count),
     shift=num("rad"),
 )
 SOUNDNESS = table(
@@ -152,35 +164,35 @@ def _shorter(name: FamilyName) -> Any:
     return [kind.name.lower() for kind in Shorter if kind.name and kind in name.shorter] or UNSET
 
 
-_JOINTS = many(Positive)
+_JOINTS = list_of(Positive)
 CALLED = table(
     "called",
     "The name of a family as facts; entries without a value are absent.",
-    parts=(optional(many(Literal["shoulder", "elbow", "wrist"])), "of the arm that are concerned",
+    parts=(optional(list_of(Literal["shoulder", "elbow", "wrist"])), "of the arm that are concerned",
         _unless_default("parts")),
     independent=(optional(bool), "each part loses one freedom by itself", _unless_default("independent")),
-    relations=(optional(many(table("called_relation", of=Detail, joints=optional(many(_JOINTS))))),
+    relations=(optional(list_of(table("called_relation", of=Detail, joints=optional(list_of(_JOINTS))))),
         "relations of axes that hold on the family", _details(Detail)),
-    dependent=(optional(many(table("called_dependent", of=Dependence, joints=_JOINTS, slides=optional(_JOINTS)))),
+    dependent=(optional(list_of(table("called_dependent", of=Dependence, joints=_JOINTS, slides=optional(_JOINTS)))),
         "minimal dependent sets of joint screws", _details(Dependence)),
-    low_rank=(optional(many(table("called_low_rank", of=LowRank, joints=Positive, rank=Count))),
+    low_rank=(optional(list_of(table("called_low_rank", of=LowRank, joints=Positive, rank=Count))),
         "rank of all joint screws, where no smaller dependent set is known", _details(LowRank)),
-    bound=(optional(many(table("called_variable", of=Variable, number=Count))),
+    bound=(optional(list_of(table("called_variable", of=Variable, number=Count))),
         "joints with a condition that the relations do not tell", _unless_default("bound")),
-    values=(optional(many(table("called_values", of=JointValues, values=some(num("joint"))))),
+    values=(optional(list_of(table("called_values", of=JointValues, values=nonempty(num("joint"))))),
         "of single joints", _unless_default("values")),
     condition=(optional(str), "one that no other family of this name has", _unless_default("condition")),
     ordinal=(optional(Positive), "number among the families of this name, from 1", _unless_default("ordinal")),
-    shorter=(optional(many(Literal[tuple(kind.name.lower() for kind in Shorter if kind.name)])),
+    shorter=(optional(list_of(Literal[tuple(kind.name.lower() for kind in Shorter if kind.name)])),
         "how the words of a long name save characters", _shorter),
     unnamed=(optional(bool), "points without a condition", _unless_default("unnamed")),
     given=(optional(str), "words of a name without facts, kept as they are", _unless_default("given")),
 )
 NAME_FACTS = (optional(CALLED), "the name as facts, from which it is worded; since 0.3")
 _EXACT: dict[str, Any] = {
-    "pinned": (many(PINNED), "joints at fixed values of q; their conditions are the first of `conditions`."),
-    "conditions": (many(str), 'for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0".'),
-    "latex": (many(str), "the same as LaTeX mathematics."),
+    "pinned": (list_of(PINNED), "joints at fixed values of q; their conditions are the first of `conditions`."),
+    "conditions": (list_of(str), 'for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0".'),
+    "latex": (list_of(str), "the same as LaTeX mathematics."),
     "reality": (str, '"" where the family is real whatever the lengths are; else when it is.'),
 }
 EXACT_CONDITIONS = table("exact_conditions", **_EXACT)
@@ -192,20 +204,21 @@ FAMILY = table(
     named=(bool, "false: points were found, but no condition"),
     corank=whole(ge=1, le=6),
     dimension=(Count, "of the family in joint space"),
-    pinned=(many(PINNED), "joints at fixed values; every combination belongs to the family"),
+    pinned=(list_of(PINNED), "joints at fixed values; every combination belongs to the family"),
     inside=(optional(INSIDE), "with --limits: what the joint limits leave of the values", _absent),
-    free=(many(Positive), "numbers of the joints that do not matter"),
-    coupled=(many(Positive), "numbers of the joints tied together by the remaining equations"),
-    equations=(many(text(min_length=1)),
+    free=(list_of(Positive), "numbers of the joints that do not matter"),
+    coupled=(list_of(Positive), "numbers of the joints tied together by the remaining equations"),
+    equations=(list_of(text(min_length=1)),
         "expressions in q1 … qn, sin, cos, pi (Python) that vanish on the family; all conditions, those of "
         "pinned joints included"),
-    terms=(many(some(TERMS)), "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers",
+    terms=(list_of(nonempty(TERMS)),
+        "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers",
         _terms),
-    witness=(some(num("joint")), "a configuration on the family [rad, m]"),
-    lost_directions=(many(row(num("1"), 6)),
+    witness=(nonempty(num("joint")), "a configuration on the family [rad, m]"),
+    lost_directions=(list_of(row(num("1"), 6)),
         "orthonormal rows (v; ω) lost at the witness, in the frame of the task, metres and radians"),
-    lost_freedoms=(optional(many(LOST_FREEDOM)), "the same in the frame in which they are simplest; since 0.3"),
-    lost_words=(many(str), "these in words, one sentence each", lambda family: lost_sentences(family.lost_freedoms)),
+    lost_freedoms=(optional(list_of(LOST_FREEDOM)), "the same in the frame in which they are simplest; since 0.3"),
+    lost_words=(list_of(str), "these in words, one sentence each", lambda family: lost_sentences(family.lost_freedoms)),
     soundness=SOUNDNESS,
     explained=SHARE,
     evidence=(str, "how the conditions were obtained", lambda family: str(family.evidence)),
@@ -217,7 +230,7 @@ CONTRADICTION = table(
     "contradiction",
     of=Contradiction,
     called=(optional(CALLED), "", lambda contradiction: contradiction.called or UNSET),
-    q=many(num("joint")),
+    q=list_of(num("joint")),
 )
 
 
@@ -236,14 +249,14 @@ EXACT = table(
     seconds=num("s", gt=0),
     reason=(optional(str), 'why nothing was derived; else "".', _reason),
     letters=mapping(num("m")) | None,
-    shifts=many(num("joint")),
-    disagreements=(optional(many(str)), "sentences; none where derivation and numerical tests agree",
+    shifts=list_of(num("joint")),
+    disagreements=(optional(list_of(str)), "sentences; none where derivation and numerical tests agree",
         _sentences("disagreements")),
-    contradictions=(optional(many(CONTRADICTION)), "the same as facts; absent where there are none; since 0.3",
+    contradictions=(optional(list_of(CONTRADICTION)), "the same as facts; absent where there are none; since 0.3",
         lambda derivation: derivation.disagreements or UNSET),
     first_derived=(optional(bool), "true: not derived as a whole, but the families of corank 1 are; else absent; since "
         "0.3", lambda derivation: derivation.first_derived or UNSET),
-    families=(optional(many(OLD_EXACT_FAMILIES)), "up to 0.2: the exact conditions of all families; since 0.3 each "
+    families=(optional(list_of(OLD_EXACT_FAMILIES)), "up to 0.2: the exact conditions of all families; since 0.3 each "
         "family has its own", _absent),
 )
 NEAR_FAMILIES = table(
@@ -259,7 +272,7 @@ NEAR_FAMILIES = table(
 )
 ANALYSIS_NEAR = table(
     "analysis_near", of=Near, within=num("distance", gt=0), samples=Positive, seed=Count,
-    families=many(NEAR_FAMILIES), any=NEAR_FAMILIES,
+    families=list_of(NEAR_FAMILIES), any=NEAR_FAMILIES,
     slow=(optional(NEAR_FAMILIES | None), "configurations inside the limits at which some straight motion of the tool "
         "is slower than 25 mm/s or 5°/s; null without rate limits"),
 )  # fmt: skip
@@ -270,9 +283,10 @@ ANALYSIS_SLOW = table(
     seed=Count,
 )  # fmt: skip
 SPEED_DISTANCES = table(
-    "speed_distances", of=SpeedDistances, tool_speed=num("m/s", gt=0), around=many(num("joint")), span=num("rad", gt=0),
-    free=many(Positive),
-    distances=many(table(
+    "speed_distances", of=SpeedDistances, tool_speed=num("m/s", gt=0), around=list_of(num("joint")),
+    span=num("rad", gt=0),
+    free=list_of(Positive),
+    distances=list_of(table(
         "speed_distance", of=SpeedDistance, number=Positive, value=num("rad"),
         end=(num("rad", ge=0), "no distance in the region is larger [`unit`]"),
         kept_from=(num("rad", ge=0) | None, "proven for every configuration of the region at least so far from the "
@@ -281,7 +295,7 @@ SPEED_DISTANCES = table(
         slower_speed=(num("m/s", ge=0) | None, "of the tool there, in its slowest direction"), boxes=Count,
         measure=(Literal["joint", "joints", "residual"], "distances are of one joint from its value, the largest of "
             "several joints, or the size of the only condition"),
-        unit=Literal["rad", "m", "1"], numbers=many(Positive), values=many(num("rad")),
+        unit=Literal["rad", "m", "1"], numbers=list_of(Positive), values=list_of(num("rad")),
     )),
 )  # fmt: skip
 ASPECTS_SUMMARY = table(
@@ -302,11 +316,11 @@ IDEAL_FAMILIES = table(
 IDEAL = table(
     "ideal",
     tolerance=TOLERANCE,
-    moved=(many(MOVED), "numbers of the chain that were moved [rad, m]"),
+    moved=(list_of(MOVED), "numbers of the chain that were moved [rad, m]"),
     real=(dict[str, Any], "the arm itself, as robot"),
-    families=(many(IDEAL_FAMILIES), "the arm itself on each family of the ideal one"),
+    families=(list_of(IDEAL_FAMILIES), "the arm itself on each family of the ideal one"),
 )
-ANSWER = (optional(many(str)), "the answer in two sentences: what the arm has, and how sure that is",
+ANSWER = (optional(list_of(str)), "the answer in two sentences: what the arm has, and how sure that is",
           lambda result: result.verdict.headlines(result.answer))  # fmt: skip
 RANKS = table(
     "ranks", of=RankSummary, rank=(Count, "of the task Jacobian on these families"), corank=Positive, families=Positive,
@@ -315,7 +329,7 @@ RANKS = table(
 )  # fmt: skip
 COUNTS = (
     optional(table(
-        "counts", of=FamilySummary, arm=None, generic_rank=Count, ranks=many(RANKS),
+        "counts", of=FamilySummary, arm=None, generic_rank=Count, ranks=list_of(RANKS),
         evidence=(Literal["derived and tested", "derived", "tested", "none"], "how the families were verified"),
         tests=(Count, "random singular configurations that were compared with the families"),
     )),
@@ -330,16 +344,16 @@ ANALYSIS_FILE = file(
         optional(Literal["verified", "unchecked", "contradicted", "unsound", "incomplete", "interrupted"]),
         "the first two: exit code 0; unchecked: derived completely and tried on nothing; contradicted: two "
         "ways differ; unsound: the conditions of a row hold elsewhere too", attrgetter("verdict.word")),
-    claims=(optional(many(Literal["sampled", "derived exactly"])), "what was done, and holds",
+    claims=(optional(list_of(Literal["sampled", "derived exactly"])), "what was done, and holds",
         attrgetter("verdict.claims")),
     sentence=(optional(str), "how sure the answer is, in a sentence", attrgetter("verdict.sentence")),
     summary=ANSWER,
     counts=COUNTS,
     complete=(bool, "false: interrupted; the coranks listed are complete"),
     unfinished=(Positive | None, "the corank that was interrupted"),
-    notes=(many(str), "remarks for the reader"),
-    coranks=(many(SUMMARY), "one entry per corank searched, the last one (nothing found) included"),
-    families=(many(FAMILY), "all rows, by corank"),
+    notes=(list_of(str), "remarks for the reader"),
+    coranks=(list_of(SUMMARY), "one entry per corank searched, the last one (nothing found) included"),
+    families=(list_of(FAMILY), "all rows, by corank"),
     exact=(optional(EXACT), "where the families come from", lambda analysis: analysis.exact or UNSET),
     near=(optional(ANALYSIS_NEAR), "share of the joint space near each family; absent where it was not asked for",
         lambda analysis: analysis.near or UNSET),
@@ -365,7 +379,7 @@ CONDITIONS_SETTINGS = table(
     special=(bool, "whether arms of special lengths were derived too"),
     steps=(bool, "whether the derivation was written down"),
     version=(str, "of rankdrop", lambda _: VERSION),
-    basic=(optional(many(int) | None), "numbers of the basic screws asked for"),
+    basic=(optional(list_of(int) | None), "numbers of the basic screws asked for"),
     frame=(optional(int | None), "link that gives the frame of the screws"),
 )
 STEPS = table("steps", of=Step)
@@ -384,14 +398,14 @@ MINORS = table(
     "minors",
     name=str,
     mark=(str, "name in code"),
-    joints=(many(int), "of its columns, in order"),
-    rows=(many(str), "of the task, vx … wz, in order"),
+    joints=(list_of(int), "of its columns, in order"),
+    rows=(list_of(str), "of the task, vx … wz, in order"),
     about=str,
     factored=(bool, "whether its factors were found"),
     sign=(Literal[-1, 0, 1], "of the number before the factors",
         lambda minor: (minor.value.form.number > 0) - (minor.value.form.number < 0)),
     number=(str, "before the factors, a whole number or p/q", lambda minor: str(minor.value.form.number)),
-    factors=(many(FACTORS), "", _factors),
+    factors=(list_of(FACTORS), "", _factors),
     terms=(int, "of the polynomial in sines and cosines", lambda minor: len(minor.value.polynomial)),
     text=(str, "", lambda minor: minor.value.text()),
     latex=(str, "", lambda minor: minor.value.latex()),
@@ -406,9 +420,10 @@ DETERMINANTS = table(
     ),
     meaning=(str, "what the minors are, and where the rank drops, in a sentence."),
     minors=(
-        many(MINORS), "the determinant or the minors, those that vanish everywhere too; of blocks first, det J last."
+        list_of(MINORS), "the determinant or the minors, those that vanish everywhere too; of blocks first, det J last."
     ),
-    left=(optional(many(str)), "what was not done within the limit on work.", lambda found: list(map(str, found.left))),
+    left=(optional(list_of(str)),
+        "what was not done within the limit on work.", lambda found: list(map(str, found.left))),
 )
 CONDITIONS_FAMILY = table(
     "conditions_family",
@@ -418,22 +433,24 @@ CONDITIONS_FAMILY = table(
     corank=whole(ge=1, le=6),
     dimension=(Count, "of the family in joint space"),
     codimension=(Positive, "number of joints less the dimension"),
-    pinned=(many(PINNED), "joints at fixed values; every combination belongs to the family", _sorted_pins),
-    free=(many(Positive), "numbers of the joints that do not matter"),
-    coupled=(many(Positive), "numbers of the joints tied together by the remaining equations"),
-    conditions=(some(text(min_length=1)),
+    pinned=(list_of(PINNED), "joints at fixed values; every combination belongs to the family", _sorted_pins),
+    free=(list_of(Positive), "numbers of the joints that do not matter"),
+    coupled=(list_of(Positive), "numbers of the joints tied together by the remaining equations"),
+    conditions=(nonempty(text(min_length=1)),
         "every condition for people, in θ = q + shift: s_i is sin θi, c_ij is cos(θi + θj)", attrgetter("texts")),
-    latex=(some(text(min_length=1)), "the same conditions as LaTeX mathematics"),
-    equations=(some(text(min_length=1)),
+    latex=(nonempty(text(min_length=1)), "the same conditions as LaTeX mathematics"),
+    equations=(nonempty(text(min_length=1)),
         "expressions in q1 … qn, sin, cos, pi (Python) that vanish on the family; all conditions, those of "
         "pinned joints included"),
-    terms=(some(some(TERMS)), "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers",
+    terms=(nonempty(nonempty(TERMS)),
+        "the same equations as sums of coefficient · kind(harmonics·q − shift) · Π q^powers",
         _terms),
     reality=(str, "when the family has real points, in words; empty: nothing is known to stand against it",
         attrgetter("exact.reality")),
-    witness=(some(num("joint")), "a configuration on the family [rad, m]"),
-    lost_freedoms=(optional(many(LOST_FREEDOM)), "what the tool cannot do on the family; since 0.3"),
-    lost_words=(many(str), "the same in words, one sentence each", lambda family: lost_sentences(family.lost_freedoms)),
+    witness=(nonempty(num("joint")), "a configuration on the family [rad, m]"),
+    lost_freedoms=(optional(list_of(LOST_FREEDOM)), "what the tool cannot do on the family; since 0.3"),
+    lost_words=(list_of(str),
+        "the same in words, one sentence each", lambda family: lost_sentences(family.lost_freedoms)),
     rank_check=(RANK_CHECK, "rank modulo the prime 2^61 − 1 at random points of the family",
         attrgetter("exact.rank_check")),
 )
@@ -445,7 +462,7 @@ ASSUMPTIONS = table(
     derived=(bool, "whether the special arm was derived"),
     equal=(optional(table("equal_lengths", of=EqualLengths) | None),
         "the lengths for which it fails: length = sign · other; null for others; since 0.3"),
-    families=(optional(many(table("special_families", of=SpecialFamily))),
+    families=(optional(list_of(table("special_families", of=SpecialFamily))),
         "the first families that the special arm has besides; since 0.3"),
     more=(optional(Count), "number of its other families"),
 )  # fmt: skip
@@ -455,12 +472,12 @@ UNDIVIDED = table(
     "undivided",
     of=UndividedSet,
     corank=(Positive, "of configurations on it, or more"),
-    pins=(mapping(many(str)), "joint number -> simple angles it stands at",
+    pins=(mapping(list_of(str)), "joint number -> simple angles it stands at",
         lambda case: {str(pin.joint): list(pin.values) for pin in case.pins}),
     stated=None,
-    conditions=(optional(many(str)), "every condition in words, short ones first; none where one is long",
+    conditions=(optional(list_of(str)), "every condition in words, short ones first; none where one is long",
         attrgetter("texts")),
-    polynomials=many(table("polynomials", of=PolynomialSize)),
+    polynomials=list_of(table("polynomials", of=PolynomialSize)),
     words=(str, "the case in words"),
     order=Positive,
     minors=Positive,
@@ -468,14 +485,14 @@ UNDIVIDED = table(
     starts=Count,
     found=Count,
     off=Count,
-    witness=(some(num("joint")) | None,
+    witness=(nonempty(num("joint")) | None,
         "one of them, on no family where there is one; null where none was found"),
 )  # fmt: skip
 EXAMPLE = table(
     "example",
     of=Example,
-    q=some(num("joint")),
-    degrees=some(num("deg or m")),
+    q=nonempty(num("joint")),
+    degrees=nonempty(num("deg or m")),
     value=num("1"),
     sigma=num("1", ge=0),
 )
@@ -484,14 +501,14 @@ TEST = table(
     "test",
     text=(str, "the condition."),
     verdict=(Literal["exact", "too small", "too large", "both"], "for the arm's own lengths."),
-    missing=(many(MISSING), "singular sets that the condition leaves out."),
-    extra=(many(MISSING), "sets of regular configurations that it takes in."),
+    missing=(list_of(MISSING), "singular sets that the condition leaves out."),
+    extra=(list_of(MISSING), "sets of regular configurations that it takes in."),
     real=(bool, "whether it holds at any real configuration."),
     any_lengths=(bool | None,
         "whether it is exact for all lengths that are symbols, special ones aside; None where none is."),
     complete=(bool, "whether everything could be decided; else the verdict speaks of the rest, and `remarks` list "
         "those left."),
-    remarks=(many(str), "sets and lengths that do not count, and what was not decided."),
+    remarks=(list_of(str), "sets and lengths that do not count, and what was not decided."),
 )
 FLAGS = table(
     "flags",
@@ -504,8 +521,8 @@ FLAGS = table(
 CONDITIONS_FLAGS = table(
     "conditions_flags",
     of=Flags,
-    q=some(num("joint")),
-    flags=many(FLAGS),
+    q=nonempty(num("joint")),
+    flags=list_of(FLAGS),
     tolerance=num("1", ge=0),
 )
 CROSSINGS = table(
@@ -514,7 +531,7 @@ CROSSINGS = table(
     at=num("1", ge=0, le=1),
     kind=Literal["crosses", "touches", "starts on", "ends on", "lies in"],
 )
-BETWEEN = table("between", of=Between, parting=many(Count), equal=many(Count), open=many(Count))
+BETWEEN = table("between", of=Between, parting=list_of(Count), equal=list_of(Count), open=list_of(Count))
 
 
 CONDITIONS_FILE = file(
@@ -524,18 +541,18 @@ CONDITIONS_FILE = file(
     robot=(ROBOT, "", ARM_OF),
     settings=CONDITIONS_SETTINGS,
     letters=(mapping(num("m")), "value of each length that is a letter [m]"),
-    shifts=(some(num("joint")), "θ = q + shift, per joint [rad, m]"),
-    remarks=(many(str), "what was rounded, or is nearly so", _sentences("remarks")),
+    shifts=(nonempty(num("joint")), "θ = q + shift, per joint [rad, m]"),
+    remarks=(list_of(str), "what was rounded, or is nearly so", _sentences("remarks")),
     method=(str, "how corank 1 was derived in addition to the rank tree"),
     reason=(str, "why so", lambda found: reason_text(found.reason)),
-    steps=(many(STEPS), "that derivation, step by step"),
+    steps=(list_of(STEPS), "that derivation, step by step"),
     determinants=(optional(DETERMINANTS | None),
         "the determinant of the Jacobian, or the minors that take its place; null where no steps were asked for"),
     verdict=(
         optional(Literal["verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted"]),
         "the first two: exit code 0; unchecked: derived completely and tried on nothing; contradicted: two "
         "ways differ; unsound: the conditions of a row hold elsewhere too", attrgetter("verdict.word")),
-    claims=(optional(many(Literal["sampled", "derived exactly"])), "what was done, and holds",
+    claims=(optional(list_of(Literal["sampled", "derived exactly"])), "what was done, and holds",
         attrgetter("verdict.claims")),
     sentence=(optional(str), "how sure the answer is, in a sentence", attrgetter("verdict.sentence")),
     summary=ANSWER,
@@ -543,17 +560,17 @@ CONDITIONS_FILE = file(
     complete=(bool, "nothing was left unfinished"),
     interrupted=(bool, "Ctrl-C ended the derivation"),
     verified=(bool, "complete, and every check that was made holds"),
-    left=(many(str), "what was not finished", _sentences("left")),
-    disagreements=(many(str),
+    left=(list_of(str), "what was not finished", _sentences("left")),
+    disagreements=(list_of(str),
         "what two methods, or the derivation and a check, say differently; empty when all is well",
         _sentences("disagreements")),
     lowest=(whole(ge=0, le=6), "rank down to which drops were looked for"),
-    families=(many(CONDITIONS_FAMILY), "of all coranks, by corank"),
-    assumptions=(many(ASSUMPTIONS), "lengths for which more happens"),
-    not_real=(many(str), "sets on which no real point is known, and why",
+    families=(list_of(CONDITIONS_FAMILY), "of all coranks, by corank"),
+    assumptions=(list_of(ASSUMPTIONS), "lengths for which more happens"),
+    not_real=(list_of(str), "sets on which no real point is known, and why",
         lambda derived: list(map(str, derived.not_real))),
-    unreal=(optional(many(UNREAL)), "the same as facts; since 0.3", attrgetter("not_real")),
-    undivided=(optional(many(UNDIVIDED)), "cases that were not taken apart, as their conditions stand; since 0.3"),
+    unreal=(optional(list_of(UNREAL)), "the same as facts; since 0.3", attrgetter("not_real")),
+    undivided=(optional(list_of(UNDIVIDED)), "cases that were not taken apart, as their conditions stand; since 0.3"),
     explained=SHARE,
     test=(optional(TEST | None), "what --test says (command line only)", _absent),
     flags=(optional(CONDITIONS_FLAGS | None), "what --flags says (command line only)", _absent),
@@ -585,17 +602,17 @@ CONFIGURATIONS = table(
     start=(Positive, "counted from 1"),
     outcome=Literal["converged", "near_miss", "slow", "crease"],
     iterations=Count,
-    q=(some(num("joint")), "configuration reached [rad, m]"),
-    sigma=(some(num("1", ge=0)), "singular values there, largest first"),
+    q=(nonempty(num("joint")), "configuration reached [rad, m]"),
+    sigma=(nonempty(num("1", ge=0)), "singular values there, largest first"),
 )
 FIND_FILE = file(
     "find",
     "Configurations of one corank, one per start.",
     robot=(ROBOT, "", lambda found: (found.robot, found.task, found.rank + found.corank)),
     settings=(FIND_SETTINGS, "", lambda found: found),
-    strata=(optional(many(STRATA)),
+    strata=(optional(list_of(STRATA)),
         "only of method reciprocal: what was begun with, and how many configurations came of it", strata),
     counts=(COUNTS, "starts by outcome", lambda found: {kind.name.lower(): found.count(kind) for kind in Outcome}),
     complete=(bool, "false: interrupted"),
-    configurations=(many(CONFIGURATIONS), "one per start that was run, in order", configurations),
+    configurations=(list_of(CONFIGURATIONS), "one per start that was run, in order", configurations),
 )

@@ -8,7 +8,20 @@ from typing import Any, Literal
 
 from msgspec import UNSET
 
-from rankdrop.codec import Count, Positive, many, num, optional, pair, plain, row, some, table, text, whole
+from rankdrop.codec import (
+    Count,
+    Positive,
+    list_of,
+    nonempty,
+    num,
+    optional,
+    pair,
+    plain,
+    row,
+    table,
+    text,
+    whole,
+)
 from rankdrop.local.block import generic_rank
 from rankdrop.schema.arm import ROBOT, TOLERANCES, file
 from rankdrop.text.aspects import decision_text, rounding_notes
@@ -44,12 +57,12 @@ ASPECTS_EXACT = table(
     "aspects_exact",
     kind=Literal["signs", "no cusp", "cusps", "open"],
     words=(str, "why, in one sentence", decision_text),
-    cusps=many(row(num("rad"), 2)),
-    nodes=many(row(num("rad"), 2)) | None,
+    cusps=list_of(row(num("rad"), 2)),
+    nodes=list_of(row(num("rad"), 2)) | None,
 )
 ASPECTS_SIGNS = table(
     "aspects_signs",
-    signs=(many(Literal[-1, 1]), "of the factors"),
+    signs=(list_of(Literal[-1, 1]), "of the factors"),
     at_least=(Count, "connected parts, proven", attrgetter("parts.at_least")),
     at_most=(Count, "", attrgetter("parts.at_most")),
     proven=(bool, "whether `at_most` is proven as well", attrgetter("parts.proven")),
@@ -59,11 +72,11 @@ ASPECTS_COUNT = table(
     at_least=(Count, "aspects, proven"),
     at_most=(Count | None, "null where they were not counted"),
     proven=(bool, "whether `at_most` is proven as well"),
-    factors=(many(str), "of det J, in s_j = sin θ_j and c_j = cos θ_j"),
-    roles=(many(str), "part of the arm that each is of, or empty"),
-    by_signs=(many(ASPECTS_SIGNS), "", attrgetter("each")),
-    peeled=(many(Positive), "joints that were peeled off"),
-    cells=(many(Positive), "joints in which cells were counted"),
+    factors=(list_of(str), "of det J, in s_j = sin θ_j and c_j = cos θ_j"),
+    roles=(list_of(str), "part of the arm that each is of, or empty"),
+    by_signs=(list_of(ASPECTS_SIGNS), "", attrgetter("each")),
+    peeled=(list_of(Positive), "joints that were peeled off"),
+    cells=(list_of(Positive), "joints in which cells were counted"),
     why=(Literal["sign", "joints", "slide", "factors", "work", "conditions"] | None,
         "it was not counted: a factor changes its sign over a turn, more than three joints or a slide are left, many "
         "factors, the limit on work, no exact conditions; null where it was",
@@ -71,22 +84,22 @@ ASPECTS_COUNT = table(
 )
 SOLUTIONS = table(
     "solutions",
-    q=some(num("joint")),
+    q=nonempty(num("joint")),
     aspect=(Positive, "equal numbers: in one aspect, by a path proven free or by the proven number of aspects"),
     sign=(Literal[-1, 1], "of det J"),
     name=str,
 )
 POSES = table(
     "poses",
-    solutions=(some(SOLUTIONS), "the first is the configuration that gave the pose",
+    solutions=(nonempty(SOLUTIONS), "the first is the configuration that gave the pose",
         lambda solved: [dict(zip(("q", "aspect", "sign", "name"), row, strict=True))
                      for row in zip(solved.q, solved.aspect, solved.sign, solved.names, strict=True)]),
-    per_aspect=(some(Positive), "solutions in each aspect, most first"),
+    per_aspect=(nonempty(Positive), "solutions in each aspect, most first"),
     near_cusp=(bool, "chosen next to a cusp, not at random"),
 )
 PATH = table(
     "path",
-    q=(some(some(num("joint")), min_length=2),
+    q=(nonempty(nonempty(num("joint")), min_length=2),
         "corners, straight lines in joint space between them; the end is a solution up to whole turns"),
     from_q=(bool, "starts at the first solution of its pose", attrgetter("own")),
     clearance=(num("1", gt=0), "smallest |det J| at its sample points, J without unit"),
@@ -106,32 +119,32 @@ ASPECTS_FILE = file(
     within_limits=(optional(ASPECTS_COUNT), "with --limits: connected sets of regular configurations within the joint "
         "limits; absent where they were not asked for", lambda aspects: aspects.within or UNSET),
     exact=(ASPECTS_EXACT, "", attrgetter("decision")),
-    poses=(many(POSES), "", attrgetter("solved")),
+    poses=(list_of(POSES), "", attrgetter("solved")),
     path=(PATH | None, "", attrgetter("change")),
-    notes=(many(str), "", rounding_notes),
+    notes=(list_of(str), "", rounding_notes),
     complete=(bool, "false: interrupted"),
 )
 BEYOND = table("beyond", joint=(Positive, "", itemgetter(0)), excess=(num("joint", ge=0), "", itemgetter(1)))
 BRANCHES = table(
     "branches",
-    q=some(num("joint")),
+    q=nonempty(num("joint")),
     verdict=Literal["regular", "near", "singular", "always-singular"],
     sigma=(num("1", ge=0), "σ_r"),
-    posture=(many(str), "signs of parts of the arm, such as elbow +"),
-    beyond=(many(BEYOND), "joints outside their limits, and by how much"),
+    posture=(list_of(str), "signs of parts of the arm, such as elbow +"),
+    beyond=(list_of(BEYOND), "joints outside their limits, and by how much"),
     residual=(num("1", ge=0), "largest difference between its pose and the pose asked for [m, 1]"),
 )
 CONTINUA = table(
     "continua",
-    q=(some(num("joint")), "a configuration on it"),
+    q=(nonempty(num("joint")), "a configuration on it"),
     dimension=(Positive, "1: a curve"),
     closed=bool,
     complete=(bool, "followed to its closing or to both of its ends"),
     singular=(bool, "every configuration of it is singular"),
-    lowest_q=(some(num("joint")), "of each joint along it", attrgetter("lowest")),
-    highest_q=(some(num("joint")), "", attrgetter("highest")),
+    lowest_q=(nonempty(num("joint")), "of each joint along it", attrgetter("lowest")),
+    highest_q=(nonempty(num("joint")), "", attrgetter("highest")),
     inside=(num("1", ge=0, le=1), "share of the curve inside the joint limits"),
-    beyond=many(BEYOND),
+    beyond=list_of(BEYOND),
     residual=num("1", ge=0),
 )
 UNREACHED = table(
@@ -145,8 +158,9 @@ UNREACHED = table(
         attrgetter("shift")),
     turn=(num("rad", ge=0) | None, "least angle from the orientation, the position kept; null: not reached; of a "
         "tilted pose the angle to the tilt of the tool"),
-    tip=(many(many(num("1"))), "(4, 4) the reachable pose of the least distance"),
-    turned_tip=(many(many(num("1"))) | None, "(4, 4) the reachable pose of the least angle", attrgetter("turned")),
+    tip=(list_of(list_of(num("1"))), "(4, 4) the reachable pose of the least distance"),
+    turned_tip=(list_of(list_of(num("1"))) | None,
+        "(4, 4) the reachable pose of the least angle", attrgetter("turned")),
 )
 INVERSE_FILE = file(
     "inverse",
@@ -155,10 +169,10 @@ INVERSE_FILE = file(
     robot=_ARM,
     version=_VERSION,
     task=(str, "", lambda found: found.task.name),
-    pose=(many(many(num("1"))), "(4, 4) of the tip in the base frame, translations in m"),
+    pose=(list_of(list_of(num("1"))), "(4, 4) of the tip in the base frame, translations in m"),
     sentence=str,
-    branches=(many(BRANCHES), "isolated solutions"),
-    continua=(many(CONTINUA), "self-motions: configurations along which the tool stands still"),
+    branches=(list_of(BRANCHES), "isolated solutions"),
+    continua=(list_of(CONTINUA), "self-motions: configurations along which the tool stands still"),
     more=(bool, "there may be self-motions that are not listed"),
     most=(Positive | None, "no such arm has more isolated solutions; null: not stated"),
     starts=(Count, "random starts of Newton's method"),
@@ -174,8 +188,8 @@ PATH_ROWS_FILE = file(
     robot=str,
     verdict=VERDICT,
     version=_VERSION,
-    columns=(some(COLUMNS), "", lambda rows: list(rows.about.items())),
-    rows=(some(many(num("column") | str | None)), "", lambda rows: list(map(list, rows.lines()))),
+    columns=(nonempty(COLUMNS), "", lambda rows: list(rows.about.items())),
+    rows=(nonempty(list_of(num("column") | str | None)), "", lambda rows: list(map(list, rows.lines()))),
 )
 PATH_SETTINGS = table(
     "path_settings",
@@ -217,7 +231,7 @@ PATH_CROSSINGS = table(
     family=(str, "id of the family; empty where it is not of an atlas"),
     name=(str, "of the family"),
     corank=(Positive, "freedoms that are lost there"),
-    q=(some(num("joint")), "configuration at it"),
+    q=(nonempty(num("joint")), "configuration at it"),
     touching=(bool, "no change of sign: singular within the tolerance"),
     lies=(bool, "all of it is singular wherever it was computed"),
     how=(str, "what shows it, in words"),
@@ -226,10 +240,10 @@ CLOSEST = table(
     "closest",
     row=(num("row", ge=1), "its row, with the share of the way to the next", attrgetter("place.position")),
     time=(num("s") | None, "null without times", attrgetter("place.time")),
-    q=(some(num("joint")), "configuration there"),
+    q=(nonempty(num("joint")), "configuration there"),
     distance_rad=(num("distance", ge=0) | None, "to the nearest singular configuration known; null where none is",
         attrgetter("distance")),
-    singular_q=(many(num("joint")) | None,
+    singular_q=(list_of(num("joint")) | None,
         "the singular configuration that is nearest; null where none is known",
         lambda closest: closest.foot.tolist() or None),
     sigma=(num("1", ge=0), "σ_r there"),
@@ -247,27 +261,27 @@ STRETCHES = table(
     corank=(Count, "of the nearest singularity; 0 where none is known"),
     how=(str, "what shows it, in words"),
     closest=(CLOSEST, "its place nearest to a singularity"),
-    lost=(many(str), "motions lost at that singularity, in words"),
+    lost=(list_of(str), "motions lost at that singularity, in words"),
     null_share=(num("1", ge=0, le=1.000001) | None, "share of the joints' motion there that does not move the task"),
-    rates=(many(num("1", ge=0)) | None, "largest joint rates of the commanded motion; null without times"),
+    rates=(list_of(num("1", ge=0)) | None, "largest joint rates of the commanded motion; null without times"),
     speed_factor=(num("1", ge=0, le=1.000001) | None,
         "factor on the speed that keeps the velocity limits; null without times or limits"),
     slowest=(Positive | None, "number of the joint that decides it"),
 )
 PROFILE = table(
     "profile",
-    position=(many(num("row", ge=1)), "row of each entry, with the share of the way to the next"),
-    time=(many(num("s")) | None, "null without times"),
-    distance=(many(num("distance", ge=0) | None), "to the nearest singular configuration known; null where none is"),
-    family=(many(whole(ge=-1)), "index into ids of the nearest one; -1 for none"),
-    sigma=(many(num("1", ge=0)), "σ_r"),
-    rates=(many(num("1", ge=0) | None), "largest joint rate as a share of its limit; null without times or limits"),
-    ids=(many(str), "ids of families"),
+    position=(list_of(num("row", ge=1)), "row of each entry, with the share of the way to the next"),
+    time=(list_of(num("s")) | None, "null without times"),
+    distance=(list_of(num("distance", ge=0) | None), "to the nearest singular configuration known; null where none is"),
+    family=(list_of(whole(ge=-1)), "index into ids of the nearest one; -1 for none"),
+    sigma=(list_of(num("1", ge=0)), "σ_r"),
+    rates=(list_of(num("1", ge=0) | None), "largest joint rate as a share of its limit; null without times or limits"),
+    ids=(list_of(str), "ids of families"),
 )
 PARAMETERS = table(
     "parameters",
     name=(str, "what the remedy chooses", itemgetter(0)),
-    value=(num("entry") | many(num("entry")), "one number, or one for each joint or axis", itemgetter(1)),
+    value=(num("entry") | list_of(num("entry")), "one number, or one for each joint or axis", itemgetter(1)),
     unit=(str, "\"rad, m\": joint values", itemgetter(2)),
 )
 GAINS = table(
@@ -293,21 +307,21 @@ TOOL_OFF = table(
 TRAJECTORY = table(
     "trajectory",
     interpolate=(Literal["linear", "cubic", "quintic"], "curve between two rows"),
-    t=(many(num("s")) | None, "null without times",
+    t=(list_of(num("s")) | None, "null without times",
         lambda trajectory: trajectory["times"] if trajectory["timed"] else None),
-    q=(many(many(num("joint"))), "one row of joint values for each"),
-    velocities=(many(many(num("joint/s"))) | None, "of each row; null where the file has none"),
-    accelerations=(many(many(num("joint/s²"))) | None, "of each row; null where the file has none"),
+    q=(list_of(list_of(num("joint"))), "one row of joint values for each"),
+    velocities=(list_of(list_of(num("joint/s"))) | None, "of each row; null where the file has none"),
+    accelerations=(list_of(list_of(num("joint/s²"))) | None, "of each row; null where the file has none"),
 )
 CHANGES = table(
     "changes",
-    rows=(many(num("row", ge=1)), "between them the joints are moved",
+    rows=(list_of(num("row", ge=1)), "between them the joints are moved",
         lambda change: [change.start.position, change.end.position]),
-    time=(many(num("s")) | None,
+    time=(list_of(num("s")) | None,
         "of these rows; null without times",
         lambda change: None if change.start.time is None else [change.start.time, change.end.time]),
-    moved=(many(num("joint")), "how far each joint is from the old path at most", attrgetter("way")),
-    at_end=(many(num("joint")), "how far it is at the end; 0: back on the old path, else on another branch"),
+    moved=(list_of(num("joint")), "how far each joint is from the old path at most", attrgetter("way")),
+    at_end=(list_of(num("joint")), "how far it is at the end; 0: back on the old path, else on another branch"),
     tool_off=(TOOL_OFF, "how far the tool is from the old path at most", attrgetter("off")),
     longer=(num("s", ge=0), "how much longer it takes, of a slow-down"),
 )
@@ -315,8 +329,8 @@ FAR_TURNS = table(
     "far_turns",
     joint=(int, "number from 1"),
     angle=(num("rad"), "how far it turns in one go"),
-    rows=(many(num("row", ge=1)), "between which it turns", lambda turn: [turn.start.position, turn.end.position]),
-    time=(many(num("s")) | None,
+    rows=(list_of(num("row", ge=1)), "between which it turns", lambda turn: [turn.start.position, turn.end.position]),
+    time=(list_of(num("s")) | None,
         "of these rows; null without times",
         lambda turn: None if turn.start.time is None else [turn.start.time, turn.end.time]),
 )
@@ -325,8 +339,8 @@ FOUND = table(
     kind=(Literal["null-space", "flip", "bump", "detour", "blend", "tool tilt", "base shift", "slow-down",
                  "retime"], "of the remedy"),
     words=(str, "the change, in words"),
-    parameters=(many(PARAMETERS), "numbers of the remedy"),
-    gains=(many(GAINS), "numbers before and after",
+    parameters=(list_of(PARAMETERS), "numbers of the remedy"),
+    gains=(list_of(GAINS), "numbers before and after",
         lambda remedy: [{"what": what, "before": gain[0], "after": gain[1], "unit": UNITS[what][1]}
                      for what, gain in remedy.gains.items()]),
     verdict=(VERDICT,
@@ -339,8 +353,8 @@ FOUND = table(
         "how far the tool is from its path between rows, measured in their middles; of a blend from the old "
         "path", attrgetter("off")),
     retimed=(bool, "it has a new time law"),
-    changes=(many(CHANGES), "parts that a local remedy changes; outside them the path is as it was"),
-    turns=(many(FAR_TURNS), "joints that turn far within a short part of the new path"),
+    changes=(list_of(CHANGES), "parts that a local remedy changes; outside them the path is as it was"),
+    turns=(list_of(FAR_TURNS), "joints that turn far within a short part of the new path"),
     trajectory=(TRAJECTORY, "the mended path",
         lambda remedy: {**vars(remedy.trajectory), "interpolate": remedy.interpolate}),
 )
@@ -348,15 +362,15 @@ REMEDIES = table(
     "remedies",
     needed=(bool, "the path is not proven free and far enough, or breaks limits"),
     sentence=(str, "what was found, in words"),
-    found=(many(FOUND), "remedies, best first", attrgetter("remedies")),
-    notes=(many(str), "kinds without a remedy: what was tried and what came of it"),
+    found=(list_of(FOUND), "remedies, best first", attrgetter("remedies")),
+    notes=(list_of(str), "kinds without a remedy: what was tried and what came of it"),
     complete=(bool, "false where it was interrupted"),
 )
 TURN = table(
     "turn",
     place=(num("pose", ge=1), "number of the pose at which it is made"),
-    q=(many(num("joint")), "configuration before the turn"),
-    to=(many(num("joint")), "and after it, the tool where it was"),
+    q=(list_of(num("joint")), "configuration before the turn"),
+    to=(list_of(num("joint")), "and after it, the tool where it was"),
     rest_complete=(bool | None, "from there the tool path can be followed to its end"),
     rest_reached=(num("pose", ge=0), "last pose reached from there, with the share of the way to the next"),
 )
@@ -367,8 +381,8 @@ PASSED = table(
 )
 TOOL_BRANCH = table(
     "tool_branch",
-    start=(many(num("joint")), "configuration at the first pose"),
-    posture=(many(str), "signs of parts of the arm, such as elbow +"),
+    start=(list_of(num("joint")), "configuration at the first pose"),
+    posture=(list_of(str), "signs of parts of the arm, such as elbow +"),
     complete=(bool, "it can be followed to the last pose"),
     reached=(num("row", ge=1), "last pose reached, with the share of the way to the next"),
     reason=(Literal["", "start", "singular", "limit", "turn", "few joints", "stuck", "budget"],
@@ -386,14 +400,14 @@ TOOL = table(
     reason=(Literal["", "start", "singular", "limit", "turn", "few joints", "stuck", "budget"],
         "why it ended; empty where it did not"),
     words=(str, "why it ended"),
-    start=(many(num("joint")), "configuration at the first pose"),
+    start=(list_of(num("joint")), "configuration at the first pose"),
     chosen=(str, "how the branch was chosen"),
     off=(num("m", ge=0), "the tip is proven to stay within this distance of its curve"),
     turned=(optional(num("rad", ge=0)), "and within this angle"),
-    passed=(optional(many(PASSED)), "singularities at which the branch goes on"),
+    passed=(optional(list_of(PASSED)), "singularities at which the branch goes on"),
     folds=(optional(bool), "the branch folds back where it ends: there is no solution near it further on"),
     turn=(optional(TURN | None), "the internal turn after which the path goes on, where the branch needs one"),
-    branches=(optional(many(TOOL_BRANCH)), "every branch that was found at the first pose, followed for itself"),
+    branches=(optional(list_of(TOOL_BRANCH)), "every branch that was found at the first pose, followed for itself"),
 )
 def _part(stretch: Any, ends: tuple[Any, Any], check: Any) -> dict[str, Any]:
     """A stretch between two places of it as entries."""
@@ -414,22 +428,22 @@ PATH_FILE = file(
     rows=(Positive, "of the file"),
     verdict=(VERDICT, "of the whole path"),
     sentence=(text(min_length=1), "the verdict in words"),
-    summary=(optional(many(str)), "the lines that the command prints first"),
+    summary=(optional(list_of(str)), "the lines that the command prints first"),
     free_share=(num("1", ge=0, le=1), "of the length in joint space, proven free"),
     undecided=(UNDECIDED, "parts neither proven free nor singular", lambda check: check),
     min_distance=(Literal["kept", "violated", "not proven"] | None, "null where none was asked for",
         attrgetter("margin")),
-    violations=(optional(many(VIOLATIONS)), "joint limits that the path breaks, or may break"),
-    crossings=(many(PATH_CROSSINGS),
+    violations=(optional(list_of(VIOLATIONS)), "joint limits that the path breaks, or may break"),
+    crossings=(list_of(PATH_CROSSINGS),
         "places where the path is singular",
         lambda check: [_part(crossing, crossing.bracket, check) for crossing in check.crossings]),
-    stretches=(many(STRETCHES),
+    stretches=(list_of(STRETCHES),
         "parts of the path near one family each",
         lambda check: [_part(stretch, (stretch.start, stretch.end), check) for stretch in check.stretches]),
     profile=(PROFILE, "numbers along the path, for drawings; family: index into ids"),
     evaluations=(Count, "enclosures that were spent"),
     source=(Literal["catalogue", "analysis", "on the spot"], "of the families"),
-    notes=(many(str), "remarks on the file and the arm"),
+    notes=(list_of(str), "remarks on the file and the arm"),
     complete=(bool, "false: interrupted"),
     remedies=(optional(REMEDIES), "only where remedies were asked for: what mends the path, each judged again",
         lambda _: UNSET),
@@ -451,7 +465,7 @@ PATHS = table(
 )
 PATHS_FILE = file(
     "paths", "Written by `rankdrop path --json` for several files or a folder: each path in short, worst first.",
-    robot=(str, "", itemgetter(0)), paths=(many(PATHS), "", itemgetter(1)),
+    robot=(str, "", itemgetter(0)), paths=(list_of(PATHS), "", itemgetter(1)),
 )  # fmt: skip
 PROGRAM_MET = table(
     "program_met",
@@ -462,7 +476,7 @@ PROGRAM_MET = table(
     name=(str, "", attrgetter("stretch.name")),
     verdict=(VERDICT, "", attrgetter("stretch.verdict")),
     corank=(Positive, "", attrgetter("stretch.corank")),
-    q=(some(num("joint")), "", attrgetter("stretch.closest.q")),
+    q=(nonempty(num("joint")), "", attrgetter("stretch.closest.q")),
 )
 PROGRAM_MOVES = table(
     "program_moves",
@@ -506,7 +520,7 @@ PROGRAM_PARTS = table(
     ended=(PROGRAM_ENDED | None, "where it ends before its last move does"),
     off=(num("m", ge=0), "the tip is proven to stay within this distance of its lines"),
     turned=(num("rad", ge=0), "and within this angle"),
-    line_of=(many(Positive), "line of the program that each stretch between two rows of the path belongs to",
+    line_of=(list_of(Positive), "line of the program that each stretch between two rows of the path belongs to",
         lambda part: [part.moves[index].line for index in part.owner.tolist()]),
     path=(PATH_FILE | None, "its joint path, checked; null where its first target is out of reach",
         attrgetter("check")),
@@ -528,11 +542,11 @@ PROGRAM_REMEDIES = table(
     turn=(TURN | None, "the internal turn that is made before the line", lambda pair: pair[0].turn),
     speed_share=(num("1", ge=0, le=1) | None, "of its speed, that keeps the joint limits; null for other advice",
         lambda pair: _number(pair[0].factor)),
-    goal=(many(num("joint")) | None, "configuration at the target of a joint move", lambda pair: pair[0].goal),
+    goal=(list_of(num("joint")) | None, "configuration at the target of a joint move", lambda pair: pair[0].goal),
     change=(CHANGES | None, "of the joint path of its part, by a bump or a detour", lambda pair: pair[0].change),
     line_shares=(pair(num("1"), num("1")), "shares of the line between which it is changed; 0 and 1 where it is not",
         lambda pair: pair[0].span),
-    notes=(many(str), "why no bump and no detour was found", lambda pair: pair[0].notes),
+    notes=(list_of(str), "why no bump and no detour was found", lambda pair: pair[0].notes),
 )
 PROGRAM_FILE = file(
     "program",
@@ -543,28 +557,31 @@ PROGRAM_FILE = file(
     language=(Literal["KRL", "RAPID", "URScript", "FANUC TP", "INFORM"], "", attrgetter("program.language")),
     verdict=(VERDICT, "the worst of all parts; undecided where moves were not read and all others are free"),
     sentence=text(min_length=1),
-    summary=(many(str), "the lines that the command prints first"),
-    met=(many(PROGRAM_MET), "singularities on the way, in the order of the program"),
-    moves=(many(PROGRAM_MOVES), "that were read and reached"),
-    skipped=(many(PROGRAM_SKIPPED), "lines that were not read", attrgetter("program.skipped")),
-    blended=(many(Positive), "lines with corners that the controller rounds; they are checked as exact stops",
+    summary=(list_of(str), "the lines that the command prints first"),
+    met=(list_of(PROGRAM_MET), "singularities on the way, in the order of the program"),
+    moves=(list_of(PROGRAM_MOVES), "that were read and reached"),
+    skipped=(list_of(PROGRAM_SKIPPED), "lines that were not read", attrgetter("program.skipped")),
+    blended=(list_of(Positive), "lines with corners that the controller rounds; they are checked as exact stops",
         lambda found: [move.line for move in found.program.moves if move.blend]),
     raised=(num("m"), "height of the maker's base frame above that of the arm"),
-    parts=many(PROGRAM_PARTS),
+    parts=list_of(PROGRAM_PARTS),
     complete=(bool, "false where it was interrupted"),
-    remedies=(optional(many(PROGRAM_REMEDIES)), "of lines that end, are too fast or cross; only from the command",
+    remedies=(optional(list_of(PROGRAM_REMEDIES)), "of lines that end, are too fast or cross; only from the command",
         lambda _: UNSET),
 )
-MOTION = table("motion", times=many(num("s")), s=many(num("1")), q=(many(many(num("joint"))), "", attrgetter("joints")))
+MOTION = table(
+    "motion", times=list_of(num("s")), s=list_of(num("1")),
+    q=(list_of(list_of(num("joint"))), "", attrgetter("joints")),
+)
 THROUGH_FILE = file(
     "through",
     "Written by `rankdrop through --json`: whether a tool path through a singular configuration can be tracked, "
     "and with which time law.",
     robot=_ARM,
     version=_VERSION,
-    q=some(num("joint")),
-    along=(some(num("task")), "dx/ds, one number for each row of the task, in the base's axes"),
-    bend=(some(num("task")), "d²x/ds²"),
+    q=nonempty(num("joint")),
+    along=(nonempty(num("task")), "dx/ds, one number for each row of the task, in the base's axes"),
+    bend=(nonempty(num("task")), "d²x/ds²"),
     kind=Literal["regular", "passes", "tangent", "turns back", "corner", "not trackable", "undecided"],
     sentence=str,
     trackable=(bool, "from one side of the configuration to the other"),

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from msgspec import UNSET
 
-from rankdrop.codec import Count, Positive, many, num, optional, pair, row, some, table, text, whole
+from rankdrop.codec import Count, Positive, list_of, nonempty, num, optional, pair, row, table, text, whole
 from rankdrop.cover.spots import Spot
 from rankdrop.proof.record import Tolerance
 from rankdrop.schema.arm import FRAME, ROBOT, file
@@ -32,19 +32,19 @@ ARM_JOINTS = table(
 ARM = table(
     "arm",
     name=str,
-    joints=some(ARM_JOINTS, min_length=1, max_length=32),
+    joints=nonempty(ARM_JOINTS, min_length=1, max_length=32),
     home=(row(row(num("pose"), 4), 4), "of the tip at q = 0"),
     last=(row(row(num("pose"), 4), 4), "of the frame of the last link at q = 0"),
     fingerprint=(str, "of the arm's numbers, as in a covering"),
 )
-TASK = table("task", name=str, rows=some(whole(ge=0, le=5)), frame=FRAME)
+TASK = table("task", name=str, rows=nonempty(whole(ge=0, le=5)), frame=FRAME)
 VIEW = table("view", link=Count, point=(row(num("m"), 3), "at q = 0 in base coordinates"), length=num("m", gt=0))
 CERTIFICATE_TOLERANCE = table(
     "certificate_tolerance",
     of=Tolerance,
     length=num("m", ge=0),
     angle=num("rad", ge=0),
-    points=many(row(num("m"), 3)),
+    points=list_of(row(num("m"), 3)),
 )
 _PLACE = (pair(Count, num("1", ge=0, le=1)), "stretch from 0, share of the way to the next row")
 SPAN = table(
@@ -61,25 +61,26 @@ PATH_SOURCE = table(
 )
 CLAIM = table(
     "claim",
-    q=(optional(many(num("joint"))), "centre [rad, m]"),
+    q=(optional(list_of(num("joint"))), "centre [rad, m]"),
     radius=(optional(num("distance", ge=0)),
         "of a ball: every configuration nearer to q in the joints that matter has the rank; of an existence: a "
         "configuration of lower rank differs from q by at most this in every joint; of a posture change: an exact "
         "solution of the pose of the first point differs from the last one by at most this in every joint"),
-    scale=(optional(many(num("joint"))), "unit of motion of each variable: 1 for turns [rad], a length for slides [m]"),
+    scale=(optional(list_of(num("joint"))),
+        "unit of motion of each variable: 1 for turns [rad], a length for slides [m]"),
     verdict=(optional(Literal["free", "met"]), "of a path; free: every span is"),
     degree=(optional(whole(ge=1, le=9)), "of a posture change 1"),
-    points=(optional(some(many(num("joint")), min_length=2)),
+    points=(optional(nonempty(list_of(num("joint")), min_length=2)),
         "Bernstein control points of all stretches, the last of each the first of the next [rad, m]"),
-    spans=(optional(some(SPAN)), "from the first row to the last without a gap"),
+    spans=(optional(nonempty(SPAN)), "from the first row to the last without a gap"),
     path=(optional(PATH_SOURCE), "the file that the path was read from"),
     min_distance=(optional(num("distance", gt=0)), "no configuration nearer to the path has a lower rank"),
     file=(optional(str), "name of the covering (`rankdrop cover --out`), in the same folder"),
     sha256=(optional(str), "its hash"),
-    variables=optional(many(Positive)),
-    lower=optional(many(num("joint"))),
-    upper=optional(many(num("joint"))),
-    turns=optional(many(bool)),
+    variables=optional(list_of(Positive)),
+    lower=optional(list_of(num("joint"))),
+    upper=optional(list_of(num("joint"))),
+    turns=optional(list_of(bool)),
     limits=(optional(bool), "the boxes are within the joint limits; the posture change is"),
     structure=(optional(Literal["axes 1, 2 meet", "axes 1, 2 parallel", "axes 2, 3 parallel", "axes 2, 3 meet",
             "three parallel", "orientation", "planar"]),
@@ -109,7 +110,7 @@ COVER_SETTINGS = table(
     corank=(whole(ge=1, le=6), "the boxes hold every configuration of this corank or more"),
     version=str,
 )
-LEAF = table("leaf", halvings=(many(Count), "", attrgetter("covering.plan.depth")), width=num("distance"))
+LEAF = table("leaf", halvings=(list_of(Count), "", attrgetter("covering.plan.depth")), width=num("distance"))
 
 
 def _cells_in_all(shape: Any) -> float:
@@ -132,21 +133,21 @@ PLACES = table(
     proven=Count,
     kind=Literal["singular, proven", "singular, found", "near miss", "undecided"],
     sigma=num("1"),
-    q=many(num("joint")),
-    lower=many(num("joint")),
-    upper=many(num("joint")),
+    q=list_of(num("joint")),
+    lower=list_of(num("joint")),
+    upper=list_of(num("joint")),
 )
 _MOST_PLACES = 1000
 EXPLAINED = table(
     "explained",
     source=Literal["catalogue", "analysis", "made here"],
-    families=(many(EXPLAINED_FAMILIES), "", lambda account: [
+    families=(list_of(EXPLAINED_FAMILIES), "", lambda account: [
         {"id": family.id, "name": family.name, "boxes": int(count)}
         for family, count in zip(account.families, account.explained, strict=True)
     ]),
     freed=Count,
     diagonal=num("distance"),
-    places=(many(PLACES), "", lambda account: account.spots[:_MOST_PLACES]),
+    places=(list_of(PLACES), "", lambda account: account.spots[:_MOST_PLACES]),
     places_in_all=(Count, "", lambda account: len(account.spots)),
 )
 
@@ -170,8 +171,8 @@ COVER_FILE = file(
     stopped=(str | None, "", lambda covered: covering_end_words(covered.covering.stopped) or None),
     needed=(optional(Count), "of a covering that ended early: enclosures that all of it takes, estimated from random "
         "ways down its tree; since 0.3", _needed),
-    joints=(many(Positive), "", attrgetter("covering.plan.variables")),
-    ranges=(many(row(num("joint"), 2)), "",
+    joints=(list_of(Positive), "", attrgetter("covering.plan.variables")),
+    ranges=(list_of(row(num("joint"), 2)), "",
         lambda covered: list(zip(covered.covering.plan.lower, covered.covering.plan.upper, strict=True))),
     leaf=(LEAF, "", lambda covered: covered),
     boxes=(BOXES, "all: boxes of the last level; left: not proven free; proven: to hold a singular configuration",
@@ -189,9 +190,9 @@ VERIFIED_FILE = file(
         "empty: the file is damaged"),
     arm=str,
     claim=(str, "what holds; empty where it does not"),
-    statement=(optional(many(str)), "the whole claim, entry by entry: arm, task, place, ranges"),
+    statement=(optional(list_of(str)), "the whole claim, entry by entry: arm, task, place, ranges"),
     reason=(str, "why it does not hold; empty where it does"),
-    assumed=(many(str), "what the proof rests on in addition to the arm's numbers"),
+    assumed=(list_of(str), "what the proof rests on in addition to the arm's numbers"),
     how=(optional(str), "how the boxes of a covering were proven"),
     enclosures=Count,
     complete=(bool, "false: interrupted"),

@@ -247,7 +247,7 @@ def _with_equal_lengths(chain: Chain, lowest: int, work: Work) -> _Derived | Non
     special = with_equal_lengths(chain)
     if special is None:
         return None
-    again = work.again()
+    again = work.restarted()
     with again.share(_LETTERS):
         tree = rank_tree(special, again, lowest=lowest, unwanted=_turns_out_broken(special, again))
     if not tree.is_finished or _broken(special, again) or splits(special, tree):
@@ -295,7 +295,7 @@ def _without_letters(chain: Chain, lowest: int, broken: Sequence[DerivationRemar
 
 def _with_numbers(chain: Chain, lowest: int, work: Work) -> tuple[Chain, Tree, Work]:
     """The chain with numbers for all lengths, its rank tree, and the work that is left."""
-    plain, again = replace(chain, letters={}, written={}), work.again()
+    plain, again = replace(chain, letters={}, written={}), work.restarted()
     with again.share(_TREE):
         return plain, rank_tree(plain, again, lowest=lowest), again
 

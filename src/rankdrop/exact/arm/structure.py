@@ -300,14 +300,14 @@ def flat(chain: Chain) -> bool:
     """Every turn is about one direction, which is the z axis of the task's rows."""
     if not chain.ring.revolute or 3 in chain.task.rows or 4 in chain.task.rows:
         return False
-    one = next(j for j, section in enumerate(chain.sections, 1) if section.kind is JointKind.REVOLUTE)
-    if any(screw[3] != 0 or screw[4] != 0 for screw in chain.screws_near(one, range(1, chain.links + 1))):
+    number = next(j for j, section in enumerate(chain.sections, 1) if section.kind is JointKind.REVOLUTE)
+    if any(screw[3] != 0 or screw[4] != 0 for screw in chain.screws_near(number, range(1, chain.links + 1))):
         return False
     if chain.task.frame == BODY:
         z = chain.robot.home[:3, 2]
     else:
         z = np.array([0.0, 0.0, 1.0])
-    axis = chain.robot.joints[one - 1].screw[3:]  # all others are parallel, so it never moves
+    axis = chain.robot.joints[number - 1].screw[3:]  # all others are parallel, so it never moves
     return bool(np.linalg.norm(np.cross(axis, z)) <= ALIGNED)
 
 

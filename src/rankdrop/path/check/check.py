@@ -207,13 +207,13 @@ def _curve_in_metres(path: Curve, robot: Robot) -> Curve:
 def _in_own_units(stretch: Stretch, robot: Robot) -> Stretch:
     """A stretch that was found in metres, with its configurations and rates in the units of the arm."""
 
-    def own(values: Array) -> Array:
+    def out(values: Array) -> Array:
         if len(values):
             return out_of_metres(robot, values)
         return values
 
-    closest = replace(stretch.closest, q=own(stretch.closest.q), foot=own(stretch.closest.foot))
-    return replace(stretch, closest=closest, rates=own(stretch.rates))
+    closest = replace(stretch.closest, q=out(stretch.closest.q), foot=out(stretch.closest.foot))
+    return replace(stretch, closest=closest, rates=out(stretch.rates))
 
 
 def _verdict(

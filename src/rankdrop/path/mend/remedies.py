@@ -495,7 +495,7 @@ class _Mender:
             return None
         most = sum(len(failure.core.stretches) for failure in failed)
         for proposal in _bump_proposals(bumper, bumps, clearance):
-            again = self._again(proposal.made)
+            again = self._check_changed(proposal.made)
             if sum(stretch.verdict != FREE for stretch in again.stretches) <= most:
                 break
         return proposal, again
@@ -630,7 +630,7 @@ class _Mender:
 
     def _as_remedy(self, kind: str, proposal: Proposal, *, again: bool) -> Remedy:
         made = proposal.made
-        check = self._again(made)
+        check = self._check_changed(made)
         before, took = self._usage(self.found.curve), self._usage(check.curve)
         gains = {"distance": (_distance(self.found), _distance(check))}
         if before is not None and took is not None:
@@ -640,7 +640,7 @@ class _Mender:
         return Remedy(kind, proposal.how, proposal.parameters, gains, made, self.interpolate, check, took,
                       proposal.off, again, proposal.changes)  # fmt: skip
 
-    def _again(self, made: Trajectory) -> PathCheck:
+    def _check_changed(self, made: Trajectory) -> PathCheck:
         """A changed path, checked as the path was."""
         check = check_path(
             self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,

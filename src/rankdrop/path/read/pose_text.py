@@ -132,7 +132,7 @@ def _of_urscript(text: str, where: str, *, deg: bool) -> PoseText:
     made = np.array([values])
     for keys, numbers in ((_PLACE, made[:, :3]), (ROTATION_VECTOR, made[:, 3:])):
         _confirmed_unit(WRITINGS[0], keys, numbers, where, URSCRIPT_UNITS)
-    return _made(WRITINGS[0], made, "m", "rad")
+    return _pose_text(WRITINGS[0], made, "m", "rad")
 
 
 def _of_rapid(text: str, where: str) -> PoseText:
@@ -152,7 +152,7 @@ def _of_rapid(text: str, where: str) -> PoseText:
                           mend="write x,y,z and the quaternion, then wxyz or xyzw")  # fmt: skip
     made = np.array([[*place, *turn]])
     made[:, :3] *= UNITS["length"]["mm"]
-    return _made(writing, made, "mm", "")
+    return _pose_text(writing, made, "mm", "")
 
 
 def _of_quaternion(numbers: str, order: str, where: str) -> PoseText:
@@ -200,10 +200,10 @@ def _of_names(items: list[tuple[str, str]], where: str, *, default: str, deg: bo
     notes = _others(values, writing.turn, where)
     place, length = _in_units(writing, "length", [values[key] for key in _PLACE], where)
     if writing.measure == "number":
-        return _made(writing, np.hstack([place, [[_value(values[key], "number", where) for key in writing.turn]]]),
+        return _pose_text(writing, np.hstack([place, [[_value(values[key], "number", where) for key in writing.turn]]]),
                      length, "", notes, robot)  # fmt: skip
     turns, angle = _in_units(writing, "angle", [values[key] for key in writing.turn], where, default)
-    return _made(writing, np.hstack([place, turns]), length, angle, notes, robot)
+    return _pose_text(writing, np.hstack([place, turns]), length, angle, notes, robot)
 
 
 def _of_common_names(values: dict[str, str], where: str, *, deg: bool) -> PoseText:
@@ -273,7 +273,7 @@ def _confirmed_unit(writing: Writing, keys: tuple[str, ...], numbers: Array, whe
     return unit
 
 
-def _made(
+def _pose_text(
     writing: Writing, values: Array, length: str, angle: str, notes: tuple[str, ...] = (), robot: Robot | None = None
 ) -> PoseText:
     """The pose of numbers (1, 3 + k) [m, rad]."""

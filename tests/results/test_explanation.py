@@ -10,11 +10,9 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text
-from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.block import joint_scale, sample, singular_values
-from rankdrop.local.nearest import nearest_singularity
-from rankdrop.local.ways_out import escape
 from rankdrop.results.explanation import Explanation
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
@@ -23,7 +21,6 @@ from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 from rankdrop.text.verdict import speed_text, summary_lines
 from rankdrop.text.words import superscript
-from rankdrop.tolerances import Tolerances
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain
 
@@ -162,19 +159,6 @@ def test_the_last_point_of_each_arm_is_singular() -> None:
         assert explain(arm, there.q).verdict == "singular"
 
 
-def test_families_of_an_analysis_given() -> None:
-    arm = open_robot("scara")
-    analysis = analyze(arm, starts=200, exact="off")
-    found = explain(arm, [0.3, 0.0, 0.1, 0.2], analysis=analysis)
-    assert found.met[0].source == "analysis"
-    with pytest.raises(OptionError, match="another arm"):
-        explain(open_robot("pa10"), [0.0] * 7, analysis=analysis)
-    with pytest.raises(OptionError, match="an analysis is needed"):
-        explain(arm, [0.3, 0.0, 0.1, 0.2], analysis="scara.json")  # type: ignore[arg-type]
-    with pytest.raises(OptionError, match="another task"):
-        explain(arm, [0.3, 0.0, 0.1, 0.2], "position", analysis=analysis)
-
-
 def test_an_unknown_arm_is_named_on_the_spot() -> None:
     """PUMA with other lengths is in no atlas."""
     from rankdrop.robot.dh import from_dh
@@ -186,22 +170,6 @@ def test_an_unknown_arm_is_named_on_the_spot() -> None:
     assert found.met[0].source == "on the spot"
     assert found.met[0].family.name.startswith("wrist")
     assert [one.number for one in found.met[0].family.pinned] == [5]
-
-
-def test_bad_input() -> None:
-    arm = open_robot("pa10")
-    with pytest.raises(ConfigurationError):
-        explain(arm, [0.0] * 6)
-    with pytest.raises(ConfigurationError):
-        explain(arm, [np.nan] + [0.0] * 6)
-    with pytest.raises(OptionError):
-        explain(arm, [0.0] * 7, near=-1.0)
-
-
-def test_the_same_twice() -> None:
-    arm = open_robot("panda")
-    q = sample(arm, resolve_task(None, arm), 1, seed=9)[0]
-    assert explain(arm, q).to_dict() == explain(arm, q).to_dict()
 
 
 PARTS = ("far", "met", "relations", "lost", "blame", "escape", "rates", "failures", "ellipsoids", "redundancy",
@@ -225,7 +193,7 @@ def test_what_was_not_asked_for_is_not_worked_out(monkeypatch: pytest.MonkeyPatc
         raise AssertionError("nobody asked for this")
 
     monkeypatch.setattr("rankdrop.results.explanation.escape", refused)
-    monkeypatch.setattr("rankdrop.results.explanation.certified_radius", refused)
+    monkeypatch.setattr("rankdrop.results.far.certified_radius", refused)
     found = explain(open_robot("pa10"), [0.1, 0.9, 0.4, 0.25, 0.7, 1.1, 0.2])
     assert found.far.nearest is not None
     assert (found.verdict, round(found.far.nearest.distance, 9)) == ("regular", 0.25)
@@ -331,24 +299,6 @@ def test_how_it_shows_itself() -> None:
     assert str(found).startswith("scara is singular: elbow")
     assert "--full" not in str(found) + found._repr_html_()
     assert "<p><b></b>" not in found._repr_html_()
-
-
-@pytest.mark.parametrize(
-    "options",
-    [{"seed": -1}, {"seed": 1.5}, {"near": float("nan")}, {"near": "0.1"}, {"evaluations": 1.5}, {"step": 0.0},
-     {"small": None}, {"coranks": -1}, {"tolerances": Tolerances(singular=0.5)},
-     {"tolerances": Tolerances(singular=-1.0)}, {"tolerances": Tolerances(singular=float("nan"))}],
-)  # fmt: skip
-def test_options_that_make_no_sense_are_refused(options: dict) -> None:  # type: ignore[type-arg]
-    with pytest.raises(OptionError):
-        explain(open_robot("ur5"), [0.0] * 6, **options)
-
-
-@pytest.mark.parametrize("q", ["0,0,0,0,0,0", [1j] * 6, {}, [0, 0, 0, 0, 0, "x"], None, [[0.0] * 6]])
-def test_what_is_no_configuration_is_refused(q: object) -> None:
-    for ask in (explain, escape, nearest_singularity):
-        with pytest.raises(ConfigurationError):
-            ask(open_robot("ur5"), q)  # type: ignore[operator]
 
 
 @pytest.mark.parametrize("name", ["puma560", "ur5", "pa10", "panda", "scara", "canadarm2"])

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from known.test_jog import FEW, singular_configurations
+
 from rankdrop.errors import OptionError
 from rankdrop.local.block import singular_values
 from rankdrop.local.nearest import nearest_singularity, other_sheets
 from rankdrop.local.special import Special
-from rankdrop.results import explanation
+from rankdrop.results import explanation, other_singularities
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
@@ -73,9 +73,9 @@ def test_what_was_not_searched_is_not_denied(monkeypatch) -> None:
 
     arm, q = next(iter(singular_configurations("gen3", 1, seed=3)))
     with monkeypatch.context() as patched:
-        patched.setattr(explanation, "other_sheets", refuse)
+        patched.setattr(other_singularities, "other_sheets", refuse)
         assert next_line(explain(arm, q, evaluations=0)) == "Next: not searched."
-    monkeypatch.setattr(explanation, "other_sheets", lambda *_args, **_named: (40, iter(())))
+    monkeypatch.setattr(other_singularities, "other_sheets", lambda *_args, **_named: (40, iter(())))
     assert next_line(explain(arm, q, evaluations=0)) == "Next: none found by 40 searches."
 
 
@@ -87,7 +87,7 @@ def own_arm() -> Robot:
 
 
 def test_where_no_families_are_known_the_way_to_know_them_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(explanation, "other_sheets", lambda *_args, **_named: (40, iter(())))
+    monkeypatch.setattr(other_singularities, "other_sheets", lambda *_args, **_named: (40, iter(())))
     line = next_line(explain(own_arm(), [1.3, 0.2, 0.5, 0.7, 0.0, 0.1], evaluations=0))
     assert line == "Next: none found by 40 searches; analysis=… with a file of analyze finds more."
 

@@ -14,6 +14,10 @@ from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.verbs.explain import explain
 
+FEW = ["ur5e", "ur16e", "gen3_6dof", "gen3", "panda", "crx10ia", "motomini", "j2s6s300", "sawyer", "puma560", "scara",
+       "rizon4"]  # fmt: skip
+"""Arms on whose singular configurations jogs are followed."""
+
 SPEED = 0.025
 """At which the verdict after the jogs has to be regular, the default of `rankdrop explain` [m/s]."""
 LEAST = np.radians(0.5)

@@ -2,7 +2,7 @@
 
 All of them: `pytest -m slow tests/known/test_every_arm.py` (two minutes of one processor); three by default. With as
 many starts as what is shipped, and derived anew: one of each structure (`test_known.py`,
-`test_shipped_conditions.py`).
+`results/test_stored_conditions.py`).
 """
 
 from __future__ import annotations

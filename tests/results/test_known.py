@@ -188,7 +188,7 @@ def test_what_is_made_anew_is_of_many_structures():
 
 @pytest.mark.by_hand_at("puma560")
 @pytest.mark.slow_at("puma560")
-@pytest.mark.shipped  # rows take the partition of the exact conditions, which `test_shipped_conditions.py` derives anew
+@pytest.mark.shipped  # rows take the partition of the exact conditions, as `test_stored_conditions.py`
 @pytest.mark.parametrize("name", ANEW)
 def test_made_anew_it_is_the_same(name):
     found = shipped(name)

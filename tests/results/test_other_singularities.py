@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from known.test_jog import FEW, singular_configurations
+from known.jogs import FEW, singular_configurations
 
 from rankdrop.errors import OptionError
 from rankdrop.local.block import singular_values

@@ -1,6 +1,6 @@
 """The exact conditions that come with the package are those of the catalogue's arms, and what a derivation gives.
 
-One of each structure anew, and compared: `pytest -m slow tests/known/test_shipped_conditions.py`; three by default.
+One of each structure anew, and compared: `pytest -m slow tests/results/test_stored_conditions.py`; three by default.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from known.arms import STRUCTURES
+
 from rankdrop.cli import exits, main
 from rankdrop.codec import json_text
 from rankdrop.errors import ResultFileError

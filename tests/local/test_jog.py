@@ -6,15 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from known.jogs import FEW, fault, followed, singular_configurations
 
-from known.jogs import fault, followed, singular_configurations
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import resolve_task
 from rankdrop.verbs.explain import explain
 
-FEW = ["ur5e", "ur16e", "gen3_6dof", "gen3", "panda", "crx10ia", "motomini", "j2s6s300", "sawyer", "puma560", "scara",
-       "rizon4"]  # fmt: skip
 PER_CORANK = 2  # families, of each corank, with one configuration inside the limits
 
 

@@ -107,10 +107,12 @@ class Posture:
     Attributes:
         signs: bits of KRL's T, the first of joint 1: the joint is negative.
         quarters: RAPID's cf1, cf4, cf6: quarter turns, rounded down, of joints 1, 4 and 6.
+        near: joint values to which the solution is nearest (qnear of URScript), as the language has them.
     """
 
     signs: int | None = None
     quarters: tuple[int, int, int] | None = None
+    near: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True, eq=False)

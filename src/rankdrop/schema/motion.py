@@ -111,6 +111,14 @@ ASPECTS_FILE = file(
     notes=(many(str), "", rounding_notes),
     complete=(bool, "false: interrupted"),
 )
+ARM_POSTURE = table(
+    "arm_posture",
+    shoulder=(Literal["left", "right", "front", "back"] | None,
+        "left or right of the line from axis 1 to the wrist, or the wrist in front of axis 1 or behind it; null where "
+        "the arm has no such part, or it is singular"),
+    elbow=(Literal["up", "down", "left", "right"] | None, "seen from the line from shoulder to wrist"),
+    wrist=(Literal["not flipped", "flipped"] | None, "not flipped: joint 5 bends the tool down while joint 4 is at 0"),
+)
 BEYOND = table("beyond", joint=(Positive, "", itemgetter(0)), excess=(num("joint", ge=0), "", itemgetter(1)))
 BRANCHES = table(
     "branches",
@@ -118,6 +126,7 @@ BRANCHES = table(
     verdict=Literal["regular", "near", "singular", "always-singular"],
     sigma=(num("1", ge=0), "σ_r"),
     posture=(many(str), "signs of parts of the arm, such as elbow +"),
+    arm_posture=(optional(ARM_POSTURE), "the same in the words of engineers, by parts of the arm", attrgetter("parts")),
     beyond=(many(BEYOND), "joints outside their limits, and by how much"),
     residual=(num("1", ge=0), "largest difference between its pose and the pose asked for [m, 1]"),
 )
@@ -369,6 +378,7 @@ TOOL_BRANCH = table(
     "tool_branch",
     start=(many(num("joint")), "configuration at the first pose"),
     posture=(many(str), "signs of parts of the arm, such as elbow +"),
+    arm_posture=(optional(ARM_POSTURE), "the same in the words of engineers, by parts of the arm", attrgetter("parts")),
     complete=(bool, "it can be followed to the last pose"),
     reached=(num("row", ge=1), "last pose reached, with the share of the way to the next"),
     reason=(Literal["", "start", "singular", "limit", "turn", "few joints", "stuck", "budget"],

@@ -55,6 +55,7 @@ from rankdrop.path.read.files import read_trajectory
 from rankdrop.path.read.matrices import REPORTED, poses_of
 from rankdrop.path.read.poses import Poses, holds_poses, length_hint, read_poses
 from rankdrop.path.read.trajectory import Trajectory, check_times, check_values, refuse_degrees, rows_of, unit_hint
+from rankdrop.poses.arm_posture import arm_postures
 from rankdrop.poses.inverse import Aim, distinct, joint_difference, near_and_within
 from rankdrop.problem import whole_turns
 from rankdrop.questions import PathOptions
@@ -421,8 +422,8 @@ def _branches(
             branch = follow(robot, poses, q, task, tolerance=tolerance, through=True)
             place = _not_free(robot, asked, branch, tolerances)
         branches.append(ToolBranch(
-            q, posture_names(robot, task, q[None])[0], branch.complete, branch.reached, branch.reason, branch.joint,
-            branch.folds, branch.turn, place == 0.0, place, row == chosen,
+            q, posture_names(robot, task, q[None])[0], arm_postures(robot, q[None])[0], branch.complete, branch.reached,
+            branch.reason, branch.joint, branch.folds, branch.turn, place == 0.0, place, row == chosen,
         ))  # fmt: skip
     return tuple(branches)
 

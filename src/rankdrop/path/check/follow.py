@@ -25,6 +25,7 @@ from rankdrop.path.check.passing import Departure, Move, Turn, departures, inter
 from rankdrop.path.check.solution_curve import CurvePart, follow_curve
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import number_parts
+from rankdrop.poses.arm_posture import ArmPosture
 from rankdrop.poses.inverse import Aim
 from rankdrop.problem import Mask
 from rankdrop.robot.model import Array, Robot
@@ -87,6 +88,7 @@ class ToolBranch:
     Attributes:
         start: (n,) the configuration at the first pose [rad, m].
         posture: signs of the parts of the arm there, such as "elbow +"; empty where none are known.
+        parts: the same by parts of the arm.
         complete, reached, reason, joint, folds, turn: as of `Followed`.
         free: proven free of singularities up to where it ends.
         place: pose, from 1, where it is first not proven free; 0 where it is.
@@ -95,6 +97,7 @@ class ToolBranch:
 
     start: Array
     posture: tuple[str, ...]
+    parts: ArmPosture
     complete: bool
     reached: float
     reason: str

@@ -173,23 +173,36 @@ def _instruction(
     """One instruction of the program; returns where the arm is after it, None where that is not known."""
     match = _MOVE.match(text)
     if match is None:
-        reason = _why_skipped(text)
-        if reason is not None:
-            listing.skip(count, text, reason)
-        return None if reason in BREAKS or reason is Reason.LOOP else last
+        return _other_instruction(listing, count, text, last)
     letter, _, register, key, rest = match.groups()
     words = {word.upper() for word in re.split(r"[\s,\[(]+", rest) if word}
-    target: Target | Reason | None = _why_unread(letter, words)
-    if target is None and register == "PR":
-        target = Reason.VARIABLE
-    if target is None:
-        target = positions.get(key, Reason.VARIABLE)
+    target = _why_unread(letter, words) or _position(register, key, positions)
     if "INC" in words:
         target = _increased(target, last)
-    if isinstance(target, Target) and target.pose is not None and key in tools:
-        listing.skip(count, text, Reason.TOOL)
     listing.move(count, text, _MOVES.get(letter, "line"), target, _speed(rest), blend="FINE" not in words)
-    return target if isinstance(target, Target) else None
+    if isinstance(target, Reason):
+        return None
+    if target.pose is not None and key in tools:
+        listing.skip(count, text, Reason.TOOL)
+    return target
+
+
+def _other_instruction(listing: Listing, count: int, text: str, last: Target | None) -> Target | None:
+    """An instruction that is no move; returns where the arm is after it, None where that is not known."""
+    reason = _why_skipped(text)
+    if reason is None:
+        return last
+    listing.skip(count, text, reason)
+    if reason in BREAKS or reason is Reason.LOOP:
+        return None
+    return last
+
+
+def _position(register: str, key: str, positions: dict[str, Target | Reason]) -> Target | Reason:
+    """The target P[n]; the values of PR[n] are not in the file."""
+    if register == "PR":
+        return Reason.VARIABLE
+    return positions.get(key, Reason.VARIABLE)
 
 
 def _increased(step: Target | Reason, last: Target | None) -> Target | Reason:

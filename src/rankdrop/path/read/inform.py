@@ -98,25 +98,34 @@ def _instruction(
     if word in _MOVES:
         goal = next((tag for tag in tags if tag in positions), "")
         target = positions.get(goal, Reason.VARIABLE)
-        if "UNTIL" in tags:
-            target = Reason.ENDS_EARLY
-        elif shifted and isinstance(target, Target):
-            target = Reason.SHIFTED
+        target = _shifted(target, tags, shifted=shifted)
         if goal in tools and isinstance(target, Target):
             listing.skip(count, text, Reason.TOOL)
         settings = _settings(tags)
         kind = _MOVES[word]
         listing.move(count, text, kind, target, _speed(kind, settings), blend=settings.get("PL") != 0.0)
-    elif word in _OTHER_MOVES:
-        listing.skip(count, text, _OTHER_MOVES[word])
-    elif word.startswith("+"):  # of another group of joints
-        listing.skip(count, text, Reason.OTHER_MOVE)
-    elif word in _FLOW or word.startswith("*"):
-        listing.skip(count, text, _FLOW.get(word, Reason.BRANCH))
-    elif word == "CALL":
-        listing.skip(count, text, Reason.CALL)
     elif word not in ("NOP", "END"):
-        listing.skip(count, text, Reason.OTHER)
+        listing.skip(count, text, _why_skipped(word))
+
+
+def _why_skipped(word: str) -> Reason:
+    """Why an instruction is not read: its first word, in capitals."""
+    if word.startswith("+"):  # of another group of joints
+        return Reason.OTHER_MOVE
+    if word.startswith("*"):
+        return Reason.BRANCH
+    if word == "CALL":
+        return Reason.CALL
+    return (_OTHER_MOVES | _FLOW).get(word, Reason.OTHER)
+
+
+def _shifted(target: Target | Reason, tags: list[str], *, shifted: bool) -> Target | Reason:
+    """A target, or why the move ends elsewhere."""
+    if "UNTIL" in tags:
+        return Reason.ENDS_EARLY
+    if shifted and isinstance(target, Target):
+        return Reason.SHIFTED
+    return target
 
 
 def _settings(tags: Iterable[str]) -> dict[str, float | None]:

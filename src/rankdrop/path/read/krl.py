@@ -75,7 +75,7 @@ _BEGINS = {*_MOVES, *_RELATIVE, *_OTHER_MOVES, *_BLOCKS, *_FLOW, *_QUIET, "DEF",
 """Words that begin a statement and stand in no bracket."""
 _WHERE_IT_IS = ("$AXIS_ACT", "$POS_ACT", "$AXIS_ACT_MEAS")
 _WORD = re.compile(r"\s*([A-Za-z_$][\w$]*)")
-_IN_CALL = re.compile(r"SVEL_(?:CP|JOINT)\(\s*([^,)]*)", re.IGNORECASE)
+_IN_CALL = re.compile(r"SVEL_(?:CP|JOINT)\(\s*([^,)]*).*", re.IGNORECASE)
 _DEGREE = radians(1.0)
 _BLENDS = ("C_PTP", "C_DIS", "C_VEL", "C_ORI", "C_SPL")
 
@@ -158,10 +158,8 @@ class _Reader:
             self.state.begin_or_end_block(word, rest, self.names)
         elif word in ("$BASE", "FDAT_ACT", "$IPO_MODE") and not _is_label(rest):
             self._set_frames(count, line, word, rest)
-        else:
-            reason = None if is_read_assignment(line, self.names) else self._why_skipped(word, rest)
-            if reason is not None:
-                self._skip(count, line, reason)
+        elif not is_read_assignment(line, self.names):
+            self._skip(count, line, self._why_skipped(word, rest))
 
     def _set_frames(self, count: int, line: str, word: str, rest: str) -> None:
         """A statement that sets the base: $BASE = …, FDAT_ACT = FP1, $IPO_MODE = #TCP."""
@@ -170,13 +168,14 @@ class _Reader:
         if word == "$IPO_MODE":
             self.state.fixed_tool = "#TCP" in value.upper()
         elif word == "$BASE":
-            whole = mark and rest.startswith("=")
-            self.state.base = frame_of(value, self.names, where) if whole else None
+            self.state.base = None
+            if mark and rest.startswith("="):
+                self.state.base = frame_of(value, self.names, where)
         else:
             numbers = numbers_of_fdat(value, self.names)
             self.state.inline = True
-            self.state.base = None if numbers is None else base_frame(numbers.base, self.names, where)
-            if numbers is None or numbers.tool != 0:
+            self.state.base = base_frame(numbers.base, self.names, where)
+            if numbers.tool != 0:
                 self._set_tool(count, line, value)
 
     def _set_tool(self, count: int, line: str, tool: str) -> None:
@@ -209,8 +208,7 @@ class _Reader:
         """The base frame of a move, which WITH $BASE = … may set; a tool that it sets is named."""
         settings = settings_of(after)
         tool = settings.get("$TOOL", "$NULLFRAME")
-        numbers = numbers_of_fdat(tool, self.names)
-        if tool.upper() != "$NULLFRAME" and (numbers is None or numbers.tool != 0):
+        if tool.upper() != "$NULLFRAME" and numbers_of_fdat(tool, self.names).tool != 0:
             self._set_tool(count, line, tool)
         if self.state.fixed_tool or "#TCP" in settings.get("$IPO_MODE", "").upper():
             return None
@@ -239,8 +237,10 @@ class _Reader:
         if isinstance(target, Target):
             self.last = target
 
-    def _skip(self, count: int, line: str, reason: Reason) -> None:
-        """Keep a line that was not read; after some of them nobody knows where the arm is."""
+    def _skip(self, count: int, line: str, reason: Reason | None) -> None:
+        """Keep a line that was not read, with the reason; after some of them nobody knows where the arm is."""
+        if reason is None:
+            return
         self.listing.skip(count, line, reason)
         if reason in BREAKS or reason is Reason.LOOP:  # a relative move ends elsewhere in each pass of a loop
             self.last = None
@@ -266,9 +266,11 @@ class _Reader:
     def _tool_reason(self, word: str, rest: str) -> Reason | None:
         """Whether a line sets a tool that is not known."""
         plain = _without_spaces(rest)
-        null = word == "$TOOL" and plain in ("=$NULLFRAME", "=TOOL_DATA[0]")
-        self.state.tool = "" if null else f"{word}{plain}"
-        return None if null else Reason.TOOL
+        if word == "$TOOL" and plain in ("=$NULLFRAME", "=TOOL_DATA[0]"):
+            self.state.tool = ""
+            return None
+        self.state.tool = f"{word}{plain}"
+        return Reason.TOOL
 
 
 def _begins_routine(word: str, rest: str) -> bool:
@@ -305,7 +307,7 @@ class _State:
         self.before: tuple[Speed, Array | None] = (self.line, self.base)
 
     def begin_or_end_block(self, word: str, rest: str, names: Names) -> None:
-        """SPLINE WITH …, PTP_SPLINE, ENDSPLINE: what is set for a block counts in it alone."""
+        """SPLINE WITH …, PTP_SPLINE, ENDSPLINE: settings of a block count in it alone."""
         if word == "ENDSPLINE":
             if self.block:
                 self.line, self.base = self.before
@@ -346,8 +348,9 @@ class _State:
         element, _, value = plain.partition("=")
         self.axes[element] = names.number(value)
         shares = {self.axes.get(f"[{axis}]") for axis in range(1, 1 + len(AXES))}
-        share = shares.pop() if len(shares) == 1 else None
-        self.joint = Speed(share=positive(share, 0.01))
+        self.joint = Speed()
+        if len(shares) == 1:
+            self.joint = Speed(share=positive(shares.pop(), 0.01))
 
     def _initialize(self, what: str, value: str, names: Names) -> bool:
         """BAS(#what, value); False where a tool is set that is not known."""
@@ -361,10 +364,9 @@ class _State:
 
     def speed_of(self, kind: str, after: str, names: Names) -> Speed:
         """The speed of a move; what stands behind its target may set it: WITH $VEL.CP = 0.2, $VEL = SVEL_CP(0.2, …)."""
-        speed = self.joint if kind == "joint" else self.line
+        speed = {"joint": self.joint}.get(kind, self.line)
         for key, value in settings_of(after).items():
-            call = _IN_CALL.match(value)
-            plain = _without_spaces((call[1] if call else value).split("C_")[0])
+            plain = _without_spaces(_IN_CALL.sub(r"\1", value).split("C_")[0])
             if kind == "line" and key in ("$VEL.CP", "$VEL"):
                 speed = replace(speed, linear=positive(names.number(plain)))
             elif kind == "joint" and key.startswith("$VEL_AXIS"):

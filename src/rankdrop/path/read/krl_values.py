@@ -89,7 +89,8 @@ def _frame_numbers(text: str) -> FrameNumbers:
     """The numbers of an FDAT: {TOOL_NO 1,BASE_NO 0,IPO_FRAME #BASE,POINT2[] " "}."""
     bracket = split_bracket(text, "{")
     found: dict[str, int | None] = {"TOOL_NO": None, "BASE_NO": None}
-    for part in parts_of(bracket[0]) if bracket else []:
+    within, _ = bracket or ("", "")
+    for part in parts_of(within):
         key, *word = part.upper().split()
         if key in found and len(word) == 1 and word[0].isdecimal():
             found[key] = int(word[0])
@@ -111,8 +112,10 @@ def target_of(rest: str, names: Names, where: str) -> tuple[Target | Reason, str
     if name is None:
         return Reason.EXPRESSION, rest
     after = rest[name.end() :].strip()
-    if after.startswith((":", "(", "[", ".")):
-        return Reason.EXPRESSION if after[0] != "[" else Reason.VARIABLE, after
+    if after.startswith("["):
+        return Reason.VARIABLE, after
+    if after.startswith((":", "(", ".")):
+        return Reason.EXPRESSION, after
     if element is None:
         return names.target(name[0].upper()), after
     return names.target(_element_name(element, names)), after
@@ -159,16 +162,26 @@ def completed(text: str, last: Target | None, base: Array | None, where: str) ->
     values = components(text)
     if not values or last is None:
         return Reason.INCOMPLETE
-    every = AXES + MORE_AXES
-    if any(key in values for key in every):
-        if last.joints is None:
-            return Reason.INCOMPLETE
-        joints = zip(every, last.joints, strict=False)
-        return joint_target([values.get(key, joint) for key, joint in joints], where)
-    turns = [key in values for key in TURN]
-    if last.pose is None or base is None or any(turns) != all(turns):
+    if not values.keys().isdisjoint(AXES + MORE_AXES):
+        return _completed_joints(values, last.joints, where)
+    if last.pose is None or base is None:
         return Reason.INCOMPLETE
-    before = np.linalg.solve(base, last.pose)
+    return _completed_pose(values, np.asarray(np.linalg.solve(base, last.pose)), where)
+
+
+def _completed_joints(values: dict[str, float], before: tuple[float, ...] | None, where: str) -> Target | Reason:
+    """Joint values, those that are left out from the target before."""
+    if before is None:
+        return Reason.INCOMPLETE
+    joints = zip(AXES + MORE_AXES, before, strict=False)
+    return joint_target([values.get(key, joint) for key, joint in joints], where)
+
+
+def _completed_pose(values: dict[str, float], before: Array, where: str) -> Target | Reason:
+    """A pose, the others from the pose (4, 4) before; of the angles all or none are given."""
+    turns = [key in values for key in TURN]
+    if any(turns) != all(turns):
+        return Reason.INCOMPLETE
     place = [values.get(key, 1e3 * length) for key, length in zip(PLACE, before[:3, 3].tolist(), strict=True)]
     made = angle_target([*place, *(values.get(key, 0.0) for key in TURN)], where, _posture(values))
     if not any(turns) and made.pose is not None:
@@ -188,7 +201,7 @@ def components(text: str) -> dict[str, float] | None:
     values: dict[str, float] = {}
     for part in parts_of(within):
         key, *words = part.split(maxsplit=1) or [""]
-        value = _number(words[0]) if words else None
+        value = _number("".join(words))
         if value is None:
             return None
         values[key.upper()] = value
@@ -212,9 +225,8 @@ def frame_of(text: str, names: Names, where: str) -> Array | None:
     plain = text.strip()
     if plain.upper() in _NULL_FRAMES:
         return np.eye(4)
-    numbers = numbers_of_fdat(plain, names)
-    if numbers is not None:
-        return base_frame(numbers.base, names, where)
+    if _OF_FDAT.fullmatch("".join(plain.upper().split())):
+        return base_frame(numbers_of_fdat(plain, names).base, names, where)
     element = _ELEMENT.fullmatch(plain)
     if element is not None and element[1].upper() == "BASE_DATA":
         return base_frame(int(element[2]), names, where)
@@ -224,17 +236,13 @@ def frame_of(text: str, names: Names, where: str) -> Array | None:
     return None
 
 
-def numbers_of_fdat(text: str, names: Names) -> FrameNumbers | None:
-    """The numbers of the FDAT that SBASE(FP1.BASE_NO), STOOL2(FP1) or a name refers to; None where it is no such text
-    or the FDAT is not known.
-    """
-    plain = "".join(text.upper().split())
-    match = _OF_FDAT.fullmatch(plain)
-    name = match[1] if match else plain
+def numbers_of_fdat(text: str, names: Names) -> FrameNumbers:
+    """The numbers of the FDAT that SBASE(FP1.BASE_NO), STOOL2(FP1) or a name refers to; None for those not known."""
+    name = _OF_FDAT.sub(r"\1", "".join(text.upper().split()))
     found = names.literals.get(name)
     if isinstance(found, FrameNumbers) and name not in names.changed:
         return found
-    return None
+    return FrameNumbers(None, None)
 
 
 def base_frame(base: int | None, names: Names, where: str) -> Array | None:
@@ -244,7 +252,9 @@ def base_frame(base: int | None, names: Names, where: str) -> Array | None:
     if base == 0:
         return np.eye(4)
     target, _ = target_of(f"BASE_DATA[{base}]", names, where)
-    return target.pose if isinstance(target, Target) else None
+    if isinstance(target, Target):
+        return target.pose
+    return None
 
 
 def settings_of(after: str) -> dict[str, str]:

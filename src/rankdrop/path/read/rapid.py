@@ -33,7 +33,7 @@ from rankdrop.path.read.rapid_values import WORD, goal_of, literal, split_switch
 _MOVES: dict[str, Literal["joint", "line"]] = {"MOVEJ": "joint", "MOVEABSJ": "joint", "MOVEL": "line"}
 _SUFFIXED = ("DO", "AO", "GO", "SYNC")
 _FLOW = {
-    **dict.fromkeys(("IF", "ELSE", "ELSEIF", "ENDIF", "TEST", "CASE", "DEFAULT", "ENDTEST", "GOTO", "RETURN"),
+    **dict.fromkeys(("IF", "ELSE", "ELSEIF", "ENDIF", "TEST", "CASE", "DEFAULT", "ENDTEST", "GOTO", "RETURN", "ERROR"),
                     Reason.BRANCH),
     **dict.fromkeys(("FOR", "ENDFOR", "WHILE", "ENDWHILE"), Reason.LOOP),
 }  # fmt: skip
@@ -117,12 +117,10 @@ def _why_skipped(word: str, statement: str) -> Reason | None:
         word: its first, in capitals.
         statement: the whole of it.
     """
-    if word == "ERROR":
-        return Reason.BRANCH
-    if word in _FLOW:
-        return _FLOW[word]
     if statement[len(word) :].lstrip().startswith(":="):
         return Reason.OTHER
+    if word in _FLOW:
+        return _FLOW[word]
     if word.startswith("MOVEC"):
         return Reason.CIRCLE
     if word.startswith(("MOVE", "TRIGG", "SEARCH", "ARC", "PAINT")):
@@ -130,8 +128,8 @@ def _why_skipped(word: str, statement: str) -> Reason | None:
     if word in _QUIET:
         return None
     if word == "VELSET":
-        whole = number(statement[len(word) :].partition(",")[0]) == 100.0
-        return None if whole else Reason.OVERRIDE
+        share = number(statement[len(word) :].partition(",")[0])
+        return {100.0: None}.get(share or 0.0, Reason.OVERRIDE)
     if ":=" in statement or word in _INSTRUCTIONS:
         return Reason.OTHER
     return Reason.CALL
@@ -153,14 +151,14 @@ def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
             continue
         *whole, rest = parts_of(plain, ";", brackets=False)
         for statement in whole:
-            for part in _parts_of_block(" ".join([*kept, statement])):
-                yield begun if kept else count, part
+            begun = begun * bool(kept) or count
+            yield from ((begun, part) for part in _parts_of_block(" ".join([*kept, statement])))
             kept, size = [], 0
         first = WORD.match(rest)
         if first is not None and not kept and first[0].upper() in _BLOCKS:
             yield count, rest
         elif rest:
-            begun, size = begun if kept else count, size + len(rest) + 1
+            begun, size = begun * bool(kept) or count, size + len(rest) + 1
             kept.append(rest)
         check_length(size, f"{name}, line {begun}")
     if kept:
@@ -217,9 +215,10 @@ def _move(
         target = Reason.EXPRESSION
     tool, keys = tools[0] if tools else ("tool0", {})
     target = in_base(target, work_object(keys.get("wobj", "wobj0"), names))
-    if shifted and isinstance(target, Target) and target.pose is not None:
+    posed = isinstance(target, Target) and target.pose is not None
+    if shifted and posed:
         target = Reason.SHIFTED
-    if isinstance(target, Target) and target.pose is not None and tool.lower() != "tool0":
+    elif posed and tool.lower() != "tool0":
         listing.skip(count, one, Reason.TOOL)
     made = _speed(speed[0], speed[1] | zone[1], names, kind, f"{listing.where}, line {count}")
     listing.move(count, one, kind, target, made, blend=zone[0].lower() != "fine")

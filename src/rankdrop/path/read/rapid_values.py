@@ -84,12 +84,13 @@ def _work_object(text: str, where: str) -> Array | None:
     moves.
     """
     bracket = split_bracket(text, "[")
-    parts = parts_of(bracket[0]) if bracket else []
+    parts = parts_of((bracket or ("", ""))[0])
     if len(parts) != 5 or [part.upper() for part in parts[:2]] != _FIXED_FRAME:
         return None
-    frames = [_frame(part, where) for part in parts[3:]]
-    user, own = frames
-    return None if user is None or own is None else user @ own
+    user, own = (_frame(part, where) for part in parts[3:])
+    if user is None or own is None:
+        return None
+    return user @ own
 
 
 def _frame(text: str, where: str) -> Array | None:
@@ -107,7 +108,9 @@ def work_object(name: str, names: Names) -> Array | None:
     if plain == "wobj0":
         return np.eye(4)
     found = names.literals.get(plain)
-    return found if isinstance(found, np.ndarray) and plain not in names.changed else None
+    if isinstance(found, np.ndarray) and plain not in names.changed:
+        return found
+    return None
 
 
 def _quarters(configuration: list[float]) -> tuple[int, int, int] | None:
@@ -148,26 +151,30 @@ def _moved_target(function: str, text: str, names: Names, where: str, depth: int
     target = goal_of(first[0], names, where, depth)
     if isinstance(target, Reason):
         return target
-    turns = {key: names.number(value.lower()) for _, keys in shift for key, value in keys.items()}
-    lengths = [names.number(value.lower()) for value, _ in shift]
-    known = [value for value in lengths if value is not None]
-    if target.pose is None or len(known) != 3 or len(lengths) != 3 or None in turns.values():
+    if target.pose is None or len(shift) != len(_TURNS):
+        return Reason.OFFSET
+    keys = shift[-1][1]  # switches stand behind the last length
+    written = [*(value for value, _ in shift), *(keys.get(key, "0") for key in _TURNS)]
+    known = [value for text in written if (value := names.number(text.lower())) is not None]
+    if len(known) < len(written):
         return Reason.OFFSET
     made = target.pose.copy()
     if function == "offs":
-        made[:3, 3] += MILLIMETRE * np.array(known)
-        return turned_target(made[:3, 3].tolist(), made[:3, :3], where, target.posture)
-    made = made @ _matrix([*known, 0.0, 0.0, 0.0], where)
-    for axis, key in enumerate(_TURNS):
-        made = made @ _matrix([0.0] * (3 + axis) + [turns.get(key) or 0.0] + [0.0] * (2 - axis), where)
+        made[:3, 3] += MILLIMETRE * np.array(known[:3])
+    else:
+        made = made @ _in_tool(known, where)
     return turned_target(made[:3, 3].tolist(), made[:3, :3], where, target.posture)
 
 
-def _matrix(values: list[float], where: str) -> Array:
-    """(4, 4) of a shift [mm] and one turn [deg]."""
-    pose = angle_target(values, where).pose
-    assert pose is not None
-    return pose
+def _in_tool(values: list[float], where: str) -> Array:
+    """(4, 4) Trans(x, y, z) Rx Ry Rz of lengths [mm] and angles [deg]."""
+    parts = np.zeros((4, 6))
+    parts[0, :3] = values[:3]
+    parts[1:, 3:] = np.diag(values[3:])
+    made = np.eye(4)
+    for part in parts.tolist():
+        made = made @ np.asarray(angle_target(part, where).pose)
+    return made
 
 
 def split_switches(part: str) -> tuple[str, dict[str, str]]:

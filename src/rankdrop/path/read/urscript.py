@@ -56,6 +56,7 @@ _FUNCTION = re.compile(r"(pose_trans|get_inverse_kin)\s*(?=\()")
 _KEY = re.compile(r"\s*(?:x|qnear)\s*=")
 _D2R = re.compile(r"\bd2r\(([^()]{1,60})\)")
 _DEEPEST = 4  # functions inside functions
+_ARGUMENTS = 3  # that are read: a third one makes the function one that is not known
 _WORD = re.compile(r"\s*([A-Za-z_]\w*)")
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
@@ -123,7 +124,7 @@ def _why_skipped(word: str, rest: str, names: Names) -> Reason | None:
     if word in _QUIET:
         return None
     if rest.startswith("("):
-        return Reason.OTHER if word.startswith(_BUILT_IN) else Reason.CALL
+        return {True: Reason.OTHER}.get(word.startswith(_BUILT_IN), Reason.CALL)
     if "=" not in rest or word in ("global", "local"):
         return None
     if word in names.literals and word not in names.changed:
@@ -171,11 +172,7 @@ def _target(text: str, names: Names, where: str, depth: int = 0) -> Target | Rea
         return names.target(text)
     function = _FUNCTION.match(text)
     if function is not None and depth < _DEEPEST:
-        bracket = split_bracket(text[function.end() :])
-        if bracket is None or bracket[1].strip():
-            return Reason.EXPRESSION
-        read_function = {"pose_trans": _chained, "get_inverse_kin": _inverse}[function[1]]
-        return read_function(parts_of(bracket[0]), names, where, depth + 1)
+        return _of_function(function[1], text[function.end() :], names, where, depth + 1)
     posed = text.startswith("p[")
     values = numbers_of(_D2R.sub(_radians, text[1:] if posed else text))
     if values is None:
@@ -195,36 +192,40 @@ def _target(text: str, names: Names, where: str, depth: int = 0) -> Target | Rea
 def _radians(match: re.Match[str]) -> str:
     """d2r(90) as a number; as it is where its argument is none."""
     value = number(match[1])
-    return match[0] if value is None else repr(radians(value))
+    if value is None:
+        return match[0]
+    return repr(radians(value))
 
 
-def _chained(arguments: list[str], names: Names, where: str, depth: int) -> Target | Reason:
+def _of_function(function: str, text: str, names: Names, where: str, depth: int) -> Target | Reason:
+    """The target of a function of targets, with its arguments in brackets."""
+    bracket = split_bracket(text)
+    if bracket is None or bracket[1].strip():
+        return Reason.EXPRESSION
+    targets = [_target(_KEY.sub("", part), names, where, depth) for part in parts_of(bracket[0])[:_ARGUMENTS]]
+    known = [target for target in targets if isinstance(target, Target)]
+    if len(known) < len(targets):
+        return next(target for target in targets if isinstance(target, Reason))
+    if function == "pose_trans":
+        return _chained(known, where)
+    return _inverse(known)
+
+
+def _chained(targets: list[Target], where: str) -> Target | Reason:
     """pose_trans(p1, p2): T = T1 T2."""
-    if len(arguments) != 2:
+    poses = [target.pose for target in targets if target.pose is not None]
+    if len(poses) != 2 or len(targets) != 2:
         return Reason.EXPRESSION
-    first, second = (_target(argument, names, where, depth) for argument in arguments)
-    for target in (first, second):
-        if isinstance(target, Reason):
-            return target
-    if not isinstance(first, Target) or not isinstance(second, Target) or first.pose is None or second.pose is None:
-        return Reason.EXPRESSION
-    made = first.pose @ second.pose
+    made = poses[0] @ poses[1]
     return turned_target(made[:3, 3].tolist(), made[:3, :3], where)
 
 
-def _inverse(arguments: list[str], names: Names, where: str, depth: int) -> Target | Reason:
+def _inverse(targets: list[Target]) -> Target | Reason:
     """get_inverse_kin(pose, qnear): a joint target, read as its pose and what its solution is nearest to."""
-    found = [_target(part.partition("=")[2].strip() if _KEY.match(part) else part, names, where, depth)
-             for part in arguments[:2]]  # fmt: skip
-    for target in found:
-        if isinstance(target, Reason):
-            return target
-    goal, *near = (target for target in found if isinstance(target, Target))
-    if goal.pose is None or len(arguments) > 2 or any(target.joints is None for target in near):
+    goal, *near = targets
+    if goal.pose is None or len(near) > 1 or any(target.joints is None for target in near):
         return Reason.EXPRESSION
-    if not near:
-        return goal
-    return Target(pose=goal.pose, posture=Posture(near=near[0].joints))
+    return Target(pose=goal.pose, posture=Posture(near=next((target.joints for target in near), None)))
 
 
 def _move(listing: Listing, names: Names, count: int, line: str, word: str, rest: str) -> None:

@@ -212,6 +212,18 @@ VIOLATIONS = table(
     name=(str, "of the nearest family"),
     distance=(num("distance", ge=0) | None, "from there to that family; null where none is known"),
 )
+OVERRUNS = table(
+    "overruns",
+    joint=(Positive, "number from 1"),
+    rate=(num("joint/s", gt=0), "largest [rad/s, m/s]"),
+    rate_limit=(num("joint/s", ge=0), "of the joint [rad/s, m/s]", attrgetter("limit")),
+    seconds=(num("s", ge=0), "how long the joint exceeds it, all parts together"),
+    travel=(num("joint", ge=0), "how far it moves in that time"),
+    place=(num("row", ge=1), "where the rate is largest", attrgetter("place.position")),
+    rows=(pair(num("row"), num("row")), "of the first and the last part above the limit",
+        lambda overrun: [overrun.start.position, overrun.end.position]),
+    times=(row(num("s"), 2), "the same in time", lambda overrun: [overrun.start.time, overrun.end.time]),
+)
 UNDECIDED = table(
     "undecided",
     time=(num("s", ge=0) | None,
@@ -430,6 +442,8 @@ PATH_FILE = file(
     min_distance=(Literal["kept", "violated", "not proven"] | None, "null where none was asked for",
         attrgetter("margin")),
     violations=(optional(many(VIOLATIONS)), "joint limits that the path breaks, or may break"),
+    overruns=(optional(many(OVERRUNS)), "joints that exceed their rate limits, the one that exceeds its limit most "
+        "first; empty where that is not proven"),
     crossings=(many(PATH_CROSSINGS),
         "places where the path is singular",
         lambda check: [_part(crossing, crossing.bracket, check) for crossing in check.crossings]),
@@ -486,6 +500,7 @@ PROGRAM_MOVES = table(
     joint=(Count, "number of the joint that turns most; 0 where none turns"),
     turn=(num("rad", ge=0), "by how much"),
     seconds=(num("s", ge=0) | None, "null where its speed is not known"),
+    overruns=(optional(many(OVERRUNS)), "joints that exceed their rate limits in it; rows are those of its part"),
 )
 PROGRAM_SKIPPED = table(
     "program_skipped",

@@ -70,6 +70,15 @@ def test_front_and_up_are_those_of_the_drawn_arm() -> None:
         assert part_words(arm_postures(arm, q[None])[0])[:2] == expected
 
 
+@pytest.mark.parametrize("name", ["so101", "px150", "xarm5"])
+def test_rolling_the_tool_of_five_joints_changes_no_posture(name: str) -> None:
+    """The tip may be off the axis of the roll: where it is decides nothing."""
+    arm = open_robot(name)
+    q = np.tile(np.radians([30.0, -20, 40, 10, 0]), (7, 1))
+    q[:, 4] = np.linspace(-1.5, 1.5, 7)
+    assert len(set(arm_postures(arm, q))) == 1
+
+
 def test_signs_stay_for_what_has_no_word() -> None:
     parts = arm_postures(open_robot("ur5e"), np.radians([[0.0, -90, -90, -90, 90, 0]]))[0]
     assert posture_words(("elbow −", "wrist +", "shoulder −"), parts) == "shoulder right, elbow up, wrist +"

@@ -160,6 +160,8 @@ class ArmShape:
         root: Array | None = wrist
         if not self.spherical and self.robot.n == 6:
             root = _meeting(axes, (5, 6), self.near)
+        elif self.robot.n == 5:
+            root = _on_roll_axis(axes, wrist)
         return ArmPosture(self._shoulder(axes, root, float(q[0])), self._elbow(axes, wrist), self._wrist(axes, wrist))
 
     def _parallel_wrist(self, axes: _Axes) -> Array | None:
@@ -220,6 +222,14 @@ class ArmShape:
         if abs(side) <= self.near * reach(self.robot):
             return None
         return _of_sign(side, Elbow.LEFT, Elbow.RIGHT)
+
+
+def _on_roll_axis(axes: _Axes, wrist: Array) -> Array | None:
+    """The point of axis 4 in the plane of the arm, in which axis 5 is; None where axis 5 is in no such plane."""
+    across = axes.directions[3]
+    if abs(float(axes.directions[4] @ across)) > _PARALLEL:
+        return None
+    return np.asarray(wrist + across * float((axes.points[4] - wrist) @ across))
 
 
 def _pointing(axis: Array, along: Array, near: float) -> Array | None:

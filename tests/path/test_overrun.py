@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
 
 from rankdrop.kinematics import pose
 from rankdrop.local.rates import rate_limits
@@ -19,6 +20,7 @@ from rankdrop.path.curve import curve
 from rankdrop.path.mend.programs import program_remedies
 from rankdrop.questions import PathOptions
 from rankdrop.robot.open import open_robot
+from rankdrop.schema import load_schema
 from rankdrop.text.places import fastest_words, overrun_words
 
 ARM = open_robot("ur5")  # 180°/s
@@ -120,3 +122,21 @@ def test_every_line_of_a_program_that_is_too_fast_is_marked(tmp_path: Path) -> N
     assert "Too fast in line 2: joint 1 needs up to" in text
     assert "Too fast in line 3: joint 1 needs up to" in text
     assert "Too fast in line 4" not in text
+    assert [[overrun.joint for overrun in move.overruns] for move in check.moves[1:]] == [[1], [1], []]
+    written = check.to_dict()
+    Draft202012Validator(load_schema("program")).validate(written)
+    (over,) = written["moves"][1]["overruns"]
+    assert (over["joint"], over["rate_limit"]) == (1, pytest.approx(np.pi))
+    assert over["seconds"] == pytest.approx(0.02)
+    assert over["travel"] == pytest.approx(0.2, rel=0.05)
+    first = written["parts"][0]["path"]["overruns"]
+    assert [one["joint"] for one in first] == [1]
+    assert first[0]["times"][0] < first[0]["times"][1]
+
+
+def test_one_row_is_no_path_of_rows() -> None:
+    check = check_path(open_robot("planar3r"), [[0.3, 0.5, 0.2]])
+    said = one_line("\n".join(check.summary))
+    assert "1 rows" not in said
+    assert "Path: one row" in said
+    assert check.to_dict()["overruns"] == []

@@ -91,7 +91,7 @@ def test_rapid_has_the_real_part_first() -> None:
     assert found.posture == Posture(quarters=(-1, 0, -1))
     assert moves(program)[10].target.joints == (0, -20, 30, 0, 60, 0)
     speeds = {line: one.speed.linear for line, one in moves(program).items()}
-    assert speeds == pytest.approx({10: None, 11: 0.1, 12: 0.04, 13: 0.025, 22: None})
+    assert speeds == pytest.approx({10: None, 11: 0.1, 12: 0.04, 13: 0.025, 15: 0.1, 22: None})
     assert moves(program)[12].speed.angular == pytest.approx(np.pi / 2)
     assert {line for line, one in moves(program).items() if one.blend} == {11}
 
@@ -141,10 +141,10 @@ def test_inform_turns_about_fixed_axes() -> None:
     [
         ("krl.src", {8: "tool frame", 13: "call", 14: "changed", 15: "other", 16: "circle", 17: "expression",
                      18: "branch", 19: "incomplete", 20: "branch", 21: "relative", 25: "base frame"}),
-        ("rapid.mod", {13: "tool frame", 14: "base frame", 15: "expression", 16: "changed", 17: "circle", 18: "branch",
+        ("rapid.mod", {13: "tool frame", 14: "base frame", 16: "changed", 17: "circle", 18: "branch",
                        19: "other", 20: "branch", 21: "call"}),
         ("urscript.script", {8: "expression", 11: "loop", 12: "circle"}),
-        ("tp.ls", {8: "tool frame", 9: "relative", 11: "circle", 13: "variable", 14: "call", 15: "incomplete"}),
+        ("tp.ls", {8: "tool frame", 9: "offset", 11: "circle", 13: "variable", 14: "call", 15: "incomplete"}),
         ("inform.jbi", {22: "pulses", 25: "other", 26: "circle", 27: "variable", 28: "base frame"}),
     ],
 )  # fmt: skip

@@ -18,6 +18,7 @@ from rankdrop.configuration import configuration_at
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import check_robot
 from rankdrop.options import takes
+from rankdrop.poses.arm_posture import ArmPosture, arm_postures
 from rankdrop.poses.inverse import Aim
 from rankdrop.poses.postures import posture_names
 from rankdrop.poses.solution_search import SINGULAR, Continuum, Curve, SolutionSearch, joints_beyond
@@ -46,6 +47,7 @@ class Branch:
         verdict: "regular", "near" or "singular", as `explain` gives it.
         sigma: σ_r [1].
         posture: signs of the parts of the arm, such as "elbow +"; empty where none are known.
+        parts: the posture by parts of the arm.
         beyond: joints (from 1) outside their limits, each with how far [rad, m].
         residual: the largest entry of the difference between the pose of q and the pose asked for [m, 1].
     """
@@ -54,6 +56,7 @@ class Branch:
     verdict: str
     sigma: float
     posture: tuple[str, ...]
+    parts: ArmPosture
     beyond: tuple[tuple[int, float], ...]
     residual: float
 
@@ -280,7 +283,7 @@ def _judge_solutions(search: SolutionSearch, q: Array) -> tuple[Branch, ...]:
     robot, task = search.robot, search.task
     q = into_limits(robot, q)
     sigma = search.sigma(q)
-    postures = posture_names(robot, task, q)
+    postures, parts = posture_names(robot, task, q), arm_postures(robot, q)
     if len(q):
         families, source = known_families(robot, task, None, DEFAULT)
     else:
@@ -296,8 +299,8 @@ def _judge_solutions(search: SolutionSearch, q: Array) -> tuple[Branch, ...]:
                 verdict = "near"
             if row < _JUDGED:
                 verdict = str(Explanation(configuration_at(robot, q[row], task), families, source, how).verdict)
-        made.append(Branch(q[row], verdict, float(sigma[row]), postures[row], joints_beyond(robot, q[row]),
-                           search.residual(q[row : row + 1])))  # fmt: skip
+        made.append(Branch(q[row], verdict, float(sigma[row]), postures[row], parts[row],
+                           joints_beyond(robot, q[row]), search.residual(q[row : row + 1])))  # fmt: skip
     home = np.clip(np.zeros(robot.n), robot.lower, robot.upper)
 
     def order(branch: Branch) -> tuple[bool, float]:

@@ -124,6 +124,14 @@ ASPECTS_FILE = file(
     notes=(list_of(str), "", rounding_notes),
     complete=(bool, "false: interrupted"),
 )
+ARM_POSTURE = table(
+    "arm_posture",
+    shoulder=(Literal["left", "right", "front", "back"] | None,
+        "left or right of the line from axis 1 to the wrist, or the wrist in front of axis 1 or behind it; null where "
+        "the arm has no such part, or it is singular"),
+    elbow=(Literal["up", "down", "left", "right"] | None, "seen from the line from shoulder to wrist"),
+    wrist=(Literal["not flipped", "flipped"] | None, "not flipped: joint 5 bends the tool down while joint 4 is at 0"),
+)
 BEYOND = table("beyond", joint=(Positive, "", itemgetter(0)), excess=(num("joint", ge=0), "", itemgetter(1)))
 BRANCHES = table(
     "branches",
@@ -131,6 +139,7 @@ BRANCHES = table(
     verdict=Literal["regular", "near", "singular", "always-singular"],
     sigma=(num("1", ge=0), "σ_r"),
     posture=(list_of(str), "signs of parts of the arm, such as elbow +"),
+    arm_posture=(optional(ARM_POSTURE), "the same in the words of engineers, by parts of the arm", attrgetter("parts")),
     beyond=(list_of(BEYOND), "joints outside their limits, and by how much"),
     residual=(num("1", ge=0), "largest difference between its pose and the pose asked for [m, 1]"),
 )
@@ -216,6 +225,18 @@ VIOLATIONS = table(
     proven=(bool, "the limit is exceeded; false: only a bound exceeds it"),
     name=(str, "of the nearest family"),
     distance=(num("distance", ge=0) | None, "from there to that family; null where none is known"),
+)
+OVERRUNS = table(
+    "overruns",
+    joint=(Positive, "number from 1"),
+    rate=(num("joint/s", gt=0), "largest [rad/s, m/s]"),
+    rate_limit=(num("joint/s", ge=0), "of the joint [rad/s, m/s]", attrgetter("limit")),
+    seconds=(num("s", ge=0), "how long the joint exceeds it, all parts together"),
+    travel=(num("joint", ge=0), "how far it moves in that time"),
+    place=(num("row", ge=1), "where the rate is largest", attrgetter("place.position")),
+    rows=(pair(num("row"), num("row")), "of the first and the last part above the limit",
+        lambda overrun: [overrun.start.position, overrun.end.position]),
+    times=(row(num("s"), 2), "the same in time", lambda overrun: [overrun.start.time, overrun.end.time]),
 )
 UNDECIDED = table(
     "undecided",
@@ -383,6 +404,7 @@ TOOL_BRANCH = table(
     "tool_branch",
     start=(list_of(num("joint")), "configuration at the first pose"),
     posture=(list_of(str), "signs of parts of the arm, such as elbow +"),
+    arm_posture=(optional(ARM_POSTURE), "the same in the words of engineers, by parts of the arm", attrgetter("parts")),
     complete=(bool, "it can be followed to the last pose"),
     reached=(num("row", ge=1), "last pose reached, with the share of the way to the next"),
     reason=(Literal["", "start", "singular", "limit", "turn", "few joints", "stuck", "budget"],
@@ -434,6 +456,8 @@ PATH_FILE = file(
     min_distance=(Literal["kept", "violated", "not proven"] | None, "null where none was asked for",
         attrgetter("margin")),
     violations=(optional(list_of(VIOLATIONS)), "joint limits that the path breaks, or may break"),
+    overruns=(optional(list_of(OVERRUNS)), "joints that exceed their rate limits, the one that exceeds its limit most "
+        "first; empty where that is not proven"),
     crossings=(list_of(PATH_CROSSINGS),
         "places where the path is singular",
         lambda check: [_part(crossing, crossing.bracket, check) for crossing in check.crossings]),
@@ -490,14 +514,15 @@ PROGRAM_MOVES = table(
     joint=(Count, "number of the joint that turns most; 0 where none turns"),
     turn=(num("rad", ge=0), "by how much"),
     seconds=(num("s", ge=0) | None, "null where its speed is not known"),
+    overruns=(optional(list_of(OVERRUNS)), "joints that exceed their rate limits in it; rows are those of its part"),
 )
 PROGRAM_SKIPPED = table(
     "program_skipped",
     line=(Positive, "of the program"),
     text=(str, "of that line"),
     reason=(Literal["variable", "changed", "expression", "incomplete", "pulses", "circle", "spline", "relative",
-                     "after joint values", "after a pose", "relative turn",
-                    "other move", "base frame", "routine", "branch", "loop", "call", "tool frame", "other"],
+                     "after joint values", "after a pose", "relative turn", "offset", "ends early", "shifted",
+                    "other move", "base frame", "routine", "branch", "loop", "call", "tool frame", "override", "other"],
         "why it was not read"),
     words=(str, "the reason in words", lambda skipped: why_skipped(skipped.reason)),
     moves=(bool, "the line moves the arm"),

@@ -15,6 +15,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import reach
 from rankdrop.sections import Section
 from rankdrop.task import BASE, Task
+from rankdrop.text.postures import meaning_lines, posture_words
 from rankdrop.text.words import joint_word, minus, motion, plural, power, short
 from rankdrop.tolerances import MISSED
 from rankdrop.units import counted_exponent, counted_length
@@ -304,11 +305,9 @@ def _tables(inverse: Any, *, deg: bool) -> Iterator[Section]:
             (str(number), *_branch_cells(robot, branch), *_cells(robot, branch.q, deg=deg))
             for number, branch in enumerate(inverse.branches, start=1)
         )
-        order = "inside the joint limits first, then nearest to q = 0"
-        if not _has_limits(robot):
-            order = "nearest to q = 0 first"
-        yield Section("Solutions", order, columns=(
-            "", "verdict", "posture", "joint limits", *heads), rows=rows, texts=(0, 1, 2, 3))  # fmt: skip
+        yield Section("Solutions", _order_words(robot), columns=(
+            "", "verdict", "posture", "joint limits", *heads), rows=rows, texts=(0, 1, 2, 3),
+            notes=tuple(meaning_lines([branch.parts for branch in inverse.branches])))  # fmt: skip
     if inverse.continua:
         rows = tuple(
             (str(number), *_continuum_cells(continuum), *_cells(robot, continuum.q, deg=deg))
@@ -322,6 +321,13 @@ def _tables(inverse: Any, *, deg: bool) -> Iterator[Section]:
         if why.turned is not None:
             lines.append(f"the nearest orientation there: {tool_place(robot, why.turned)}")
         yield Section("Nearest poses in reach", "joint limits ignored", lines=tuple(lines))
+
+
+def _order_words(robot: Robot) -> str:
+    """The order of the solutions."""
+    if _has_limits(robot):
+        return "inside the joint limits first, then nearest to q = 0"
+    return "nearest to q = 0 first"
 
 
 def _head(number: int, unit: str, *, deg: bool) -> str:
@@ -339,7 +345,7 @@ def _branch_cells(robot: Robot, branch: Any) -> tuple[str, str, str]:
         limits = "inside"
     else:
         limits = "none"
-    return branch.verdict, ", ".join(branch.posture) or "–", limits
+    return branch.verdict, posture_words(branch.posture, branch.parts), limits
 
 
 def _continuum_cells(continuum: Any) -> tuple[str, str, str]:

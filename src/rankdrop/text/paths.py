@@ -196,6 +196,8 @@ def _path_line(check: Any) -> str:
         lasts = ""
     else:
         lasts = f", {times[-1] - times[0]:.6g} s"
+    if check.rows == 1:
+        return "Path: one row; its configuration is checked."
     free = sum(stretch.verdict == "free" for stretch in check.stretches)
     return (
         f"Path: {check.rows} rows{lasts}, {check.options.interpolate} between them; {free_words(check)} of its length "

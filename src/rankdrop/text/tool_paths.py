@@ -11,6 +11,7 @@ import numpy as np
 from rankdrop.options import advise
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
+from rankdrop.text.postures import posture_words
 from rankdrop.text.words import minus, plural, short
 
 _TURNING = 1e-6  # a joint that turns less stands still [rad]
@@ -131,10 +132,10 @@ def branches_words(check: Any) -> str:
     """Which branch the verdict is about, and how many of the others are free."""
     branches = check.tool.branches
     number = next(i for i, branch in enumerate(branches, start=1) if branch.chosen)
-    posture = ", ".join(branches[number - 1].posture)
+    posture = posture_words(branches[number - 1].posture, branches[number - 1].parts)
     others = [branch for branch in branches if not branch.chosen]
     free = sum(branch.free and branch.complete for branch in others)
-    named = f" ({posture})" if posture else ""
+    named = f" ({posture})" if posture != "–" else ""
     be = "is" if free == 1 else "are"
     this = f"{number} of {len(branches)}{named}; the verdict is about this one"
     return f"{this}. Of the others {free} {be} free to the end"
@@ -181,7 +182,7 @@ def branches_section(check: Any, *, deg: bool) -> Section:
             taken = f"{number} (taken)"
         else:
             taken = str(number)
-        rows.append((taken, _branch_verdict(branch, robot), ", ".join(branch.posture) or "–", *values))
+        rows.append((taken, _branch_verdict(branch, robot), posture_words(branch.posture, branch.parts), *values))
     other = f"by the configuration at pose 1, those first that people use; {advise('start', '…')} takes another"
     return Section("Branches", other,
                    columns=("", "verdict", "posture", *heads), rows=tuple(rows), texts=(0, 1, 2))  # fmt: skip

@@ -150,7 +150,7 @@ class MoveFollower:
             near = solutions[0]
         else:
             near = before
-        chosen = self._in_posture(solutions, near, posture)
+        chosen = self._in_posture(solutions, self._near(move, near), posture)
         if chosen is not None:
             return chosen
         if len(solutions):
@@ -172,7 +172,7 @@ class MoveFollower:
                     solutions = self._solutions(goal)
             else:
                 solutions = self._solutions(goal)
-            chosen = self._in_posture(solutions, now, move.target.posture)
+            chosen = self._in_posture(solutions, self._near(move, now), move.target.posture)
             if chosen is None:
                 followed.ended = self._ended(move, Cause.POSTURE if len(solutions) else Cause.UNREACHED)
                 return
@@ -265,7 +265,17 @@ class MoveFollower:
             TrajectoryError: not as many as the arm has, or joint 3 is counted from the horizontal and the arm has other
                 axes.
         """
-        given, where = move.target.joints or (), f"{self.program.name}, line {move.line}"
+        return self._in_units(move.target.joints or (), f"{self.program.name}, line {move.line}")
+
+    def _near(self, move: Move, before: Array | None) -> Array | None:
+        """The configuration to which the solution of a target is nearest: that it states, else the one before."""
+        stated = move.target.posture.near
+        if stated is None:
+            return before
+        return self._in_units(stated, f"{self.program.name}, line {move.line}")
+
+    def _in_units(self, given: tuple[float, ...], where: str) -> Array:
+        """(n,) joint values as the language has them [rad, m]; errors as of `_joints`."""
         n = self.robot.n
         if len(given) < n or any(given[n:]):
             raise TrajectoryError("the target has another number of joints than the arm", where=where, got=len(given),

@@ -65,6 +65,7 @@ class MoveCheck:
         joint: number of the joint that turns most; 0 where none turns.
         turn: by how much [rad].
         seconds: how long it takes; None where its speed is not known.
+        overruns: joints that exceed their rate limits in it.
     """
 
     line: int
@@ -77,6 +78,7 @@ class MoveCheck:
     joint: int
     turn: float
     seconds: float | None
+    overruns: tuple[Overrun, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +156,7 @@ class Part:
                 joint, turn = _largest_turn(check, first, last)
                 seconds = None if times is None else float(times[last] - times[first])
                 yield MoveCheck(move.line, move.text, move.kind, verdict, distance, family, names.get(family, ""),
-                                joint, turn, seconds)  # fmt: skip
+                                joint, turn, seconds, self.overruns(index))  # fmt: skip
             elif index == 0 or self.ended is None:
                 yield MoveCheck(move.line, move.text, move.kind, None, np.inf, "", "", 0, 0.0, None)
 

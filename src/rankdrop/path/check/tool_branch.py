@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.path.check.passing import Turn
+from rankdrop.poses.arm_posture import ArmPosture
 from rankdrop.robot.model import Array
 from rankdrop.text.tool_paths import branch_chosen
 
@@ -32,6 +33,7 @@ class ToolBranch:
     Attributes:
         start: (n,) the configuration at the first pose [rad, m].
         posture: signs of the parts of the arm there, such as "elbow +"; empty where none are known.
+        parts: the same by parts of the arm.
         complete, reached, reason, joint, folds, turn: as of `Followed`.
         free: proven free of singularities up to where it ends.
         place: pose, from 1, where it is first not proven free; 0 where it is.
@@ -40,6 +42,7 @@ class ToolBranch:
 
     start: Array
     posture: tuple[str, ...]
+    parts: ArmPosture
     complete: bool
     reached: float
     reason: str

@@ -33,6 +33,7 @@ from rankdrop.path.check.tool_branch import Followed, ToolBranch
 from rankdrop.path.check.tool_line import half_turns, poses_at
 from rankdrop.path.curve import Curve, curve
 from rankdrop.path.read.matrices import REPORTED, poses_of
+from rankdrop.poses.arm_posture import arm_postures
 from rankdrop.poses.inverse import Aim, joint_difference
 from rankdrop.questions import PathOptions
 from rankdrop.results.analysis import Analysis
@@ -178,8 +179,8 @@ def _branches(
             branch = follow(robot, poses, q, task, tolerance=tolerance, through=True)
             place = _not_free(robot, asked, branch, tolerances)
         branches.append(ToolBranch(
-            q, posture_names(robot, task, q[None])[0], branch.complete, branch.reached, branch.reason, branch.joint,
-            branch.folds, branch.turn, place == 0.0, place, row == chosen,
+            q, posture_names(robot, task, q[None])[0], arm_postures(robot, q[None])[0], branch.complete, branch.reached,
+            branch.reason, branch.joint, branch.folds, branch.turn, place == 0.0, place, row == chosen,
         ))  # fmt: skip
     return tuple(branches)
 

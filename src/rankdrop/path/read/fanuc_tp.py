@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from rankdrop.path.read.program_record import (
+    BREAKS,
     MILLIMETRE,
     Language,
     Listing,
@@ -38,13 +39,17 @@ _VALUE = re.compile(r"\b([XYZWPR]|J[1-9])\s*=\s*([-+.\deE*]+)\s*(mm|deg)?")
 _FRAME = re.compile(r"\bU([FT])\s*:\s*([\dF]+)")
 _SPEED = re.compile(r"\s*([\d.]+)\s*(%|mm/sec|cm/min|inch/min|deg/sec|sec|msec)")
 _UNITS = {"mm/sec": MILLIMETRE, "cm/min": 1e-2 / 60.0, "inch/min": 0.0254 / 60.0, "sec": 1.0, "msec": 1e-3}
-_SHIFTED = ("OFFSET", "TOOL_OFFSET", "INC", "VOFFSET", "TA_REF", "SKIP")
+_WORDS = {**dict.fromkeys(("OFFSET", "TOOL_OFFSET", "VOFFSET", "TA_REF"), Reason.OFFSET),
+          **dict.fromkeys(("SKIP", "SKIPJUMP", "TOUCHSKIP"), Reason.ENDS_EARLY),
+          **dict.fromkeys(("WJNT", "RTCP", "COORD"), Reason.OTHER_MOVE)}  # fmt: skip
+"""Words behind a target that say that the arm goes elsewhere: offsets, skips, wrist joint motion, a fixed tool, …"""
 _FLOW = {**dict.fromkeys(("IF", "ELSE", "ENDIF", "SELECT", "JMP", "LBL"), Reason.BRANCH),
          **dict.fromkeys(("FOR", "ENDFOR"), Reason.LOOP)}  # fmt: skip
 _SKIPPED = {**_FLOW, **dict.fromkeys(("CALL", "RUN"), Reason.CALL), **dict.fromkeys(("C", "A"), Reason.CIRCLE),
             "S": Reason.SPLINE, **dict.fromkeys(("J", "L"), Reason.EXPRESSION)}  # fmt: skip
 _WORD = re.compile(r"[A-Za-z_]+")
 _PLACE, _JOINTS = ("X", "Y", "Z", "W", "P", "R"), tuple(f"J{k}" for k in range(1, 10))
+_NO_TURN = 1e-9
 _REMARKS = ("!", "//", "--")
 
 
@@ -57,9 +62,10 @@ def read(text: str, name: str) -> Program:
     lines = list(lines_of(text, name))
     positions, tools = _positions(lines, name)
     listing = Listing(name)
+    last: Target | None = None
     for count, text in _instructions(lines, name):
         if text and not text.startswith(_REMARKS):
-            _instruction(listing, positions, tools, count, text)
+            last = _instruction(listing, positions, tools, count, text, last)
     return Program(name, Language.TP, tuple(listing.items), raised=True, level=True)
 
 
@@ -161,25 +167,61 @@ def _target(values: dict[str, float | None], where: str) -> Target | Reason:
 
 
 def _instruction(
-    listing: Listing, positions: dict[str, Target | Reason], tools: set[str], count: int, text: str
-) -> None:
-    """One instruction of the program."""
+    listing: Listing, positions: dict[str, Target | Reason], tools: set[str], count: int, text: str,
+    last: Target | None,
+) -> Target | None:  # fmt: skip
+    """One instruction of the program; returns where the arm is after it, None where that is not known."""
     match = _MOVE.match(text)
     if match is None:
-        reason = _why_skipped(text)
-        if reason is not None:
-            listing.skip(count, text, reason)
-        return
+        return _other_instruction(listing, count, text, last)
     letter, _, register, key, rest = match.groups()
     words = {word.upper() for word in re.split(r"[\s,\[(]+", rest) if word}
-    target: Target | Reason | None = _why_unread(letter, words)
-    if target is None and register == "PR":
-        target = Reason.VARIABLE
-    if target is None:
-        target = positions.get(key, Reason.VARIABLE)
-    if isinstance(target, Target) and target.pose is not None and key in tools:
-        listing.skip(count, text, Reason.TOOL)
+    target = _why_unread(letter, words) or _position(register, key, positions)
+    if "INC" in words:
+        target = _increased(target, last)
     listing.move(count, text, _MOVES.get(letter, "line"), target, _speed(rest), blend="FINE" not in words)
+    if isinstance(target, Reason):
+        return None
+    if target.pose is not None and key in tools:
+        listing.skip(count, text, Reason.TOOL)
+    return target
+
+
+def _other_instruction(listing: Listing, count: int, text: str, last: Target | None) -> Target | None:
+    """An instruction that is no move; returns where the arm is after it, None where that is not known."""
+    reason = _why_skipped(text)
+    if reason is None:
+        return last
+    listing.skip(count, text, reason)
+    if reason in BREAKS or reason is Reason.LOOP:
+        return None
+    return last
+
+
+def _position(register: str, key: str, positions: dict[str, Target | Reason]) -> Target | Reason:
+    """The target P[n]; the values of PR[n] are not in the file."""
+    if register == "PR":
+        return Reason.VARIABLE
+    return positions.get(key, Reason.VARIABLE)
+
+
+def _increased(step: Target | Reason, last: Target | None) -> Target | Reason:
+    """The target of an incremental move: joint values or a shift, added to the target before."""
+    if isinstance(step, Reason):
+        return step
+    if last is None:
+        return Reason.RELATIVE
+    if step.joints is not None:
+        if last.joints is None or len(last.joints) != len(step.joints):
+            return Reason.RELATIVE_TO_POSE
+        return Target(joints=tuple(before + more for before, more in zip(last.joints, step.joints, strict=True)))
+    if last.pose is None or step.pose is None:
+        return Reason.RELATIVE_TO_JOINTS
+    if not np.allclose(step.pose[:3, :3], np.eye(3), atol=_NO_TURN):
+        return Reason.RELATIVE_TURN
+    pose = last.pose.copy()
+    pose[:3, 3] += step.pose[:3, 3]
+    return Target(pose=pose)
 
 
 def _why_unread(letter: str, words: set[str]) -> Reason | None:
@@ -188,9 +230,7 @@ def _why_unread(letter: str, words: set[str]) -> Reason | None:
         return Reason.CIRCLE
     if letter == "S":
         return Reason.SPLINE
-    if words & set(_SHIFTED):
-        return Reason.RELATIVE
-    return None
+    return next((_WORDS[word] for word in sorted(words) if word in _WORDS), None)
 
 
 def _why_skipped(text: str) -> Reason | None:
@@ -203,6 +243,8 @@ def _why_skipped(text: str) -> Reason | None:
         return Reason.TOOL
     if first in ("UFRAME", "UFRAME_NUM"):
         return None
+    if first == "OVERRIDE":
+        return Reason.OVERRIDE
     return _SKIPPED.get(first, Reason.OTHER)
 
 

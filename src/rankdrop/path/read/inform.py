@@ -28,7 +28,10 @@ from rankdrop.path.read.program_record import (
 )
 
 _MOVES: dict[str, Literal["joint", "line"]] = {"MOVJ": "joint", "MOVL": "line"}
-_OTHER_MOVES = {"MOVC": Reason.CIRCLE, "MOVS": Reason.SPLINE, "IMOV": Reason.RELATIVE, "REFP": Reason.OTHER_MOVE}
+_OTHER_MOVES = {"MOVC": Reason.CIRCLE, "MOVS": Reason.SPLINE, "IMOV": Reason.RELATIVE, "REFP": Reason.OTHER_MOVE,
+                **dict.fromkeys(("SMOVL", "SMOVC", "SMOVJ", "MFRAME", "SREFP"), Reason.OTHER_MOVE)}  # fmt: skip
+_COMMENT = "'"
+_SHIFTS = {"SFTON": True, "SFTOF": False}
 _FLOW = {**dict.fromkeys(("JUMP", "IFTHEN", "IFTHENEXP", "ELSE", "ELSEIF", "ENDIF", "RET", "SWITCH", "CASE"),
                          Reason.BRANCH),
          **dict.fromkeys(("FOR", "NEXT", "WHILE", "ENDWHILE"), Reason.LOOP)}  # fmt: skip
@@ -45,7 +48,7 @@ def read(text: str, name: str) -> Program:
     positions: dict[str, Target | Reason] = {}
     tools: set[str] = set()
     listing = Listing(name)
-    section, kind, tool, rectangular = "", "", "0", False
+    section, kind, tool, rectangular, shifted = "", "", "0", False, False
     for count, line in lines_of(text, name):
         plain = line.strip()
         if plain.startswith("///"):
@@ -68,8 +71,9 @@ def read(text: str, name: str) -> Program:
                 positions[position[1]] = target
             if tool not in ("", "0"):
                 tools.add(position[1])
-        elif section == "//INST" and plain:
-            _instruction(listing, positions, tools, count, plain)
+        elif section == "//INST" and plain and not plain.startswith(_COMMENT):
+            shifted = _SHIFTS.get(plain.split()[0].upper(), shifted)
+            _instruction(listing, positions, tools, count, plain, shifted=shifted)
     return Program(name, Language.INFORM, tuple(listing.items), raised=True)
 
 
@@ -86,7 +90,7 @@ def _target(text: str, kind: str, where: str, *, rectangular: bool) -> Target | 
 
 
 def _instruction(
-    listing: Listing, positions: dict[str, Target | Reason], tools: set[str], count: int, text: str
+    listing: Listing, positions: dict[str, Target | Reason], tools: set[str], count: int, text: str, *, shifted: bool
 ) -> None:
     """One instruction of the job."""
     word, *tags = text.split()
@@ -94,19 +98,34 @@ def _instruction(
     if word in _MOVES:
         goal = next((tag for tag in tags if tag in positions), "")
         target = positions.get(goal, Reason.VARIABLE)
+        target = _shifted(target, tags, shifted=shifted)
         if goal in tools and isinstance(target, Target):
             listing.skip(count, text, Reason.TOOL)
         settings = _settings(tags)
         kind = _MOVES[word]
         listing.move(count, text, kind, target, _speed(kind, settings), blend=settings.get("PL") != 0.0)
-    elif word in _OTHER_MOVES:
-        listing.skip(count, text, _OTHER_MOVES[word])
-    elif word in _FLOW or word.startswith("*"):
-        listing.skip(count, text, _FLOW.get(word, Reason.BRANCH))
-    elif word == "CALL":
-        listing.skip(count, text, Reason.CALL)
     elif word not in ("NOP", "END"):
-        listing.skip(count, text, Reason.OTHER)
+        listing.skip(count, text, _why_skipped(word))
+
+
+def _why_skipped(word: str) -> Reason:
+    """Why an instruction is not read: its first word, in capitals."""
+    if word.startswith("+"):  # of another group of joints
+        return Reason.OTHER_MOVE
+    if word.startswith("*"):
+        return Reason.BRANCH
+    if word == "CALL":
+        return Reason.CALL
+    return (_OTHER_MOVES | _FLOW).get(word, Reason.OTHER)
+
+
+def _shifted(target: Target | Reason, tags: list[str], *, shifted: bool) -> Target | Reason:
+    """A target, or why the move ends elsewhere."""
+    if "UNTIL" in tags:
+        return Reason.ENDS_EARLY
+    if shifted and isinstance(target, Target):
+        return Reason.SHIFTED
+    return target
 
 
 def _settings(tags: Iterable[str]) -> dict[str, float | None]:

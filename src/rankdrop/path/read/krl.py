@@ -1,35 +1,51 @@
-"""KUKA KRL (.src, and declarations in the .dat file of the same name). A statement is one line.
+"""KUKA KRL (.src, and declarations in the .dat file of the same name). A statement is one line, or goes on over the
+next lines while a bracket is open.
 
 Lengths in mm, speeds of the tip in m/s, angles in degrees. A, B, C turn about Z, then the new Y, then the new X:
 R = Rz(A) Ry(B) Rx(C). The bits of T say which joints are negative; S is not evaluated, T and the arm's own solutions
-decide.
+decide. The FDAT of an inline form says in which base its target is.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from math import radians
 from typing import Literal
 
 import numpy as np
 
+from rankdrop.path.read.krl_values import (
+    AXES,
+    MORE_AXES,
+    PLACE,
+    TURN,
+    base_frame,
+    completed,
+    components,
+    declare,
+    frame_of,
+    is_read_assignment,
+    numbers_of_fdat,
+    settings_of,
+    target_of,
+)
 from rankdrop.path.read.program_record import (
     BREAKS,
     Language,
     Listing,
     Names,
-    Posture,
     Program,
     Reason,
     Speed,
     Target,
     angle_target,
+    check_length,
     in_base,
     joint_target,
     lines_of,
-    number,
-    parts_of,
+    open_brackets,
     positive,
     split_bracket,
     without_comment,
@@ -42,25 +58,26 @@ _RELATIVE: dict[str, Literal["joint", "line"]] = {
 }  # fmt: skip
 _OTHER_MOVES = {
     **dict.fromkeys(("CIRC", "SCIRC"), Reason.CIRCLE),
-    **dict.fromkeys(("SPL", "SPLINE", "ENDSPLINE", "PTP_SPLINE"), Reason.SPLINE),
+    "SPL": Reason.SPLINE,
     **dict.fromkeys(("CIRC_REL", "SPL_REL", "SCIRC_REL"), Reason.RELATIVE),
     **dict.fromkeys(("ASYPTP", "MOVE_EMI"), Reason.OTHER_MOVE),
 }  # fmt: skip
+_BLOCKS = ("SPLINE", "PTP_SPLINE", "ENDSPLINE")
 _FLOW = {
     **dict.fromkeys(("IF", "ELSE", "ENDIF", "SWITCH", "CASE", "DEFAULT", "ENDSWITCH", "GOTO", "RETURN"), Reason.BRANCH),
     **dict.fromkeys(("FOR", "ENDFOR", "WHILE", "ENDWHILE", "REPEAT", "UNTIL", "LOOP", "ENDLOOP", "EXIT"), Reason.LOOP),
 }  # fmt: skip
 _QUIET = {"END", "ENDFCT", "DECL", "GLOBAL", "EXT", "EXTFCT", "SIGNAL", "ENUM", "STRUC", "ENDDAT", "DEFDAT", "CONST",
           "INT", "REAL", "BOOL", "CHAR", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME"}  # fmt: skip
-_TYPES = {"DECL", "GLOBAL", "CONST", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME"}
-_SETTINGS = {"$ACC", "$VEL_AXIS", "$ACC_AXIS", "$APO", "$BWDSTART", "$ADVANCE", "INI", "PDAT_ACT", "LDAT_ACT",
-             "FDAT_ACT", "BAS"}  # fmt: skip
+_SETTINGS = {"$ACC", "$ACC_AXIS", "$APO", "$BWDSTART", "$ADVANCE", "INI", "PDAT_ACT", "LDAT_ACT", "BAS"}
+_BEGINS = {*_MOVES, *_RELATIVE, *_OTHER_MOVES, *_BLOCKS, *_FLOW, *_QUIET, "DEF", "DEFFCT", "DEFDAT", "WAIT", "HALT",
+           "INTERRUPT", "TRIGGER"}  # fmt: skip
+"""Words that begin a statement and stand in no bracket."""
+_WHERE_IT_IS = ("$AXIS_ACT", "$POS_ACT", "$AXIS_ACT_MEAS")
 _WORD = re.compile(r"\s*([A-Za-z_$][\w$]*)")
-_NAME = re.compile(r"[A-Za-z_$][\w$]*")
+_IN_CALL = re.compile(r"SVEL_(?:CP|JOINT)\(\s*([^,)]*).*", re.IGNORECASE)
 _DEGREE = radians(1.0)
 _BLENDS = ("C_PTP", "C_DIS", "C_VEL", "C_ORI", "C_SPL")
-_AXES, _MORE_AXES = tuple(f"A{k}" for k in range(1, 7)), tuple(f"A{k}" for k in range(7, 10))
-_PLACE, _TURN = ("X", "Y", "Z"), ("C", "B", "A")
 
 
 def read(text: str, name: str, declarations: str = "") -> Program:
@@ -75,11 +92,11 @@ def read(text: str, name: str, declarations: str = "") -> Program:
         TrajectoryError: too large, or a value out of range.
     """
     names, listing = Names(), Listing(name)
-    for _, line in lines_of(declarations, f"{name} (.dat)"):
-        _declare(names, without_comment(line, ";"), f"{name} (.dat)")
-    lines = [(count, without_comment(line, ";")) for count, line in lines_of(text, name)]
+    for _, line in _statements(declarations, f"{name} (.dat)"):
+        declare(names, line, f"{name} (.dat)")
+    lines = list(_statements(text, name))
     for count, line in lines:
-        _declare(names, line, f"{name}, line {count}")
+        declare(names, line, f"{name}, line {count}")
     reader = _Reader(name, names, listing)
     for count, line in lines:
         if not line.lstrip().startswith("&"):
@@ -87,51 +104,143 @@ def read(text: str, name: str, declarations: str = "") -> Program:
     return Program(name, Language.KRL, tuple(listing.items))
 
 
+def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
+    """Statements without comments, with the number of the line on which each begins.
+
+    A statement ends with its line, or, where a bracket is open there, with the line that closes it; a line that begins
+    with a word of `_BEGINS` is a statement of its own.
+    """
+    begun, depth, size = 0, 0, 0
+    kept: list[str] = []
+    for count, line in lines_of(text, name):
+        plain = without_comment(line, ";")
+        first = _WORD.match(plain)
+        if kept and first is not None and first[1].upper() in _BEGINS:
+            yield begun, " ".join(kept)
+            kept, depth, size = [], 0, 0
+        if not kept:
+            begun = count
+        kept.append(plain)
+        size += len(plain) + 1
+        check_length(size - 1, f"{name}, line {begun}")
+        depth = open_brackets(plain, depth)
+        if depth == 0:
+            yield begun, " ".join(kept)
+            kept, size = [], 0
+    if kept:
+        yield begun, " ".join(kept)
+
+
 class _Reader:
-    """Takes lines in the order of the program, and lists the moves and what was not read."""
+    """Takes statements in the order of the program, and lists the moves and what was not read."""
 
     def __init__(self, name: str, names: Names, listing: Listing) -> None:
         self.name, self.names, self.listing = name, names, listing
         self.state, self.routines = _State(), 0
         self.last: Target | None = None  # of the move before, its pose in the base frame of the arm; None: not known
+        self.frames: tuple[Array | None, str] = (None, "")  # the base and the tool in which it is programmed
 
     def take(self, count: int, line: str) -> None:
-        """Read one line, which has a number."""
+        """Read one statement, which has a line number."""
         first = _WORD.match(line)
         if first is None:
             return
         word, rest = first[1].upper(), line[first.end() :].strip()
-        where = f"{self.name}, line {count}"
         if _begins_routine(word, rest):
             self.routines += 1
             if self.routines > 1:
                 self._skip(count, line, Reason.ROUTINE)
         elif word in _MOVES:
-            target, after = _target(rest, self.names, where)
-            self._move(count, line, _MOVES[word], in_base(target, self.state.base), after)
+            self._move(count, line, word, rest)
         elif word in _RELATIVE:
-            target, after = _relative_target(rest, self.last, self.state.base, where)
-            self._move(count, line, _RELATIVE[word], target, after)
-        elif word == "$BASE" and not _is_label(rest):
-            self.state.base = _frame(rest, self.names, where)
-        else:
-            reason = self._why_skipped(word, rest)
-            if reason is not None:
-                self._skip(count, line, reason)
+            self._relative_move(count, line, word, rest)
+        elif word in _BLOCKS:
+            self.state.begin_or_end_block(word, rest, self.names)
+        elif word in ("$BASE", "FDAT_ACT", "$IPO_MODE") and not _is_label(rest):
+            self._set_frames(count, line, word, rest)
+        elif not is_read_assignment(line, self.names):
+            self._skip(count, line, self._why_skipped(word, rest))
 
-    def _move(
-        self, count: int, line: str, kind: Literal["joint", "line"], target: Target | Reason, after: str
+    def _set_frames(self, count: int, line: str, word: str, rest: str) -> None:
+        """A statement that sets the base: $BASE = …, FDAT_ACT = FP1, $IPO_MODE = #TCP."""
+        _, mark, value = rest.partition("=")
+        where = f"{self.name}, line {count}"
+        if word == "$IPO_MODE":
+            self.state.fixed_tool = "#TCP" in value.upper()
+        elif word == "$BASE":
+            self.state.base = None
+            if mark and rest.startswith("="):
+                self.state.base = frame_of(value, self.names, where)
+        else:
+            numbers = numbers_of_fdat(value, self.names)
+            self.state.inline = True
+            self.state.base = base_frame(numbers.base, self.names, where)
+            if numbers.tool != 0:
+                self._set_tool(count, line, value)
+
+    def _set_tool(self, count: int, line: str, tool: str) -> None:
+        """Name the line that sets another tool than the one before."""
+        plain = _without_spaces(tool)
+        if plain != self.state.tool:
+            self.state.tool = plain
+            self._skip(count, line, Reason.TOOL)
+
+    def _move(self, count: int, line: str, word: str, rest: str) -> None:
+        """A move to a target, which lacks values where those of the move before are kept."""
+        where = f"{self.name}, line {count}"
+        target, after = target_of(rest, self.names, where)
+        if rest.upper().startswith(_WHERE_IT_IS) and target is Reason.VARIABLE:
+            return
+        base = self._base_of(count, line, after)
+        if target is Reason.INCOMPLETE and rest.startswith("{"):
+            target = completed(rest, self._last_in(base), base, where)
+        if self.state.block == "PTP_SPLINE":
+            target = Reason.SPLINE
+        self._keep(count, line, _MOVES[word], in_base(target, base), after, base)
+
+    def _relative_move(self, count: int, line: str, word: str, rest: str) -> None:
+        """A move from the target before it."""
+        base = self._base_of(count, line, rest)
+        target, after = _relative_target(rest, self.last, base, f"{self.name}, line {count}")
+        self._keep(count, line, _RELATIVE[word], target, after, base)
+
+    def _base_of(self, count: int, line: str, after: str) -> Array | None:
+        """The base frame of a move, which WITH $BASE = … may set; a tool that it sets is named."""
+        settings = settings_of(after)
+        tool = settings.get("$TOOL", "$NULLFRAME")
+        if tool.upper() != "$NULLFRAME" and numbers_of_fdat(tool, self.names).tool != 0:
+            self._set_tool(count, line, tool)
+        if self.state.fixed_tool or "#TCP" in settings.get("$IPO_MODE", "").upper():
+            return None
+        if "$BASE" in settings:
+            return frame_of(settings["$BASE"], self.names, f"{self.name}, line {count}")
+        return self.state.base
+
+    def _last_in(self, base: Array | None) -> Target | None:
+        """Where the move before ended, if it has the same base and tool."""
+        before, tool = self.frames
+        if self.last is None or tool != self.state.tool:
+            return None
+        if self.last.joints is None and (base is None or before is None or not np.array_equal(base, before)):
+            return None
+        return self.last
+
+    def _keep(
+        self, count: int, line: str, kind: Literal["joint", "line"], target: Target | Reason, after: str,
+        base: Array | None,
     ) -> None:  # fmt: skip
         """Keep a move, with what stands behind its target."""
         speed = self.state.speed_of(kind, after, self.names)
         blend = any(word in after.upper() for word in _BLENDS)
         self.listing.move(count, line, kind, target, speed, blend=blend)
-        self.last = None
+        self.last, self.frames = None, (base, self.state.tool)
         if isinstance(target, Target):
             self.last = target
 
-    def _skip(self, count: int, line: str, reason: Reason) -> None:
-        """Keep a line that was not read; after some of them nobody knows where the arm is."""
+    def _skip(self, count: int, line: str, reason: Reason | None) -> None:
+        """Keep a line that was not read, with the reason; after some of them nobody knows where the arm is."""
+        if reason is None:
+            return
         self.listing.skip(count, line, reason)
         if reason in BREAKS or reason is Reason.LOOP:  # a relative move ends elsewhere in each pass of a loop
             self.last = None
@@ -146,13 +255,22 @@ class _Reader:
             return None
         if _is_label(rest):
             return Reason.BRANCH
-        if word == "$TOOL" and _without_spaces(rest) == "=$NULLFRAME":
-            return None
-        if word in ("BAS", "$TOOL"):
-            return Reason.TOOL
+        if word == "$TOOL" or word == "BAS":
+            return self._tool_reason(word, rest)
+        if word in ("$OV_PRO", "$OV_ROB"):
+            return Reason.OVERRIDE
         if rest.startswith("("):
             return Reason.CALL
         return Reason.OTHER
+
+    def _tool_reason(self, word: str, rest: str) -> Reason | None:
+        """Whether a line sets a tool that is not known."""
+        plain = _without_spaces(rest)
+        if word == "$TOOL" and plain in ("=$NULLFRAME", "=TOOL_DATA[0]"):
+            self.state.tool = ""
+            return None
+        self.state.tool = f"{word}{plain}"
+        return Reason.TOOL
 
 
 def _begins_routine(word: str, rest: str) -> bool:
@@ -170,29 +288,69 @@ def _without_spaces(text: str) -> str:
 
 
 class _State:
-    """Speeds and the base frame that are set for the moves that follow; a frame that is not known is None."""
+    """Speeds and frames that are set for the moves that follow; a base frame that is not known is None.
+
+    Attributes:
+        line, joint: speeds.
+        base: (4, 4), in the base frame of the arm.
+        fixed_tool: poses are in the frame of the tool: the robot moves the part past a fixed tool.
+        tool: the text that set the tool.
+        block: SPLINE or PTP_SPLINE while one is open.
+        inline: FDAT_ACT has set the base.
+    """
 
     def __init__(self) -> None:
         self.line, self.joint = Speed(), Speed()
         self.base: Array | None = np.eye(4)
+        self.fixed_tool, self.inline, self.tool, self.block = False, False, "", ""
+        self.axes: dict[str, float | None] = {}
+        self.before: tuple[Speed, Array | None] = (self.line, self.base)
+
+    def begin_or_end_block(self, word: str, rest: str, names: Names) -> None:
+        """SPLINE WITH …, PTP_SPLINE, ENDSPLINE: settings of a block count in it alone."""
+        if word == "ENDSPLINE":
+            if self.block:
+                self.line, self.base = self.before
+            self.block = ""
+            return
+        self.block, self.before = word, (self.line, self.base)
+        self.line = self.speed_of("line", rest, names)
+        settings = settings_of(rest)
+        if "$BASE" in settings:
+            self.base = frame_of(settings["$BASE"], names, word)
 
     def takes(self, word: str, rest: str, names: Names) -> bool:
         """Whether a line sets a speed or a base: $VEL.CP = 0.1, BAS(#VEL_CP, 0.1), BAS(#BASE, 0), BAS(#INITMOV, 0)."""
         plain = _without_spaces(rest)
         if word == "$VEL":
-            self._set_velocity(plain, names)
+            self._set_velocity(rest, plain, names)
+            return True
+        if word == "$VEL_AXIS":
+            self._set_axis(plain, names)
             return True
         if word == "BAS" and plain.startswith("(#"):
             what, _, value = plain[2:].rstrip(")").partition(",")
             return self._initialize(what, value, names)
         return word in _SETTINGS
 
-    def _set_velocity(self, plain: str, names: Names) -> None:
-        """$VEL.CP, of the tip, and $VEL.ORI1, of the swivel: what follows $VEL, without spaces."""
+    def _set_velocity(self, rest: str, plain: str, names: Names) -> None:
+        """$VEL.CP, of the tip, $VEL.ORI1, of the swivel, or $VEL = {CP …, ORI1 …}: what follows $VEL."""
         if plain.startswith(".CP="):
             self.line = replace(self.line, linear=positive(names.number(plain[4:])))
         elif plain.startswith(".ORI1="):
             self.line = replace(self.line, angular=positive(names.number(plain[6:]), _DEGREE))
+        elif plain.startswith("="):
+            values = components(rest[1:]) or {}
+            self.line = Speed(linear=positive(values.get("CP")), angular=positive(values.get("ORI1"), _DEGREE))
+
+    def _set_axis(self, plain: str, names: Names) -> None:
+        """$VEL_AXIS[n] = share: known where all axes have the same."""
+        element, _, value = plain.partition("=")
+        self.axes[element] = names.number(value)
+        shares = {self.axes.get(f"[{axis}]") for axis in range(1, 1 + len(AXES))}
+        self.joint = Speed()
+        if len(shares) == 1:
+            self.joint = Speed(share=positive(shares.pop(), 0.01))
 
     def _initialize(self, what: str, value: str, names: Names) -> bool:
         """BAS(#what, value); False where a tool is set that is not known."""
@@ -200,81 +358,20 @@ class _State:
             self.line = replace(self.line, linear=positive(names.number(value)))
         elif what in ("VEL_PTP", "PTP_PARAMS"):
             self.joint = Speed(share=positive(names.number(value), 0.01))
-        elif what in ("BASE", "FRAMES"):
+        elif what == "BASE" or (what == "FRAMES" and not self.inline):
             self.base = np.eye(4) if value == "0" else None
         return what != "TOOL" or value == "0"
 
     def speed_of(self, kind: str, after: str, names: Names) -> Speed:
-        """The speed of a move; what stands behind its target may set it: WITH $VEL.CP = 0.2."""
-        if kind == "joint":
-            speed = self.joint
-        else:
-            speed = self.line
-        _, has_settings, settings = after.upper().partition("WITH ")
-        for setting in parts_of(settings) if has_settings else []:
-            key, _, value = ("".join(part.split()) for part in setting.partition("="))
-            if key == "$VEL.CP":
-                speed = replace(speed, linear=positive(names.number(value.split("C_")[0])))
+        """The speed of a move; what stands behind its target may set it: WITH $VEL.CP = 0.2, $VEL = SVEL_CP(0.2, …)."""
+        speed = {"joint": self.joint}.get(kind, self.line)
+        for key, value in settings_of(after).items():
+            plain = _without_spaces(_IN_CALL.sub(r"\1", value).split("C_")[0])
+            if kind == "line" and key in ("$VEL.CP", "$VEL"):
+                speed = replace(speed, linear=positive(names.number(plain)))
+            elif kind == "joint" and key.startswith("$VEL_AXIS"):
+                speed = Speed(share=positive(names.number(plain), 0.01))
         return speed
-
-
-def _frame(rest: str, names: Names, where: str) -> Array | None:
-    """The frame that is assigned to $BASE: $NULLFRAME, a literal, or the name of one; else it is not known."""
-    plain = rest.removeprefix("=").strip()
-    if plain == rest or plain.upper() == "$NULLFRAME":
-        return np.eye(4) if plain != rest else None
-    target, after = _target(plain, names, where)
-    if isinstance(target, Target) and not after:
-        return target.pose
-    return None
-
-
-def _declare(names: Names, line: str, where: str) -> None:
-    """Take in an assignment to a name; one to a component of it changes it."""
-    assignment = _assignment(line)
-    if assignment is None:
-        return
-    name, right = assignment
-    base = name.partition(".")[0].partition("[")[0]
-    if not _NAME.fullmatch(base) or base.startswith("$"):
-        return
-    if base != name:
-        names.changed.add(base)
-        return
-    value = _literal(right, where) if right.startswith("{") else number(right)
-    names.assign(name, right, value)
-
-
-def _assignment(line: str) -> tuple[str, str] | None:
-    """What stands left of the equals sign, without types and in capitals, and right of it; None for other lines."""
-    if "=" not in line or line.lstrip()[:1] in ("", "&"):
-        return None
-    left, _, right = line.partition("=")
-    words = left.split()
-    while words and words[0].upper() in _TYPES:
-        words.pop(0)
-    if len(words) != 1:
-        return None
-    return words[0].upper(), right.strip()
-
-
-def _target(rest: str, names: Names, where: str) -> tuple[Target | Reason, str]:
-    """The target that a text begins with, and what follows it."""
-    if rest.startswith("{"):
-        bracket = split_bracket(rest, "{")
-        if bracket is None:
-            return Reason.EXPRESSION, ""
-        after = bracket[1].strip()
-        if after.startswith(":"):
-            return Reason.EXPRESSION, after
-        return _literal(rest, where), after
-    name = _NAME.match(rest)
-    if name is None:
-        return Reason.EXPRESSION, rest
-    after = rest[name.end() :].strip()
-    if after.startswith((":", "(", "[", ".")):
-        return Reason.EXPRESSION if after[0] != "[" else Reason.VARIABLE, after
-    return names.target(name[0].upper()), after
 
 
 def _relative_target(rest: str, last: Target | None, base: Array | None, where: str) -> tuple[Target | Reason, str]:
@@ -288,13 +385,13 @@ def _relative_target(rest: str, last: Target | None, base: Array | None, where: 
         where: for errors.
     """
     found = split_bracket(rest, "{")
-    values = _components(rest)
+    values = components(rest)
     if found is None or values is None:
         return Reason.EXPRESSION, rest
     after = found[1].strip()
     if last is None:
         return Reason.RELATIVE, after
-    if any(key in values for key in _AXES):
+    if any(key in values for key in AXES):
         return _joints_added(values, last, where), after
     return _frame_added(values, last, base, where, in_tool="#TOOL" in after.upper()), after
 
@@ -305,11 +402,11 @@ def _frame_added(
     """The pose that a relative move ends at; arguments as of `_relative_target`."""
     if last.pose is None:
         return Reason.RELATIVE_TO_JOINTS
-    step = angle_target([values.get(key, 0.0) for key in _PLACE + _TURN], where).pose
+    step = angle_target([values.get(key, 0.0) for key in PLACE + TURN], where).pose
     assert step is not None
     if in_tool:
         return Target(pose=last.pose @ step)
-    if any(values.get(key, 0.0) for key in _TURN):
+    if any(values.get(key, 0.0) for key in TURN):
         return Reason.RELATIVE_TURN
     if base is None:
         return Reason.BASE
@@ -322,42 +419,5 @@ def _joints_added(values: dict[str, float], last: Target, where: str) -> Target 
     """Joint values that a relative move ends at [deg, mm]."""
     if last.joints is None:
         return Reason.RELATIVE_TO_POSE
-    steps = [values.get(key, 0.0) for key in _AXES + _MORE_AXES]
+    steps = [values.get(key, 0.0) for key in AXES + MORE_AXES]
     return joint_target([joint + step for joint, step in zip(last.joints, steps, strict=False)], where)
-
-
-def _literal(text: str, where: str) -> Target | Reason:
-    """{A1 …} or {X …, Y …, Z …, A …, B …, C …}; also with the name of the type in front of the colon."""
-    values = _components(text)
-    if values is None:
-        return Reason.EXPRESSION
-    axes = [key for key in _AXES if key in values]
-    if len(axes) == len(_AXES):
-        return joint_target([values[key] for key in _AXES + _MORE_AXES if key in values], where)
-    if axes or not all(key in values for key in _PLACE + _TURN):
-        return Reason.INCOMPLETE
-    signs = values.get("T")
-    if signs is not None and 0 <= signs < 64:
-        posture = Posture(signs=int(signs))
-    else:
-        posture = Posture()
-    return angle_target([values[key] for key in _PLACE + _TURN], where, posture)
-
-
-def _components(text: str) -> dict[str, float] | None:
-    """The components of a literal {…} by their names; None where it is none, or a value is no number."""
-    bracket = split_bracket(text, "{")
-    if bracket is None:
-        return None
-    within = bracket[0]
-    head, colon, rest = within.partition(":")
-    if colon and _NAME.fullmatch(head.strip()):
-        within = rest
-    values: dict[str, float] = {}
-    for part in parts_of(within):
-        key, _, word = part.strip().partition(" ")
-        value = number(word)
-        if value is None:
-            return None
-        values[key.upper()] = value
-    return values

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import reprlib
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -46,6 +46,7 @@ from rankdrop.path.read.makers import (
 )
 from rankdrop.path.read.matrices import ENTRIES, TRANSLATION, as_stack, matrix_entries, poses_of
 from rankdrop.path.read.messages import OBJECTS, all_or_none, documents, is_double
+from rankdrop.path.read.named_poses import named_rows, table_of
 from rankdrop.path.read.trajectory import BAGS, TrajectoryError, check_times
 from rankdrop.robot.files import MOST_ROWS, RANGE, allowed_range, read_text
 from rankdrop.robot.model import Array, Robot
@@ -132,7 +133,7 @@ def holds_poses(path: Path, robot: Robot) -> bool:
             return _is_pose_array(pose_shape(path), robot)
         text = read_text(path)
         if ending in OBJECTS:
-            return list_in(loaded_poses(text, str(path), yaml=ending != ".json")) is not None
+            return loaded_poses(text, str(path), yaml=ending != ".json") is not None
         words = names_of(text, str(path))
     except RankdropError:
         return False
@@ -165,7 +166,8 @@ def read_poses(path: str | Path, *, deg: bool = False, robot: Robot | None = Non
     q1 … q4); a time column if there is one; units behind a name ("x [mm]",
     "roll [deg]", "m03 [mm]"), else metres and radians. JSON or YAML: a list, or an object with `poses` (a PoseArray, a
     Path), of objects with `position` ([x, y, z], or by name), `orientation` (the quaternion [x, y, z, w], or by name)
-    or `rpy`, and `time`; `length`: "mm" and `angle`: "deg" beside `poses`. NumPy's files: matrices (N, 4, 4) or
+    or `rpy`, and `time`; `length`: "mm" and `angle`: "deg" beside `poses`; or of objects with the names of columns
+    ({"x": 100, "y": 0, "z": 500, "a": 0, "b": 90, "c": 0}). NumPy's files: matrices (N, 4, 4) or
     (N, 3, 4) [m]; of an archive the array `poses` and, where there is one, `t` [s].
 
     Args:
@@ -183,7 +185,7 @@ def read_poses(path: str | Path, *, deg: bool = False, robot: Robot | None = Non
         return _poses_of_arrays(file)
     text = text_of_file(file)
     if ending in OBJECTS:
-        return _poses_of_objects(loaded_poses(text, name, yaml=ending != ".json"), name, deg=deg)
+        return _poses_of_document(loaded_poses(text, name, yaml=ending != ".json"), name, deg=deg, robot=robot)
     return _poses_of_rows(text, name, deg=deg, robot=robot)
 
 
@@ -433,7 +435,19 @@ def _matrices(values: Array, turn: tuple[str, ...], place: Callable[[int], str])
 
 def loaded_poses(text: str, name: str, *, yaml: bool) -> Any:
     """The first document with poses; None where there is none."""
-    return next((document for document in documents(text, name, yaml=yaml) if list_in(document) is not None), None)
+    every = documents(text, name, yaml=yaml)
+    return next((document for document in every if list_in(document) or named_rows(document)), None)
+
+
+def _poses_of_document(value: Any, name: str, *, deg: bool, robot: Robot | None) -> Poses:
+    """Poses of objects with a position, or with one number for each name."""
+    rows = named_rows(value)
+    if rows is None or list_in(value) is not None:
+        return _poses_of_objects(value, name, deg=deg)
+    if len(rows) > MOST_ROWS:
+        raise TrajectoryError("there are too many poses", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
+    found = _poses_of_rows(table_of(value, rows, name), f"{name}, poses as a table", deg=deg, robot=robot)
+    return replace(found, name=Path(name).name, form=PoseForm.OBJECTS)
 
 
 def list_in(value: Any) -> list[Any] | None:

@@ -58,6 +58,9 @@ class Reason(StrEnum):
     RELATIVE_TO_JOINTS = "after joint values"
     RELATIVE_TO_POSE = "after a pose"
     RELATIVE_TURN = "relative turn"
+    OFFSET = "offset"
+    ENDS_EARLY = "ends early"
+    SHIFTED = "shifted"
     OTHER_MOVE = "other move"
     BASE = "base frame"
     ROUTINE = "routine"
@@ -65,12 +68,14 @@ class Reason(StrEnum):
     LOOP = "loop"
     CALL = "call"
     TOOL = "tool frame"
+    OVERRIDE = "override"
     OTHER = "other"
 
 
 MOVES = frozenset((Reason.VARIABLE, Reason.CHANGED, Reason.EXPRESSION, Reason.INCOMPLETE, Reason.PULSES, Reason.CIRCLE,
                    Reason.SPLINE, Reason.RELATIVE, Reason.RELATIVE_TO_JOINTS,
-                   Reason.RELATIVE_TO_POSE, Reason.RELATIVE_TURN, Reason.OTHER_MOVE, Reason.BASE))  # fmt: skip
+                   Reason.RELATIVE_TO_POSE, Reason.RELATIVE_TURN, Reason.OFFSET, Reason.ENDS_EARLY,
+                   Reason.SHIFTED, Reason.OTHER_MOVE, Reason.BASE))  # fmt: skip
 """Reasons of lines that move the arm: what they do was not read."""
 BREAKS = MOVES | {Reason.ROUTINE, Reason.BRANCH}
 """Reasons after which nobody knows from this file where the arm is."""
@@ -102,10 +107,12 @@ class Posture:
     Attributes:
         signs: bits of KRL's T, the first of joint 1: the joint is negative.
         quarters: RAPID's cf1, cf4, cf6: quarter turns, rounded down, of joints 1, 4 and 6.
+        near: joint values to which the solution is nearest (qnear of URScript), as the language has them.
     """
 
     signs: int | None = None
     quarters: tuple[int, int, int] | None = None
+    near: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from math import radians
 from typing import Literal
 
 import numpy as np
@@ -16,6 +17,7 @@ from rankdrop.path.read.program_record import (
     Language,
     Listing,
     Names,
+    Posture,
     Program,
     Reason,
     Speed,
@@ -47,6 +49,14 @@ _BEGINS = ("def", "sec", "thread", "end", "global", "local", *_MOVES, "movec", *
 """Words that begin a statement and stand in no bracket."""
 _QUIET = ("end", "textmsg", "sleep", "sync", "stopj", "stopl")
 _SKIPPED = {"movec": Reason.CIRCLE, **dict.fromkeys(_OTHER, Reason.OTHER_MOVE), **_FLOW, "set_tcp": Reason.TOOL}
+_BUILT_IN = ("set_", "popup", "write_", "rtde_", "modbus_", "socket_", "request_", "halt", "pause", "zero_ftsensor",
+             "reset_", "step_back", "enter_critical", "exit_critical")  # fmt: skip
+"""Beginnings of functions of the language that do not move the arm."""
+_FUNCTION = re.compile(r"(pose_trans|get_inverse_kin)\s*(?=\()")
+_KEY = re.compile(r"\s*(?:x|qnear)\s*=")
+_D2R = re.compile(r"\bd2r\(([^()]{1,60})\)")
+_DEEPEST = 4  # functions inside functions
+_ARGUMENTS = 3  # that are read: a third one makes the function one that is not known
 _WORD = re.compile(r"\s*([A-Za-z_]\w*)")
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
@@ -114,7 +124,7 @@ def _why_skipped(word: str, rest: str, names: Names) -> Reason | None:
     if word in _QUIET:
         return None
     if rest.startswith("("):
-        return Reason.CALL
+        return {True: Reason.OTHER}.get(word.startswith(_BUILT_IN), Reason.CALL)
     if "=" not in rest or word in ("global", "local"):
         return None
     if word in names.literals and word not in names.changed:
@@ -135,7 +145,7 @@ def _declare(names: Names, line: str, where: str) -> None:
         names.changed.add(base)
         return
     literal: object | None = number(right)
-    if right.startswith(("[", "p[")):
+    if right.startswith(("[", "p[")) or _FUNCTION.match(right):
         target = _target(right, names, where)
         if isinstance(target, Target):
             literal = target
@@ -156,12 +166,15 @@ def _assignment(line: str) -> tuple[str, str] | None:
     return name, right.strip()
 
 
-def _target(text: str, names: Names, where: str) -> Target | Reason:
-    """A list of joints, a pose, or the name of one."""
+def _target(text: str, names: Names, where: str, depth: int = 0) -> Target | Reason:
+    """A list of joints, a pose, the name of one, pose_trans of two poses, or get_inverse_kin of a pose."""
     if _NAME.fullmatch(text):
         return names.target(text)
+    function = _FUNCTION.match(text)
+    if function is not None and depth < _DEEPEST:
+        return _of_function(function[1], text[function.end() :], names, where, depth + 1)
     posed = text.startswith("p[")
-    values = numbers_of(text[1:] if posed else text)
+    values = numbers_of(_D2R.sub(_radians, text[1:] if posed else text))
     if values is None:
         return Reason.EXPRESSION
     if not posed:
@@ -174,6 +187,45 @@ def _target(text: str, names: Names, where: str) -> Target | Reason:
         return Reason.EXPRESSION
     in_range(numbers[3:], LARGEST_ANGLE, where, "angle")
     return turned_target(numbers[:3], rotation(np.array([numbers[3:]]))[0], where)
+
+
+def _radians(match: re.Match[str]) -> str:
+    """d2r(90) as a number; as it is where its argument is none."""
+    value = number(match[1])
+    if value is None:
+        return match[0]
+    return repr(radians(value))
+
+
+def _of_function(function: str, text: str, names: Names, where: str, depth: int) -> Target | Reason:
+    """The target of a function of targets, with its arguments in brackets."""
+    bracket = split_bracket(text)
+    if bracket is None or bracket[1].strip():
+        return Reason.EXPRESSION
+    targets = [_target(_KEY.sub("", part), names, where, depth) for part in parts_of(bracket[0])[:_ARGUMENTS]]
+    known = [target for target in targets if isinstance(target, Target)]
+    if len(known) < len(targets):
+        return next(target for target in targets if isinstance(target, Reason))
+    if function == "pose_trans":
+        return _chained(known, where)
+    return _inverse(known)
+
+
+def _chained(targets: list[Target], where: str) -> Target | Reason:
+    """pose_trans(p1, p2): T = T1 T2."""
+    poses = [target.pose for target in targets if target.pose is not None]
+    if len(poses) != 2 or len(targets) != 2:
+        return Reason.EXPRESSION
+    made = poses[0] @ poses[1]
+    return turned_target(made[:3, 3].tolist(), made[:3, :3], where)
+
+
+def _inverse(targets: list[Target]) -> Target | Reason:
+    """get_inverse_kin(pose, qnear): a joint target, read as its pose and what its solution is nearest to."""
+    goal, *near = targets
+    if goal.pose is None or len(near) > 1 or any(target.joints is None for target in near):
+        return Reason.EXPRESSION
+    return Target(pose=goal.pose, posture=Posture(near=next((target.joints for target in near), None)))
 
 
 def _move(listing: Listing, names: Names, count: int, line: str, word: str, rest: str) -> None:

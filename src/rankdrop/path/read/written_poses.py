@@ -48,6 +48,10 @@ def check_pose_target(source: Path, target: str) -> None:
         allowed = ".npz"
     elif ending in OBJECTS:
         allowed = ".json"
+        if list_in(loaded_poses(read_text(source), str(source), yaml=ending != ".json")) is None:
+            raise OptionError("objects with one number for each name are not written again", where=target,
+                              got=source.name, mend="fixed_as='joints' writes joint values",
+                              typed="--fixed-as joints writes joint values, or give the poses as .csv")  # fmt: skip
     else:
         allowed = ".csv"
     if Path(target).suffix.lower() != allowed:

@@ -1,7 +1,9 @@
-// Newton's method towards poses of the tip and back to where a task began, and poses between given ones.
+// Newton's method towards poses of the tip and back to where a task began, poses between given ones, and rows of numbers
+// from text.
 #include "bindings.hpp"
 
 #include "aim.hpp"
+#include "number_rows.hpp"
 
 namespace rankdrop {
 namespace {
@@ -116,6 +118,22 @@ nb::object poses_between(const In3& poses, const In1& places) {
     return out.give();
 }
 
+// (rows, columns) of a text of plain numbers, or None.
+nb::object rows_of_text(const nb::str& text, const std::string& separator, std::size_t columns) {
+    if (separator.size() != 1 || columns == 0) throw nb::value_error("a separator is one character, and there is a column");
+    Py_ssize_t size = 0;
+    const char* begin = PyUnicode_AsUTF8AndSize(text.ptr(), &size);
+    if (!begin) {  // half of a pair of surrogates: no number
+        PyErr_Clear();
+        return nb::none();
+    }
+    std::vector<double> values;
+    if (!read_rows(begin, begin + size, separator[0], columns, values)) return nb::none();
+    Result<double> out({values.size() / columns, columns});
+    std::copy(values.begin(), values.end(), out.data());
+    return out.give();
+}
+
 }  // namespace
 
 void bind_aim(nb::module_& module) {
@@ -131,6 +149,7 @@ void bind_aim(nb::module_& module) {
                nb::arg("point"), nb::arg("axes"), nb::arg("home"));
     module.def("back_to_start", &back_to_start, nb::arg("chain"), nb::arg("six"), nb::arg("displacement"), nb::arg("q"),
                nb::kw_only(), nb::arg("weak"), nb::arg("longest"), nb::arg("still"), nb::arg("rounds"));
+    module.def("rows_of_text", &rows_of_text, nb::arg("text"), nb::arg("separator"), nb::arg("columns"));
     module.def("poses_at", &poses_between, nb::arg("poses"), nb::arg("places"));
 }
 

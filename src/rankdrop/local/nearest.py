@@ -283,7 +283,7 @@ def _step_off(problem: Problem, q: Array, seed: int) -> Array:
     steps = _draws(seed, (1, _STEPS), moves)[1]
     size = np.maximum(np.linalg.norm(steps, axis=1, keepdims=True), 1e-300)
     steps = steps * (_GENERIC / size) * problem.scale
-    least = [float(problem.sigma(q + step)[problem.rank]) for step in steps]
+    least = problem.sigma(q + steps)[:, problem.rank]
     return np.asarray(steps[int(np.argmax(least))])
 
 

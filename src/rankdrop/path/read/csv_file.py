@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rankdrop import _core
 from rankdrop.errors import RankdropError
 from rankdrop.path.read.trajectory import (
     Trajectory,
@@ -169,10 +170,12 @@ def _plain_table(text: str, name: str) -> Table | None:
     head = [word.strip() for word in first.split(delimiter)]
     named = not all(map(is_number, head))
     body = body if named else text
+    values = _core.rows_of_text(body, delimiter, len(head))
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # an empty file
-            values = np.loadtxt(io.StringIO(body), delimiter=delimiter, comments=None, ndmin=2)
+        if values is None:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")  # an empty file
+                values = np.loadtxt(io.StringIO(body), delimiter=delimiter, comments=None, ndmin=2)
     except (ValueError, UserWarning):
         return None
     lines = body.rstrip("\n").count("\n") + 1  # as many as rows where none is empty

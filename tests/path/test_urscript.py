@@ -7,7 +7,7 @@ import pytest
 
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import rotation_vector
-from rankdrop.path.check.check import PathQuestion
+from rankdrop.path.check.path_file import PathQuestion
 from rankdrop.path.check.program import check_program
 from rankdrop.path.read.program_record import Program
 from rankdrop.path.read.urscript import read

@@ -238,14 +238,15 @@ def path(
 
 def _question(model: Robot, task: Task, arm: ArmOptions, source: Input, check: PathOptions) -> paths.PathQuestion:
     """The question for each path; with a task only where one was named or scaled."""
-    start = []
+    start = None
     if source.start is not None:
-        start.append(tuple(parse_configuration(source.start, model, deg=source.deg, option="--start")))
+        start = tuple(parse_configuration(source.start, model, deg=source.deg, option="--start"))
     families = _opened_families(source.analysis)
     asked = None
     if arm.task is not None or arm.length_scale is not None:
         asked = task
-    return paths.PathQuestion(asked, families, check, source.deg, source.topic, *start)
+    at_tool_point = source.tcp is not None
+    return paths.PathQuestion(asked, families, check, source.deg, source.topic, start, at_tool_point)
 
 
 def _check_target(file: Path, model: Robot, mend: Remedies) -> None:

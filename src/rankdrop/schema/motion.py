@@ -583,6 +583,9 @@ PROGRAM_FILE = file(
     verdict=(VERDICT, "the worst of all parts; undecided where moves were not read and all others are free"),
     sentence=text(min_length=1),
     summary=(list_of(str), "the lines that the command prints first"),
+    tool=(optional(list_of(list_of(num("1"))) | None), "(4, 4) the tool at the flange [m] that the program states for "
+        "all its moves, added to the arm; null: not known, several, or left out for that of the user",
+        attrgetter("tool")),
     met=(list_of(PROGRAM_MET), "singularities on the way, in the order of the program"),
     moves=(list_of(PROGRAM_MOVES), "that were read and reached"),
     skipped=(list_of(PROGRAM_SKIPPED), "lines that were not read", attrgetter("program.skipped")),

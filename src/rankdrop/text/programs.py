@@ -6,10 +6,13 @@ from collections.abc import Iterator, Sequence
 from math import degrees, isfinite
 from typing import Any
 
+import numpy as np
+
 from rankdrop.lists import flat_map
 from rankdrop.options import advise
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
+from rankdrop.text.inverse import tool_place
 from rankdrop.text.paths import free_words, times
 from rankdrop.text.places import overrun_words
 from rankdrop.text.remedies import joint_moves, tool_off_words
@@ -43,7 +46,7 @@ _REASONS = {
     "branch": "branches and jumps are not followed; each line is read once",
     "loop": "loops are read once; the way back to their beginning is not checked",
     "call": "calls are not followed; they are taken not to move the arm",
-    "tool frame": "tool frames are not evaluated",
+    "tool frame": "a tool frame that is not in the file, or one of several",
     "override": "overrides are not read; speeds are those of the moves",
     "other": "not a move",
 }
@@ -218,22 +221,34 @@ def _next_lines(check: Any) -> Iterator[str]:
 
 def _read_lines(check: Any) -> Iterator[str]:
     """What was read of a program, and what of it is not checked: corners, tool frames, the base, rates."""
-    program, moves = check.program, check.program.moves
+    moves = check.program.moves
     yield _read_line(check)
     blends = [move.line for move in moves if move.blend]
     if blends:
         yield (f"Corners: checked as exact stops. The controller rounds those of {_lines_words(blends)}: it leaves the "
                "checked path there, and what it does instead is not checked.")  # fmt: skip
-    tools = [skipped.line for skipped in program.skipped if skipped.reason == "tool frame"]
-    if tools:
-        yield (f"Tool: the tool frames of {_lines_words(tools)} are not evaluated. Poses are read as those of the "
-               f"arm's tip; {advise('tcp', '…', python='the tip of the robot')} sets the tool point.")  # fmt: skip
+    yield from _tool_lines(check)
     if check.raised and any(move.target.pose is not None for move in moves):
         size = 1e3 / counted_length(check.robot)
         yield f"Base frame: at the height of axis 2, {short(size * check.raised, 4)} mm above the base of the arm."
     untimed = [part.untimed.line for part in check.parts if part.untimed is not None]
     if untimed:
         yield f"Rates: not checked, no speed is known for {_lines_words(untimed)}."
+
+
+def _tool_lines(check: Any) -> Iterator[str]:
+    """The tool that a program states, and the lines of tools that are not evaluated."""
+    program = check.program
+    if check.tool is None and program.tool is not None and not np.array_equal(program.tool, np.eye(4)):
+        yield (f"Tool: the tip of the arm as it was given. The program states {tool_place(check.robot, program.tool)}, "
+               "which is not added.")  # fmt: skip
+    if check.tool is not None:
+        yield (f"Tool: {tool_place(check.robot, program.tool)}, at the arm's tip, as the program states it; "
+               f"{advise('tcp', '…', python='at_tool_point=True')} sets another.")  # fmt: skip
+    tools = [skipped.line for skipped in program.skipped if skipped.reason == "tool frame"]
+    if tools:
+        yield (f"Tool: the tool frames of {_lines_words(tools)} are not in this file, or are several. Poses are read "
+               f"as those of the tip of the arm; {advise('tcp', '…', python='the tip of the robot')} sets it.")
 
 
 def _read_line(check: Any) -> str:

@@ -64,7 +64,7 @@ def check_files(
         "length_scale": there.length_scale,
         "analysis": None if question.analysis is None else question.analysis.to_dict(),
         "options": plain(question.options),
-        "reading": {"deg": question.deg, "topic": question.topic, "start": plain(question.start)},
+        "reading": _reading(question),
         "files": [[str(file), str(file.absolute()), _digest(file)] for file in names],
     }
     job = Job("paths", "rankdrop.path.check.many:check_chunk", plan, len(names), len(names))
@@ -88,6 +88,14 @@ def check_files(
         return order.index(record["verdict"]), inf if nearest is None else nearest, record["file"]
 
     return sorted(done, key=badness)
+
+
+def _reading(question: PathQuestion) -> Record:
+    """How files are read; what older jobs did not ask is left out where it is not asked."""
+    reading = {"deg": question.deg, "topic": question.topic, "start": plain(question.start)}
+    if question.at_tool_point:
+        reading["at_tool_point"] = True
+    return reading
 
 
 def check_chunk(plan: Record, chunk: int) -> bytes:

@@ -31,6 +31,7 @@ class PathQuestion:
         deg: angles without a unit are in degrees.
         topic: of a bag in which several have joint values.
         start: configuration near the first pose, which decides the branch of the inverse kinematics.
+        at_tool_point: the tip of the arm is the tool point already: the tool that a program states is not added to it.
     """
 
     task: Task | str | None
@@ -39,6 +40,7 @@ class PathQuestion:
     deg: bool = False
     topic: str | None = None
     start: tuple[float, ...] | None = None
+    at_tool_point: bool = False
 
 
 def check_file(

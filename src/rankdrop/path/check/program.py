@@ -18,6 +18,7 @@ import numpy as np
 
 from rankdrop.codec import Result
 from rankdrop.errors import OptionError
+from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.pointing import followed_task
 from rankdrop.path.check.check import asked_for, check_curve
 from rankdrop.path.check.moves import STILL, Ended, FollowedMoves, MoveFollower
@@ -43,7 +44,7 @@ from rankdrop.path.read.makers import shoulder_height
 from rankdrop.path.read.program_file import read_program
 from rankdrop.path.read.program_record import BREAKS, Move, Program, Skipped, is_program
 from rankdrop.path.read.trajectory import TrajectoryError
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, with_tool
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text import programs as text
@@ -232,6 +233,7 @@ class ProgramCheck(Result):
         parts: parts without a gap, in order.
         raised: height of the program's base frame above that of the arm [m].
         interrupted: parts that were not reached before an interruption.
+        tool: (4, 4) the tool of the program that was added to the arm [m]; None: none.
     """
 
     robot: Robot
@@ -240,6 +242,7 @@ class ProgramCheck(Result):
     parts: tuple[Part, ...]
     raised: float
     interrupted: int = 0
+    tool: Array | None = None
     FILE: ClassVar[str] = "program"
 
     @property
@@ -347,7 +350,8 @@ def check_program(
     """Check what was read of a program.
 
     Args:
-        robot: the arm; its base frame is the base frame of the program, its tip the tool.
+        robot: the arm; its base frame is the base frame of the program, its tip the flange. The tool that the program
+            states for all its moves is added to it.
         program: from `read_program`.
         question: task, families and options; `start` decides the branch of a program that begins with a pose.
         progress: called with (stretches decided, stretches) of each part.
@@ -357,6 +361,8 @@ def check_program(
         ConfigurationError: a target is tilted, and the arm never tilts its tool, with the line.
         OptionError, TaskError: as `check_path`.
     """
+    tool = _stated_tool(program, question)
+    robot = _with_tool(robot, tool)
     task = followed_task(robot, question.task)
     if program.raised:
         raised = shoulder_height(robot)
@@ -385,7 +391,21 @@ def check_program(
         if part.check is not None and not part.check.complete:
             break
     return ProgramCheck(robot, asked_for(robot, question.task, question.analysis), program, tuple(parts), raised,
-                        len(waiting))  # fmt: skip
+                        len(waiting), tool)  # fmt: skip
+
+
+def _stated_tool(program: Program, question: PathQuestion) -> Array | None:
+    """(4, 4) the tool that is added to the arm; None: the program states none, or the arm has its tip there already."""
+    if question.at_tool_point or program.tool is None or np.array_equal(program.tool, np.eye(4)):
+        return None
+    return program.tool
+
+
+def _with_tool(robot: Robot, tool: Array | None) -> Robot:
+    """The arm with a tool (4, 4) at its tip; as it is without one."""
+    if tool is None:
+        return robot
+    return with_tool(robot, tool[:3, 3], orientation_coordinates(tool[:3, :3], "rpy").tolist())
 
 
 def _check_part(

@@ -66,7 +66,7 @@ def read(text: str, name: str) -> Program:
     for count, text in _instructions(lines, name):
         if text and not text.startswith(_REMARKS):
             last = _instruction(listing, positions, tools, count, text, last)
-    return Program(name, Language.TP, tuple(listing.items), raised=True, level=True)
+    return listing.program(Language.TP, raised=True, level=True)
 
 
 def _instructions(lines: list[tuple[int, str]], name: str) -> Iterator[tuple[int, str]]:
@@ -179,11 +179,13 @@ def _instruction(
     target = _why_unread(letter, words) or _position(register, key, positions)
     if "INC" in words:
         target = _increased(target, last)
+    kept = listing.tool
+    if isinstance(target, Target) and target.pose is not None and key in tools:
+        listing.set_tool(count, text, None)
     listing.move(count, text, _MOVES.get(letter, "line"), target, _speed(rest), blend="FINE" not in words)
+    listing.tool = kept
     if isinstance(target, Reason):
         return None
-    if target.pose is not None and key in tools:
-        listing.skip(count, text, Reason.TOOL)
     return target
 
 
@@ -192,6 +194,8 @@ def _other_instruction(listing: Listing, count: int, text: str, last: Target | N
     reason = _why_skipped(text)
     if reason is None:
         return last
+    if reason is Reason.TOOL:
+        listing.tool = None
     listing.skip(count, text, reason)
     if reason in BREAKS or reason is Reason.LOOP:
         return None

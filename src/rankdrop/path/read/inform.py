@@ -12,6 +12,8 @@ from collections.abc import Iterable, Mapping
 from math import radians
 from typing import Literal
 
+import numpy as np
+
 from rankdrop.path.read.program_record import (
     MILLIMETRE,
     Language,
@@ -74,7 +76,7 @@ def read(text: str, name: str) -> Program:
         elif section == "//INST" and plain and not plain.startswith(_COMMENT):
             shifted = _SHIFTS.get(plain.split()[0].upper(), shifted)
             _instruction(listing, positions, tools, count, plain, shifted=shifted)
-    return Program(name, Language.INFORM, tuple(listing.items), raised=True)
+    return listing.program(Language.INFORM, raised=True)
 
 
 def _target(text: str, kind: str, where: str, *, rectangular: bool) -> Target | Reason:
@@ -99,8 +101,9 @@ def _instruction(
         goal = next((tag for tag in tags if tag in positions), "")
         target = positions.get(goal, Reason.VARIABLE)
         target = _shifted(target, tags, shifted=shifted)
+        listing.tool = np.eye(4)
         if goal in tools and isinstance(target, Target):
-            listing.skip(count, text, Reason.TOOL)
+            listing.set_tool(count, text, None)
         settings = _settings(tags)
         kind = _MOVES[word]
         listing.move(count, text, kind, target, _speed(kind, settings), blend=settings.get("PL") != 0.0)

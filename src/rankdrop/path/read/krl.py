@@ -30,6 +30,8 @@ from rankdrop.path.read.krl_values import (
     numbers_of_fdat,
     settings_of,
     target_of,
+    tool_data,
+    tool_of,
 )
 from rankdrop.path.read.program_record import (
     BREAKS,
@@ -101,7 +103,7 @@ def read(text: str, name: str, declarations: str = "") -> Program:
     for count, line in lines:
         if not line.lstrip().startswith("&"):
             reader.take(count, line)
-    return Program(name, Language.KRL, tuple(listing.items))
+    return listing.program(Language.KRL)
 
 
 def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
@@ -156,17 +158,24 @@ class _Reader:
             self._relative_move(count, line, word, rest)
         elif word in _BLOCKS:
             self.state.begin_or_end_block(word, rest, self.names)
-        elif word in ("$BASE", "FDAT_ACT", "$IPO_MODE") and not _is_label(rest):
+        elif _sets_frames(word, rest):
             self._set_frames(count, line, word, rest)
         elif not is_read_assignment(line, self.names):
             self._skip(count, line, self._why_skipped(word, rest))
 
     def _set_frames(self, count: int, line: str, word: str, rest: str) -> None:
-        """A statement that sets the base: $BASE = …, FDAT_ACT = FP1, $IPO_MODE = #TCP."""
+        """A statement that sets frames: $BASE = …, $TOOL = …, BAS(#TOOL, 1), FDAT_ACT = FP1, $IPO_MODE = #TCP."""
         _, mark, value = rest.partition("=")
         where = f"{self.name}, line {count}"
         if word == "$IPO_MODE":
             self.state.fixed_tool = "#TCP" in value.upper()
+        elif word == "BAS":
+            self._set_tool_by_number(count, line, rest)
+        elif word == "$TOOL":
+            tool = None
+            if rest.startswith("="):
+                tool = tool_of(value, self.names, where)
+            self._set_tool(count, line, rest, tool)
         elif word == "$BASE":
             self.state.base = None
             if mark and rest.startswith("="):
@@ -175,15 +184,22 @@ class _Reader:
             numbers = numbers_of_fdat(value, self.names)
             self.state.inline = True
             self.state.base = base_frame(numbers.base, self.names, where)
-            if numbers.tool != 0:
-                self._set_tool(count, line, value)
+            self._set_tool(count, line, value, tool_data(numbers.tool, self.names, where))
 
-    def _set_tool(self, count: int, line: str, tool: str) -> None:
-        """Name the line that sets another tool than the one before."""
-        plain = _without_spaces(tool)
+    def _set_tool(self, count: int, line: str, text: str, tool: Array | None) -> None:
+        """Take another tool than the one before, by the text that sets it."""
+        plain = _without_spaces(text)
+        if tool is not None and np.array_equal(tool, np.eye(4)):
+            plain = ""
         if plain != self.state.tool:
             self.state.tool = plain
-            self._skip(count, line, Reason.TOOL)
+            self.listing.set_tool(count, line, tool)
+
+    def _set_tool_by_number(self, count: int, line: str, rest: str) -> None:
+        """BAS(#TOOL, n)."""
+        number = self.names.number(_without_spaces(rest)[len("(#TOOL,") :].rstrip(")"))
+        whole = None if number is None else int(number)
+        self._set_tool(count, line, rest, tool_data(whole, self.names, f"{self.name}, line {count}"))
 
     def _move(self, count: int, line: str, word: str, rest: str) -> None:
         """A move to a target, which lacks values where those of the move before are kept."""
@@ -206,14 +222,13 @@ class _Reader:
 
     def _base_of(self, count: int, line: str, after: str) -> Array | None:
         """The base frame of a move, which WITH $BASE = … may set; a tool that it sets is named."""
-        settings = settings_of(after)
-        tool = settings.get("$TOOL", "$NULLFRAME")
-        if tool.upper() != "$NULLFRAME" and numbers_of_fdat(tool, self.names).tool != 0:
-            self._set_tool(count, line, tool)
+        settings, where = settings_of(after), f"{self.name}, line {count}"
+        if "$TOOL" in settings:
+            self._set_tool(count, line, settings["$TOOL"], tool_of(settings["$TOOL"], self.names, where))
         if self.state.fixed_tool or "#TCP" in settings.get("$IPO_MODE", "").upper():
             return None
         if "$BASE" in settings:
-            return frame_of(settings["$BASE"], self.names, f"{self.name}, line {count}")
+            return frame_of(settings["$BASE"], self.names, where)
         return self.state.base
 
     def _last_in(self, base: Array | None) -> Target | None:
@@ -255,27 +270,23 @@ class _Reader:
             return None
         if _is_label(rest):
             return Reason.BRANCH
-        if word == "$TOOL" or word == "BAS":
-            return self._tool_reason(word, rest)
         if word in ("$OV_PRO", "$OV_ROB"):
             return Reason.OVERRIDE
         if rest.startswith("("):
             return Reason.CALL
         return Reason.OTHER
 
-    def _tool_reason(self, word: str, rest: str) -> Reason | None:
-        """Whether a line sets a tool that is not known."""
-        plain = _without_spaces(rest)
-        if word == "$TOOL" and plain in ("=$NULLFRAME", "=TOOL_DATA[0]"):
-            self.state.tool = ""
-            return None
-        self.state.tool = f"{word}{plain}"
-        return Reason.TOOL
-
 
 def _begins_routine(word: str, rest: str) -> bool:
     """DEF or DEFFCT, GLOBAL or not."""
     return word in ("DEF", "DEFFCT") or (word == "GLOBAL" and rest.upper().startswith("DEF"))
+
+
+def _sets_frames(word: str, rest: str) -> bool:
+    """Whether a statement sets the base or the tool."""
+    if word == "BAS":
+        return _without_spaces(rest).startswith("(#TOOL,")
+    return word in ("$BASE", "FDAT_ACT", "$IPO_MODE", "$TOOL") and not _is_label(rest)
 
 
 def _is_label(rest: str) -> bool:
@@ -330,7 +341,8 @@ class _State:
             return True
         if word == "BAS" and plain.startswith("(#"):
             what, _, value = plain[2:].rstrip(")").partition(",")
-            return self._initialize(what, value, names)
+            self._initialize(what, value, names)
+            return True
         return word in _SETTINGS
 
     def _set_velocity(self, rest: str, plain: str, names: Names) -> None:
@@ -352,15 +364,14 @@ class _State:
         if len(shares) == 1:
             self.joint = Speed(share=positive(shares.pop(), 0.01))
 
-    def _initialize(self, what: str, value: str, names: Names) -> bool:
-        """BAS(#what, value); False where a tool is set that is not known."""
+    def _initialize(self, what: str, value: str, names: Names) -> None:
+        """BAS(#what, value)."""
         if what in ("VEL_CP", "CP_PARAMS"):
             self.line = replace(self.line, linear=positive(names.number(value)))
         elif what in ("VEL_PTP", "PTP_PARAMS"):
             self.joint = Speed(share=positive(names.number(value), 0.01))
         elif what == "BASE" or (what == "FRAMES" and not self.inline):
             self.base = np.eye(4) if value == "0" else None
-        return what != "TOOL" or value == "0"
 
     def speed_of(self, kind: str, after: str, names: Names) -> Speed:
         """The speed of a move; what stands behind its target may set it: WITH $VEL.CP = 0.2, $VEL = SVEL_CP(0.2, …)."""

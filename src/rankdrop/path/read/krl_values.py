@@ -236,6 +236,27 @@ def frame_of(text: str, names: Names, where: str) -> Array | None:
     return None
 
 
+def tool_of(text: str, names: Names, where: str) -> Array | None:
+    """(4, 4) a tool frame: $NULLFRAME, a literal, a name, TOOL_DATA[n], STOOL2(FP1); None: not known."""
+    plain = text.strip()
+    if plain.upper() == "$NULLFRAME":
+        return np.eye(4)
+    if _OF_FDAT.fullmatch("".join(plain.upper().split())):
+        return tool_data(numbers_of_fdat(plain, names).tool, names, where)
+    element = _ELEMENT.fullmatch(plain)
+    if element is not None and element[1].upper() == "TOOL_DATA":
+        return tool_data(int(element[2]), names, where)
+    target, after = target_of(plain, names, where)
+    if isinstance(target, Target) and not after:
+        return target.pose
+    return None
+
+
+def tool_data(tool: int | None, names: Names, where: str) -> Array | None:
+    """(4, 4) TOOL_DATA[n]; [0] is the flange; None where it is not in the file."""
+    return _data("TOOL_DATA", tool, names, where)
+
+
 def numbers_of_fdat(text: str, names: Names) -> FrameNumbers:
     """The numbers of the FDAT that SBASE(FP1.BASE_NO), STOOL2(FP1) or a name refers to; None for those not known."""
     name = _OF_FDAT.sub(r"\1", "".join(text.upper().split()))
@@ -247,11 +268,16 @@ def numbers_of_fdat(text: str, names: Names) -> FrameNumbers:
 
 def base_frame(base: int | None, names: Names, where: str) -> Array | None:
     """(4, 4) BASE_DATA[n]; [0] is the null frame; None where it is not in the file."""
-    if base is None:
+    return _data("BASE_DATA", base, names, where)
+
+
+def _data(array: str, number: int | None, names: Names, where: str) -> Array | None:
+    """(4, 4) the frame of an element; that of 0 is the null frame; None where it is not in the file."""
+    if number is None:
         return None
-    if base == 0:
+    if number == 0:
         return np.eye(4)
-    target, _ = target_of(f"BASE_DATA[{base}]", names, where)
+    target, _ = target_of(f"{array}[{number}]", names, where)
     if isinstance(target, Target):
         return target.pose
     return None

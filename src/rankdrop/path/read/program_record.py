@@ -141,6 +141,7 @@ class Move:
         target: where it ends.
         speed: what is stated.
         blend: the corner at its end is rounded by the controller.
+        tool: (4, 4) the tool frame at the flange in which it is programmed [m]; None: not known.
     """
 
     line: int
@@ -149,6 +150,12 @@ class Move:
     target: Target
     speed: Speed = Speed()
     blend: bool = False
+    tool: Array | None = None
+
+    @property
+    def needs_tool(self) -> bool:
+        """Where the arm goes depends on the tool: it ends at a pose, or the tip goes straight."""
+        return self.target.pose is not None or self.kind == "line"
 
 
 @dataclass(frozen=True)
@@ -176,6 +183,8 @@ class Program:
         degrees: joint values are in degrees and mm; else in rad and m.
         raised: the maker's base frame is at the height of axis 2, not at the foot of the arm.
         level: the maker counts joint 3 from the horizontal.
+        tool: (4, 4) the tool frame at the flange in which all moves that depend on it are programmed [m]; None: it is
+            not known, or there are several.
     """
 
     name: str
@@ -184,6 +193,7 @@ class Program:
     degrees: bool = True
     raised: bool = False
     level: bool = False
+    tool: Array | None = None
 
     @property
     def moves(self) -> tuple[Move, ...]:
@@ -198,11 +208,47 @@ class Program:
 
 @dataclass
 class Listing:
-    """Moves and skipped lines while a program is read; `where` is the file."""
+    """Moves and skipped lines while a program is read; `where` is the file, `tool` the tool frame of the next move,
+    `stated` the lines that state one.
+    """
 
     where: str
     items: list[Move | Skipped] = field(default_factory=list)
     moves: int = 0
+    tool: Array | None = field(default_factory=lambda: np.eye(4))
+    stated: list[Move | Skipped] = field(default_factory=list)
+
+    def set_tool(self, line: int, text: str, tool: Array | None) -> None:
+        """Take the tool frame (4, 4) of the moves that follow; None: a tool that is not known.
+
+        The line is kept until it is clear that one tool is that of all moves.
+        """
+        self.tool = tool
+        if tool is not None and np.array_equal(tool, np.eye(4)):
+            return
+        self.skip(line, text, Reason.TOOL)
+        if tool is not None:
+            self.stated.append(self.items[-1])
+
+    def program(
+        self, language: Language, *, degrees: bool = True, raised: bool = False, level: bool = False
+    ) -> Program:
+        """What was read; lines that state one tool, which all moves have, count as read."""
+        tool, items = self._tool_of_all_moves(), self.items
+        if tool is not None:
+            read = set(map(id, self.stated))
+            items = [item for item in items if id(item) not in read]
+        return Program(self.where, language, tuple(items), degrees, raised, level, tool)
+
+    def _tool_of_all_moves(self) -> Array | None:
+        """(4, 4) the tool of the moves that depend on it; None where one is not known, or they are several."""
+        tools = [item.tool for item in self.items if isinstance(item, Move) and item.needs_tool]
+        if not tools:
+            return self.tool
+        first = tools[0]
+        if first is None or any(tool is None or not np.array_equal(tool, first) for tool in tools):
+            return None
+        return first
 
     def skip(self, line: int, text: str, reason: Reason) -> None:
         """Keep a line that was not read."""
@@ -224,7 +270,7 @@ class Listing:
         if self.moves > MOST_MOVES:
             raise TrajectoryError("the program has too many moves", where=f"{self.where}, line {line}",
                                   allowed=f"at most {MOST_MOVES:,}")  # fmt: skip
-        self.items.append(Move(line, shorten_line(text), kind, target, speed, blend))
+        self.items.append(Move(line, shorten_line(text), kind, target, speed, blend, self.tool))
 
 
 @dataclass

@@ -28,7 +28,7 @@ from rankdrop.path.read.program_record import (
     positive,
     without_comment,
 )
-from rankdrop.path.read.rapid_values import WORD, goal_of, literal, split_switches, work_object
+from rankdrop.path.read.rapid_values import WORD, goal_of, literal, split_switches, tool_frame, work_object
 
 _MOVES: dict[str, Literal["joint", "line"]] = {"MOVEJ": "joint", "MOVEABSJ": "joint", "MOVEL": "line"}
 _SUFFIXED = ("DO", "AO", "GO", "SYNC")
@@ -95,7 +95,7 @@ def read(text: str, name: str) -> Program:
             reason = _why_skipped(word, statement)
             if reason is not None:
                 listing.skip(count, statement, reason)
-    return Program(name, Language.RAPID, tuple(listing.items))
+    return listing.program(Language.RAPID)
 
 
 def _first_word(statement: str) -> tuple[str | None, str]:
@@ -215,11 +215,10 @@ def _move(
         target = Reason.EXPRESSION
     tool, keys = tools[0] if tools else ("tool0", {})
     target = in_base(target, work_object(keys.get("wobj", "wobj0"), names))
-    posed = isinstance(target, Target) and target.pose is not None
-    if shifted and posed:
+    if shifted and isinstance(target, Target) and target.pose is not None:
         target = Reason.SHIFTED
-    elif posed and tool.lower() != "tool0":
-        listing.skip(count, one, Reason.TOOL)
+    if not absolute or kind == "line":
+        listing.set_tool(count, one, tool_frame(tool, names))
     made = _speed(speed[0], speed[1] | zone[1], names, kind, f"{listing.where}, line {count}")
     listing.move(count, one, kind, target, made, blend=zone[0].lower() != "fine")
 

@@ -1,4 +1,4 @@
-"""Values of RAPID: robtarget, jointtarget, speeddata, wobjdata; Offs and RelTool of a target; switches of arguments.
+"""Values of RAPID: robtarget, jointtarget, speeddata, tooldata, wobjdata; Offs and RelTool; switches of arguments.
 
 Lengths in mm, angles in degrees; quaternions have the real part first.
 """
@@ -6,6 +6,7 @@ Lengths in mm, angles in degrees; quaternions have the real part first.
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from math import radians
 
 import numpy as np
@@ -40,12 +41,12 @@ _FIXED_FRAME = ["FALSE", "TRUE"]  # the object is not held by the robot, and its
 
 
 def literal(text: str, where: str) -> object | None:
-    """A robtarget or jointtarget as a target, a speed, a work object as (4, 4), a number; None for all else."""
+    """A robtarget or jointtarget as a target, a speed, a tool, a work object as (4, 4), a number; None for all else."""
     if not text.startswith("["):
         return number(text)
     values = numbers_of(text)
     if values is None:
-        return _work_object(text, where)
+        return _tool_data(text, where) or _work_object(text, where)
     speed = flat(values, 4)
     if speed is not None:
         return Speed(linear=positive(speed[0], MILLIMETRE), angular=positive(speed[1], radians(1.0)))
@@ -91,6 +92,36 @@ def _work_object(text: str, where: str) -> Array | None:
     if user is None or own is None:
         return None
     return user @ own
+
+
+@dataclass(frozen=True, eq=False)
+class ToolData:
+    """The frame (4, 4) of a tool that the robot holds, at the flange [m]."""
+
+    frame: Array
+
+
+def _tool_data(text: str, where: str) -> ToolData | None:
+    """tooldata [robhold, tframe, tload]; None: it is none, or the robot does not hold it."""
+    bracket = split_bracket(text, "[")
+    parts = parts_of((bracket or ("", ""))[0])
+    if len(parts) != 3 or parts[0].upper() != "TRUE":
+        return None
+    frame = _frame(parts[1], where)
+    if frame is None:
+        return None
+    return ToolData(frame)
+
+
+def tool_frame(name: str, names: Names) -> Array | None:
+    """(4, 4) the frame of a tool at the flange; None: not known."""
+    plain = name.lower()
+    if plain == "tool0":
+        return np.eye(4)
+    found = names.literals.get(plain)
+    if isinstance(found, ToolData) and plain not in names.changed:
+        return found.frame
+    return None
 
 
 def _frame(text: str, where: str) -> Array | None:

@@ -38,6 +38,7 @@ from rankdrop.path.read.program_record import (
 )
 from rankdrop.poses.inverse import rotation
 from rankdrop.robot.files import LARGEST_ANGLE
+from rankdrop.robot.model import Array
 
 _MOVES: dict[str, Literal["joint", "line"]] = {"movej": "joint", "movel": "line", "movep": "line"}
 _ORDER = {"movej": ("a", "v", "t", "r"), "movel": ("a", "v", "t", "r"), "movep": ("a", "v", "r")}
@@ -48,7 +49,7 @@ _FLOW = {**dict.fromkeys(("if", "elif", "else", "return"), Reason.BRANCH),
 _BEGINS = ("def", "sec", "thread", "end", "global", "local", *_MOVES, "movec", *_FLOW)
 """Words that begin a statement and stand in no bracket."""
 _QUIET = ("end", "textmsg", "sleep", "sync", "stopj", "stopl")
-_SKIPPED = {"movec": Reason.CIRCLE, **dict.fromkeys(_OTHER, Reason.OTHER_MOVE), **_FLOW, "set_tcp": Reason.TOOL}
+_SKIPPED = {"movec": Reason.CIRCLE, **dict.fromkeys(_OTHER, Reason.OTHER_MOVE), **_FLOW}
 _BUILT_IN = ("set_", "popup", "write_", "rtde_", "modbus_", "socket_", "request_", "halt", "pause", "zero_ftsensor",
              "reset_", "step_back", "enter_critical", "exit_critical")  # fmt: skip
 """Beginnings of functions of the language that do not move the arm."""
@@ -83,11 +84,22 @@ def read(text: str, name: str) -> Program:
                 listing.skip(count, line, Reason.ROUTINE)
         elif word in _MOVES:
             _move(listing, names, count, line, word, rest)
+        elif word == "set_tcp":
+            listing.set_tool(count, line, _tool(rest, names, f"{name}, line {count}"))
         else:
             reason = _why_skipped(word, rest, names)
             if reason is not None:
                 listing.skip(count, line, reason)
-    return Program(name, Language.URSCRIPT, tuple(listing.items), degrees=False)
+    return listing.program(Language.URSCRIPT, degrees=False)
+
+
+def _tool(rest: str, names: Names, where: str) -> Array | None:
+    """(4, 4) of set_tcp(pose), with a name for the tool behind it or not; None: not known."""
+    bracket = split_bracket(rest)
+    target = _target(parts_of((bracket or ("", ""))[0])[0], names, where)
+    if isinstance(target, Target):
+        return target.pose
+    return None
 
 
 def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:

@@ -1,0 +1,132 @@
+"""The tool that a program states for all its moves is added to the arm: its poses are those of the tool point."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rankdrop.kinematics import pose
+from rankdrop.path.check.path_file import PathQuestion
+from rankdrop.path.check.program import ProgramCheck, check_any_file
+from rankdrop.path.read.program_file import read_program
+from rankdrop.path.read.program_record import Program
+from rankdrop.questions import PathOptions
+from rankdrop.robot.model import Array, Robot, with_tool
+from rankdrop.robot.open import open_robot
+
+TOOL = np.eye(4)
+TOOL[:3, :3] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]  # turned by 90° about Y
+TOOL[:3, 3] = [0.02, -0.03, 0.15]
+HALF = float(np.sqrt(0.5))
+PROGRAMS = {
+    "krl.src": ("kr6r900", """DEF weld()
+$TOOL = {X 20, Y -30, Z 150, A 0, B 90, C 0}
+PTP {A1 0, A2 -80, A3 90, A4 10, A5 60, A6 0}
+$VEL.CP=0.1
+LIN {X 560, Y -40, Z 580, A 156, B -68, C -153}
+LIN {X 560, Y 20, Z 580, A 156, B -60, C -153}
+END
+"""),
+    "data.src": ("kr6r900", """DEF weld()
+TOOL_DATA[3] = {X 20, Y -30, Z 150, A 0, B 90, C 0}
+BAS(#TOOL, 3)
+PTP {A1 0, A2 -80, A3 90, A4 10, A5 60, A6 0}
+LIN {X 560, Y -40, Z 580, A 156, B -68, C -153}
+END
+"""),
+    "rapid.mod": ("irb120", f"""MODULE weld
+PERS tooldata tGun := [TRUE,[[20,-30,150],[{HALF},0,{HALF},0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
+PROC main()
+MoveAbsJ [[0,10,10,20,50,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tool0;
+MoveL [[400,40,320],[0.6,0,-0.8,0],[9E9,9E9,9E9,9E9],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tGun;
+MoveL [[400,60,340],[0.6,0,-0.8,0],[9E9,9E9,9E9,9E9],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tGun;
+ENDPROC
+ENDMODULE
+"""),
+    "ur.script": ("ur5e", """def weld():
+  set_tcp(p[0.02,-0.03,0.15,0,d2r(90),0], "gun")
+  movej([0,-1.57,1.57,-1.57,-1.57,0])
+  movel(p[-0.4,-0.2,0.4,2.2,2.2,0], v=0.1)
+  movel(p[-0.4,-0.25,0.4,2.2,2.2,0], v=0.1)
+end
+"""),
+}  # fmt: skip
+
+
+def written(folder: Path, name: str, text: str) -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def checked(robot: Robot, path: Path, *, at_tool_point: bool = False) -> ProgramCheck:
+    question = PathQuestion(None, None, PathOptions(), at_tool_point=at_tool_point)
+    found = check_any_file(robot, path, question)
+    assert isinstance(found, ProgramCheck)
+    return found
+
+
+def ends(robot: Robot, found: ProgramCheck) -> list[Array]:
+    """Where the tip of an arm is at the end of each move that was made."""
+    (part,) = found.parts
+    assert part.check is not None
+    rows = np.concatenate([part.check.curve.control[:, 0], part.check.curve.control[-1:, -1]])
+    lasts = [int(np.flatnonzero(part.owner == index)[-1]) + 1 for index in np.unique(part.owner)]
+    return [pose(robot, rows[last]) for last in lasts]
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_the_tool_point_reaches_the_targets(name: str, tmp_path: Path) -> None:
+    arm, text = PROGRAMS[name]
+    robot = open_robot(arm)
+    found = checked(robot, written(tmp_path, name, text))
+    assert found.program.tool == pytest.approx(TOOL, abs=1e-12)
+    assert [skipped.reason.value for skipped in found.program.skipped if "tool" in skipped.reason.value] == []
+    assert found.parts[0].ended is None
+    tool = with_tool(robot, TOOL[:3, 3], [0.0, np.pi / 2, 0.0])
+    goals = [move.target.pose for move in found.program.moves if move.target.pose is not None]
+    reached = ends(tool, found)[-len(goals) :]
+    for goal, tip in zip(goals, reached, strict=True):
+        assert tip == pytest.approx(goal, abs=1e-9)
+    assert found.robot.home == pytest.approx(tool.home, abs=1e-12)
+    assert any(line.startswith("Tool: (20.0, −30.0, 150.0) mm") for line in found.summary)
+
+
+@pytest.mark.parametrize("name", ["krl.src", "ur.script"])
+def test_a_tool_point_of_the_user_takes_its_place(name: str, tmp_path: Path) -> None:
+    arm, text = PROGRAMS[name]
+    own = with_tool(open_robot(arm), [0.0, 0.0, 0.05])
+    found = checked(own, written(tmp_path, name, text), at_tool_point=True)
+    assert found.tool is None
+    assert any("which is not added" in line for line in found.summary)
+    assert found.robot.home == pytest.approx(own.home)
+
+
+MOVES = "movel(p[-0.4,-0.2,0.4,2.2,2.2,0])\n"
+
+
+@pytest.mark.parametrize(("text", "lines"), [
+    (f"set_tcp(p[0,0,0.1,0,0,0])\n{MOVES}set_tcp(p[0,0,0.2,0,0,0])\n{MOVES}", [1, 3]),
+    (f"{MOVES}set_tcp(p[0,0,0.2,0,0,0])\n{MOVES}", [2]),
+    (f"set_tcp(p[0,0,0.1,0,0,0])\n{MOVES}set_tcp(gripper)\n{MOVES}", [1, 3]),
+    (f"set_tcp(gripper)\n{MOVES}", [1]),
+])  # fmt: skip
+def test_several_tools_or_one_that_is_not_known_are_named(text: str, lines: list[int], tmp_path: Path) -> None:
+    program: Program = read_program(written(tmp_path, "a.script", text))
+    assert program.tool is None
+    assert [skipped.line for skipped in program.skipped if skipped.reason.value == "tool frame"] == lines
+
+
+def test_one_tool_that_is_set_again_is_one_tool(tmp_path: Path) -> None:
+    text = f"set_tcp(p[0,0,0.1,0,0,0])\n{MOVES}set_tcp(p[0,0,0.1,0,0,0])\n{MOVES}"
+    program = read_program(written(tmp_path, "a.script", text))
+    assert (program.tool is not None, program.skipped) == (True, ())
+
+
+def test_a_tool_that_the_robot_does_not_hold_is_not_its_tool(tmp_path: Path) -> None:
+    text = PROGRAMS["rapid.mod"][1].replace("[TRUE,[[20", "[FALSE,[[20")
+    program = read_program(written(tmp_path, "a.mod", text))
+    assert program.tool is None
+    assert [skipped.reason.value for skipped in program.skipped] == ["tool frame", "tool frame"]

@@ -104,7 +104,10 @@ def hold(name: str, number: int, seed: int) -> dict[str, int]:
             off, share, own = judge(robot, check, ends, times)
             assert off <= min(1e-4, check.tool.off)
             if check.holds:
-                assert max(share, own) <= 1.0 + 1e-6, (name, share, own)
+                # an arm with a spare joint chooses its joint path, which is what is checked: micrometres from it the
+                # rates that keep the tool on the line exactly may have no bound for milliseconds
+                fastest = own if robot.n > 6 else max(share, own)
+                assert fastest <= 1.0 + 1e-6, (name, share, own)
             if check.verdict == "too fast":
                 assert check.violations[0].amount == pytest.approx(max(share, own), rel=0.2)  # far beyond any limit
     return verdicts

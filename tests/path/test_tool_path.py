@@ -65,3 +65,25 @@ def test_a_straight_move_through_a_singularity_does_not_get_past_it() -> None:
     assert found.tool.reason == "singular"
     assert "out of reach" in found.sentence
     assert not found.holds
+
+
+def test_a_branch_that_winds_a_joint_up_is_followed_from_a_whole_turn_away_too() -> None:
+    """A UR5e turns its tool by 500° about the vertical; joint 6 has 720° of range and begins at 99°."""
+    arm, angles = open_robot("ur5e"), np.radians(np.linspace(0.0, 500.0, 51))
+    poses = np.repeat(np.eye(4)[None], len(angles), axis=0)
+    poses[:, 0, 0], poses[:, 0, 1] = np.cos(angles), -np.sin(angles)
+    poses[:, 1, 0], poses[:, 1, 1] = -np.sin(angles), -np.cos(angles)
+    poses[:, 2, 2] = -1.0
+    poses[:, :3, 3] = [-0.4, -0.2, 0.3]
+    check = check_poses(arm, poses)
+    taken = next(branch for branch in check.tool.branches if branch.chosen)
+    assert (taken.complete, taken.reason, taken.joint) == (False, "limit", 6)
+    turned = [
+        branch for branch in check.tool.branches
+        if np.allclose(branch.start - taken.start, [0, 0, 0, 0, 0, -2 * np.pi], atol=1e-9)
+    ]  # fmt: skip
+    assert [(branch.complete, branch.free, branch.posture) for branch in turned] == [(True, True, taken.posture)]
+    again = check_poses(arm, poses, start=turned[0].start)
+    assert again.verdict == "free"
+    assert again.curve.control[-1, -1, 5] - again.curve.control[0, 0, 5] == pytest.approx(np.radians(500.0), abs=1e-6)
+    assert any("is free to the end: start=" in line for line in check.summary)

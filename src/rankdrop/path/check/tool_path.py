@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import ceil
+from math import ceil, pi
 from typing import Any
 
 import numpy as np
@@ -155,7 +155,10 @@ def _branches(
     robot: Robot, poses: Array, solutions: Array, first: Array, task: Task, asked: Task,
     tolerance: tuple[float, float], taken: Followed, check: PathCheck, tolerances: Tolerances,
 ) -> tuple[ToolBranch, ...]:  # fmt: skip
-    """Every branch that begins at a solution of the first pose, each followed and proven for itself."""
+    """Every branch that begins at a solution of the first pose, each followed and proven for itself.
+
+    A branch that ends at the limit of a joint is followed from a whole turn away too, where that reaches farther.
+    """
     if len(taken.q):
         first = taken.q[0]
     away = np.linalg.norm(joint_difference(robot, first, solutions) / joint_scale(robot, task), axis=1)
@@ -169,8 +172,6 @@ def _branches(
     starts[chosen] = first
     if len(starts) > MOST_BRANCHES:  # a self-motion at a singular first pose: its points are no branches
         return ()
-    from rankdrop.poses.postures import posture_names  # with the exact side, which a path of joint values does without
-
     branches = []
     for row, q in enumerate(starts):
         if row == chosen:
@@ -178,11 +179,36 @@ def _branches(
         else:
             branch = follow(robot, poses, q, task, tolerance=tolerance, through=True)
             place = _not_free(robot, asked, branch, tolerances)
-        branches.append(ToolBranch(
-            q, posture_names(robot, task, q[None])[0], arm_postures(robot, q[None])[0], branch.complete, branch.reached,
-            branch.reason, branch.joint, branch.folds, branch.turn, place == 0.0, place, row == chosen,
-        ))  # fmt: skip
+        branches.append(_tool_branch(robot, task, q, branch, place, chosen=row == chosen))
+        turned = _whole_turn_away(robot, q, branch)
+        if turned is not None:
+            again = follow(robot, poses, turned, task, tolerance=tolerance, through=True)
+            if again.reached > branch.reached:
+                place = _not_free(robot, asked, again, tolerances)
+                branches.append(_tool_branch(robot, task, turned, again, place, chosen=False))
     return tuple(branches)
+
+
+def _tool_branch(robot: Robot, task: Task, q: Array, branch: Followed, place: float, *, chosen: bool) -> ToolBranch:
+    """The record of a branch from a start (n,); `place`: pose where it is first not proven free, 0 where it is."""
+    from rankdrop.poses.postures import posture_names  # with the exact side, which a path of joint values does without
+
+    return ToolBranch(
+        q, posture_names(robot, task, q[None])[0], arm_postures(robot, q[None])[0], branch.complete, branch.reached,
+        branch.reason, branch.joint, branch.folds, branch.turn, place == 0.0, place, chosen,
+    )  # fmt: skip
+
+
+def _whole_turn_away(robot: Robot, start: Array, branch: Followed) -> Array | None:
+    """(n,) the start with the joint that reaches its limit a whole turn away from that limit; None: no room for it."""
+    joint = branch.joint - 1
+    if branch.reason != "limit" or not robot.periodic[joint] or not len(branch.q):
+        return None
+    turned = start.copy()
+    turned[joint] -= 2.0 * pi * float(np.sign(branch.q[-1, joint] - start[joint]))
+    if not robot.lower[joint] <= turned[joint] <= robot.upper[joint]:
+        return None
+    return turned
 
 
 def _not_free_taken(taken: Followed, check: PathCheck) -> float:

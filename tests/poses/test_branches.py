@@ -310,3 +310,13 @@ def test_a_position_without_an_orientation_is_for_tasks_without_rotation() -> No
     found = inverse(arm, [0.3, 0.1, 0.3], "position", starts=64)
     assert found.continua
     assert found.sections()[0].lines == ("Position: (300.0, 100.0, 300.0) mm, base axes.",)
+
+
+def test_a_self_motion_is_shown_in_the_posture_that_people_use() -> None:
+    """Panda, tool down in front of it: the curve through (0, −π/4, 0, −3π/4, 0, …), as it is delivered, comes first."""
+    arm = open_robot("panda")
+    usual = np.array([0.0, -np.pi / 4, 0.0, -3 * np.pi / 4, 0.0, np.pi / 2, np.pi / 4])
+    found = inverse(arm, pose(arm, usual))
+    first = found.continua[0]
+    assert first.beyond == ()
+    assert np.abs(first.q - usual).max() < 0.05

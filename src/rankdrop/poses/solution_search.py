@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rankdrop.local.block import joint_scale, sampling_box, singular_values
+from rankdrop.local.posture import by_habit
 from rankdrop.poses.inverse import Aim, distinct, joint_difference, within_limits, wrap_joints
 from rankdrop.problem import into_limits
 from rankdrop.questions import InverseOptions
@@ -34,6 +35,7 @@ _STEP, _STEPS = 0.08, 500  # along a curve [rad]; steps each way
 _ENOUGH = 8  # singular solutions looked at where one of them is on a surface
 _INWARDS = 20  # projections of the points of a surface into the joint limits
 _CURVES = 64  # curves that are followed at most
+_CLEAR = 0.3  # a self-motion is shown where σ_r is at least this share of its largest on it
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +43,8 @@ class Continuum:
     """A self-motion: connected configurations along which the tool stands still.
 
     Attributes:
-        q: (n,) a configuration on it, inside the joint limits and away from singularities where one was found.
+        q: (n,) a configuration on it, inside the joint limits and away from singularities where one was found, and of
+            these in the posture that people use.
         dimension: 1 for a curve, 2 for a surface.
         closed: a curve that comes back to its start.
         complete: a curve that was followed to its closing or to both of its ends.
@@ -166,9 +169,17 @@ class SolutionSearch:
             points = self._inwards(np.array(same))
             return isolated, (self._continuum(q, dimension, points, False, False, singular),), True
         continua, more = self._follow_curves(pieces)
-        continua.sort(key=lambda continuum: (bool(continuum.beyond), not continuum.closed))
+        continua = self._in_order(continua)
         alone = [not self._on_a_curve(q) for q in isolated]
         return isolated[alone], tuple(continua), more
+
+    def _in_order(self, continua: list[Continuum]) -> list[Continuum]:
+        """Inside the limits first, then closed curves, then in the order of the postures that people use."""
+        if not continua:
+            return []
+        order = by_habit(self.robot, self.task, np.array([continuum.q for continuum in continua]))
+        usual = [continua[row] for row in order]
+        return sorted(usual, key=lambda continuum: (bool(continuum.beyond), not continuum.closed))
 
     def _inwards(self, points: Array) -> Array:
         """Points (N, n) of a surface, and where none of them is inside the joint limits, those towards the limits.
@@ -296,11 +307,21 @@ class SolutionSearch:
         placed = into_limits(self.robot, wrap_joints(self.robot, points))
         outside = _beyond_limits(self.robot, placed).max(axis=1, initial=0.0)
         inside = outside <= 0.0
-        best = np.lexsort((-self.sigma(points), outside))[0]
+        best = self._best_known(placed, outside)
         return Continuum(
             placed[best], dimension, closed, complete, singular, points.min(axis=0), points.max(axis=0),
             float(inside.mean()), joints_beyond(self.robot, placed[best]), self.residual(points),
         )  # fmt: skip
+
+    def _best_known(self, placed: Array, outside: Array) -> int:
+        """The point (of N, n) by which a self-motion is shown: inside the limits and far enough from singularities the
+        posture that people use; else the least outside, and of these the farthest from singularities.
+        """
+        sigma = self.sigma(placed)
+        usable = np.flatnonzero((outside <= 0.0) & (sigma > _CLEAR * sigma.max()))
+        if len(usable):
+            return int(usable[by_habit(self.robot, self.task, placed[usable])[0]])
+        return int(np.lexsort((-sigma, outside))[0])
 
     def residual(self, q: Array) -> float:
         """Largest difference in what the task asks for [m, 1]."""

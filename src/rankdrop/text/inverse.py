@@ -313,7 +313,7 @@ def _tables(inverse: Any, *, deg: bool) -> Iterator[Section]:
             (str(number), *_continuum_cells(continuum), *_cells(robot, continuum.q, deg=deg))
             for number, continuum in enumerate(inverse.continua, start=1)
         )
-        yield Section("Self-motions", "the tool stands still along them; one configuration of each", columns=(
+        yield Section("Self-motions", "the tool stands still along them; each in a usual posture", columns=(
             "", "verdict", "shape", "inside limits", *heads), rows=rows, texts=(0, 1, 2))  # fmt: skip
     why = inverse.unreached
     if why is not None and why.kind != "tilt":

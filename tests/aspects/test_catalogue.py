@@ -14,7 +14,6 @@ from rankdrop import sweep
 from rankdrop.aspects import verdict
 from rankdrop.aspects.arm import count_of_arm, summary_of
 from rankdrop.aspects.verdict import judged_summary
-from rankdrop.cli import main
 from rankdrop.designs import compare
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.aspect_summary import CUSPIDAL, NOT_ASKED, NOT_CUSPIDAL, NOT_FOUND, AspectSummary
@@ -23,7 +22,6 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
-from rankdrop.text.aspects import aspects_and_verdict_cell, aspects_cell, aspects_line
 from rankdrop.verbs.analyze import analyze
 
 TOOL = tool("make_aspects")
@@ -67,27 +65,6 @@ def test_aspects_are_known_of_the_arm_and_its_task_only() -> None:
     moved = known_analysis(arm, resolve_task(None, arm))
     assert moved is not None
     assert moved.aspects == found
-
-
-def test_the_words_say_what_is_proven() -> None:
-    lines = {
-        AspectSummary(8, 8, True, NOT_CUSPIDAL): ("8", "The arm has 8 aspects (proven): it cannot change its posture"),
-        AspectSummary(1, 1, True, NOT_ASKED): ("1", "The arm has 1 aspect (proven)."),
-        AspectSummary(2, 8, True, None): ("2 … 8", "The arm has at least 2 aspects (proven) and at most 8 (proven)."),
-        AspectSummary(2, 8, False, CUSPIDAL): ("≥ 2", "The arm has at least 2 aspects (proven): it can change its"),
-        AspectSummary(None, None, False, None): ("–", "The aspects of the arm were not counted: rankdrop aspects says"),
-    }
-    for summary, (cell, line) in lines.items():
-        assert aspects_cell(summary) == cell
-        assert aspects_line(summary).startswith(line)
-    assert aspects_cell(None) == "–"
-    assert aspects_line(None) == ""
-
-
-def test_a_cell_of_a_comparison_says_what_is_cuspidal_and_what_is_not_decided() -> None:
-    cells = {CUSPIDAL: "2, cuspidal", NOT_FOUND: "2, undecided", NOT_CUSPIDAL: "2", NOT_ASKED: "2", None: "2"}
-    for change, cell in cells.items():
-        assert aspects_and_verdict_cell(AspectSummary(2, 2, True, change)) == cell
 
 
 def test_an_analysis_has_the_aspects_of_its_arm_and_keeps_them_in_its_file() -> None:
@@ -138,9 +115,3 @@ def test_a_count_changes_where_a_family_vanishes() -> None:
     assert found.spec.goals == {}
     assert found.holds
     Draft202012Validator(load_schema("sweep")).validate(found.to_dict())
-
-
-@pytest.mark.slow
-def test_the_command_prints_the_number(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.run(["analyze", "planar2r", "--starts", "50", "--quiet"]) == 0
-    assert "The arm has 2 aspects (proven): it cannot change its posture" in capsys.readouterr().out

@@ -1,18 +1,12 @@
-"""Shared by the tests of the command line: run it in this process or as its own, and one analysis made once."""
+"""Shared by the tests of the command line: one analysis made once, and made-up ones."""
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from collections.abc import Callable
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 import pytest
 
-from rankdrop.cli import main
 from rankdrop.families.corank_families import CorankSummary, Estimator, Unseen
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.lost import LostFreedom
@@ -25,49 +19,6 @@ from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, resolve_task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.analyze import analyze
-
-
-@dataclass(frozen=True)
-class Ended:
-    """How a command line ended."""
-
-    code: int
-    out: str
-    err: str
-
-
-Run = Callable[..., Ended]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    """run("analyze", "pa10", width=100): one command line in this process."""
-
-    def once(*argv: str, width: int = 100) -> Ended:
-        monkeypatch.setenv("COLUMNS", str(width))
-        capsys.readouterr()
-        code = main.run(argv)
-        text = capsys.readouterr()
-        return Ended(code, text.out, text.err)
-
-    return once
-
-
-@pytest.fixture
-def process() -> Run:
-    """process("analyze", "pa10"): one command line as its own process."""
-
-    def once(*argv: str, **environment: str) -> Ended:
-        everything = {**os.environ, **environment}
-        done = subprocess.run(command(*argv), capture_output=True, text=True, env=everything, timeout=120)
-        return Ended(done.returncode, done.stdout, done.stderr)
-
-    return once
-
-
-def command(*argv: str) -> list[str]:
-    """The words that start `rankdrop` with this Python."""
-    return [sys.executable, "-m", "rankdrop.cli.main", *argv]
 
 
 @pytest.fixture(scope="session")

@@ -328,13 +328,6 @@ def test_tolerant_ends_with_3_where_a_joint_is_always_needed(run) -> None:
     assert "without joint 4 the rank is below 6 at every configuration" in " ".join(ended.out.split())
 
 
-def test_explain_tells_what_each_failure_leaves(run) -> None:
-    ended = run("explain", "pa10", "--q", "0.3,-0.4,1.1,0.9,-0.7,1.3,0.5", "--evaluations", "0", "--full")
-    told = " ".join(ended.out.split())
-    assert "If one joint fails" in told
-    assert "4 joint4 0 0 5 of 6 can" in told
-
-
 @pytest.mark.slow
 def test_analyze_within_limits_tells_values_inside_and_shares(run) -> None:
     ended = run("analyze", "panda", "--limits", "--starts", "1500", "--exact", "off", "--quiet", "--full")

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli.conftest import Ended, command
+from command_line import Ended, command
 
 from papers.run import DOCUMENTS
 from rankdrop.cli import exits, main

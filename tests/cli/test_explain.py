@@ -96,19 +96,6 @@ def test_refusals_say_what_and_where(run, words: tuple[str, ...], told: str) -> 
     assert ended.out == ""
 
 
-@pytest.mark.slow
-def test_escape_prints_the_ways_out_and_the_procedure_of_gallardo_and_rico(run) -> None:
-    words = ("escape", "rcrrrr", "--q", "0,0,0,0,0,0,0", "--length-scale", "1", "--lie", "--full")
-    text = run(*words).out
-    for part in ("2.071 per rad", "0.7036 per rad", "subspace(1, 5);", "actuating screw 4 can restore (1, 5)",
-                 "conclusion: actuate 3, 4", "Disagreements with the printed procedure"):  # fmt: skip
-        assert part in text
-    record = json.loads(run(*words, "--json", "-").out)
-    Draft202012Validator(load_schema("escape")).validate(record)
-    assert record["lie"]["lost"] == 1
-    assert record["escape"]["single"][0]["number"] == 4
-
-
 def test_nearest_prints_a_distance_and_a_proof(run) -> None:
     ended = run("nearest", *REGULAR)
     assert ended.code == exits.FINE
@@ -145,20 +132,6 @@ def test_configurations_of_programs_are_read_by_name() -> None:
     for text in ("A2 0, A1 -90, A3 90, A4 0, A5 0, A6 0", "A1 0, A2 -90", "A1 0, 5, A3 90, A4 0, A5 0, A6 0"):
         with pytest.raises(ConfigurationError, match="6 joint values"):
             parse_configuration(text, arm, deg=True)
-
-
-def test_a_rise_has_digits_that_show_it_and_a_speed_that_is_not_checked_is_said(run, tmp_path: Path) -> None:
-    """The table of the AR3 in roboticstoolbox-python issue 199; it has no joint rates."""
-    path = tmp_path / "ar3.toml"
-    rows = ((0.0642, -90, 0.16977), (0.305, 0, 0), (0, 90, 0), (0, -90, -0.22263), (0, 90, 0), (0, 0, -0.03625))
-    joints = [f'[[joints]]\na = {a}\nalpha = "{turn} deg"\nd = {d}\n' for a, turn, d in rows]
-    path.write_text('convention = "standard"\n' + "".join(joints))
-    words = ("explain", str(path), "--deg", "--q", "180,0,0,0,90,0", "--evaluations", "0")
-    out = " ".join(run(*words).out.split())
-    assert "σ6 rises from 0.226 to 0.235." in out
-    assert "Lost: nothing. Get" in out
-    asked = " ".join(run(*words, "--speed", "250mm/s").out.split())
-    assert "Lost: nothing. Speed is not checked: the arm's file has no joint rates." in asked
 
 
 @pytest.mark.slow

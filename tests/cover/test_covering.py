@@ -376,7 +376,6 @@ def test_leaves_of_many_narrow_variables_are_told_apart():
     assert len(np.unique(told, axis=0)) == len(np.unique(cells, axis=0))
 
 
-
 @pytest.mark.by_hand
 def test_boxes_between_families_that_almost_touch_are_explained_by_the_parts_that_are_left():
     found = cover(robot_of("puma560"), width=0.1, corank=2)
@@ -528,22 +527,6 @@ def test_why_a_covering_ended_is_said_in_its_sentence(end, words):
     tree = replace(found.covering.tree, finished=np.zeros_like(found.covering.tree.finished))
     part = replace(found, covering=replace(found.covering, tree=tree, stopped=end, needed=90))
     assert part.sentence.startswith(f"Not complete{words}: 0.0 % of the joint space")
-
-
-@pytest.mark.slow
-def test_a_budget_ends_the_work_and_says_so():
-    found = covering(open_robot("almarkhi4"), 0.1, budget=15_000)
-    assert (found.complete, found.stopped) == (False, CoveringEnd.BUDGET_SPENT)
-    assert found.tree.finished.any()
-    found = covering(open_robot("almarkhi4"), 0.1, budget=2000)
-    assert (found.complete, found.stopped) == (False, CoveringEnd.BUDGET_TOO_SMALL)
-    assert found.needed > 15_000
-    labels: set[str] = set()
-    cover(open_robot("almarkhi4"), width=0.1, budget=15_000, report=lambda label, *_: labels.add(label))
-    assert labels == {f"parts covered (about {found.needed:,} enclosures in all)"}
-    assert not found.tree.finished.any()
-    with pytest.raises(OptionError, match="budget"):
-        covering(open_robot("almarkhi4"), 0.3, budget=0)
 
 
 def test_two_processes_do_not_make_one_file(tmp_path):

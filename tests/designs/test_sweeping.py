@@ -31,7 +31,6 @@ from rankdrop.formula.writing import AnglePin
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
-from rankdrop.results.known import shipped
 from rankdrop.robot.drawing import Drawing
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.numbers import reach
@@ -366,18 +365,6 @@ def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.by_hand
-def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_part_are_equal() -> None:
-    asks = {"families": {"starts": 50, "fresh": 50}, "near": {"within": 0.1, "samples": 400}}
-    found = compare(["ur5e", "gp7"], asks, workers=1)
-    assert found.records[0]["measures"]["families"] == len(shipped("ur5e").families)
-    assert found.records[1]["sentence"] == shipped("gp7").verdict.sentence
-    shares = [one["measures"]["near"] for one in found.records]
-    assert 0.0 < abs(shares[0] - shares[1]) < 0.02  # of 400 samples
-    assert found.best("near") == (0, 1)
-    assert found.sentence == "ur5e and gp7 do not differ within the error, for task pose."
-
-
-@pytest.mark.by_hand
 def test_slides_keep_their_lengths_out_of_the_key() -> None:
     found = rankdrop.sweep({"robot": "stanford", "parameters": {"d": {"sets": "2.d", "values": [0.1, 0.2]}},
                             "families": {"starts": 100, "fresh": 100, "exact": False}}, workers=1)  # fmt: skip
@@ -453,30 +440,6 @@ def _poses(file: Path) -> tuple[np.ndarray, np.ndarray | None]:
 
     read = read_poses(file)
     return read.matrices, read.times
-
-
-@pytest.mark.slow
-def test_where_no_variant_has_a_measure_none_is_ranked_and_the_sentence_says_which() -> None:
-    """The region is out of reach."""
-    found = rankdrop.sweep({
-        "robot": "planar3r", "parameters": {"forearm": {"sets": "3.a", "values": [0.3, 0.4]}},
-        "region": {"lower": [5, 5, 0], "upper": [6, 6, 0], "points": 2, "rpy": [0, 0, 0]},
-    }, workers=1)  # fmt: skip
-    assert found.pareto == []
-    assert found.sentence == "None of 2 variants of planar3r is ranked: none has sigma."
-    titles = [section.title for section in found.sections()]
-    assert "Variants" in titles
-    assert "Pareto-optimal variants" not in titles
-
-
-def test_the_note_of_an_arm_without_rate_limits_says_what_is_missing() -> None:
-    others = ("families", "aspects", "near", "region", "paths", "certified")
-    asks = {"slow": {"speed": 0.25, "turn_speed": 0.0, "samples": 100}} | dict.fromkeys(others)
-    arms = [rankdrop.open_robot(name) for name in ("planar3r", "irb120")]
-    records = [measure_arm(arm, resolve_task(None, arm), asks, None, limits=False, seed=0) for arm in arms]
-    assert [one["measures"]["slow"] is None for one in records] == [True, False]
-    assert "–: too few joints have a rate limit, state `velocity`" in error_text(records, "slow")
-    assert "rate limit" not in error_text(records[1:], "slow")
 
 
 def test_the_share_of_slow_configurations_is_that_of_analyze_with_its_interval() -> None:

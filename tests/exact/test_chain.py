@@ -18,10 +18,8 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import turn
 from rankdrop.exact.letters import letters_text, never_zero, sign_of, value_of
 from rankdrop.kinematics import jacobian, task_jacobian
-from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BODY, Task
-from rankdrop.verbs.conditions import conditions
 
 HALF = pi / 2
 
@@ -176,16 +174,6 @@ def test_the_home_of_the_tool_moves_the_rows_of_a_position_only() -> None:
     assert_exact(longer, "position")
     q = np.full(robot.n, 0.3)
     assert jacobian(robot, q).shape == (6, robot.n)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("n", "task", "alpha"), [(24, "pose", 0.7), (30, "planar", 0.0)])
-def test_a_long_general_arm_ends_at_once_and_says_why(n: int, task: str, alpha: float) -> None:
-    rows = [(0.1 + 0.01 * j, alpha, 0.05 * bool(alpha), 0) for j in range(n)]
-    found = conditions(from_dh(rows, convention="standard"), task, points=0, lengths="numbers")
-    assert not found.complete
-    assert "would grow too long: the arm's screws were not written down" in str(found.left[0])
-    assert found.generic_rank == (6 if task == "pose" else 3)
 
 
 @pytest.mark.parametrize("rows", [(0, 1, 5), (0, 2, 4), (0, 1)])

@@ -6,25 +6,22 @@ import sys
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import corank_one
-from rankdrop.exact.families import Reality
 from rankdrop.exact.letters import covered_by_numeric_tree, decided_by_numbers, splits
 from rankdrop.exact.tree import Drop, rank_tree
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.derivation import DIFFERS
-from rankdrop.families.record import exact_of
 from rankdrop.families.unfinished import Unfinished
 from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
-from rankdrop.verbs.deriving import _cloud, _not_singular
+from rankdrop.verbs.deriving import _cloud
 
 
 @pytest.mark.by_hand
@@ -94,18 +91,6 @@ def test_factors_and_angles_at_these_lengths_are_seen() -> None:
         assert not splits(chain, replace(tree, drops=[drop]))
         assert splits(same, replace(tree, drops=[drop]))
     assert x != y
-
-
-def test_a_family_that_is_not_singular_at_the_arms_own_lengths_is_no_exact_derivation() -> None:
-    found = conditions(open_robot("scara"), points=0)
-    chain = found.chain
-    q = np.array([[0.3, 1e-7, 0.2, 0.1][: chain.n]])
-    here = Reality(q, True, False, (), np.empty((0, chain.n)))
-    sets = [(Drop(piece, 0), here) for family in found.families for piece in exact_of(family).pieces]
-    assert _not_singular(chain, sets, found.families, found.generic_rank) == []
-    far = [(drop, replace(reality, points=reality.points + 1e-3)) for drop, reality in sets]
-    (told,) = _not_singular(chain, far, found.families, found.generic_rank)
-    assert "does not vanish at" in str(told)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import re
 from collections.abc import Sequence
 from functools import cache
 from itertools import combinations
@@ -24,7 +23,7 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.conjunctions import Conjunction, Derivation, columns_on, values_of
 from rankdrop.exact.derivation import _too_long
-from rankdrop.exact.method_reason import MethodReason, Parting, PartingKind
+from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.methods import METHODS, _choices, derive, zero_of
 from rankdrop.exact.tree import rank_tree
 from rankdrop.families.points import cloud
@@ -34,7 +33,6 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.text.by_hand import Words, notes_of, steps_of
-from rankdrop.text.structure import reason_text
 from rankdrop.units import out_of_units
 from rankdrop.verbs.conditions import conditions
 
@@ -579,20 +577,6 @@ def test_coranks_that_no_configuration_has_are_derived_too() -> None:
     assert rank_tree(chain, Work(20.0), lowest=4).lowest == 4
 
 
-@pytest.mark.slow
-def test_auto_names_the_methods_that_it_does_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where conditions are long it compares the minors, which end, and claims nothing of the methods by cases."""
-    arm = from_dh([(0, np.pi / 2, 0.3, 0), (0.4, 0, 0, 0), (0.3, 0, 0, 0), (0.2, 0, 0, 0)], convention="standard")
-    monkeypatch.setattr("rankdrop.exact.derivation._LONG", 1)
-    found = conditions(arm, "position", points=0, coranks=1)
-    assert (found.method, found.complete) == ("determinant", True)
-    assert re.search(
-        r"; conditions have up to \d+ terms: reciprocity and singular-vector were not run; each can be asked for$",
-        reason_text(found.reason),
-    )
-    assert derive(exact_chain(arm, "position"), "singular_vector").complete
-
-
 @pytest.mark.parametrize(
     ("name", "methods"),
     [("panda", ("suppression", "reciprocity", "singular-vector")), ("puma560", ())],
@@ -614,21 +598,6 @@ def test_a_polynomial_of_one_sign_has_no_zero() -> None:
     assert abs(values_of(chain, p, np.array([where]) + chain.shifts)[0]).max() < 1e-12
     assert zero_of(chain, p * p + 1) is None
     assert zero_of(chain, -p * p - 1) is None
-
-
-def test_a_reason_says_what_is_open() -> None:
-    parting = Parting(PartingKind.ALWAYS_SINGULAR)
-    why = "the arm is singular at every configuration"
-    assert reason_text(MethodReason()) == "asked for"
-    assert reason_text(MethodReason(parting, 500, ("singular-vector",))) == (
-        f"{why}; conditions have up to 500 terms: singular-vector was not run; each can be asked for"
-    )
-    assert reason_text(MethodReason(parting, unfactored=2)) == (
-        f"{why}; minors that were not factored in time, and stand as they are: 2"
-    )
-    assert reason_text(MethodReason(parting, unfinished="suppression")) == (
-        f"{why}; the method suppression was tried and did not finish"
-    )
 
 
 def _sparse(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:

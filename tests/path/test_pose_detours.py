@@ -20,8 +20,6 @@ from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, Window
 from rankdrop.path.mend.remedies import LOCAL, mend_path
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
-from rankdrop.text.remedies import local_lines, remedy_note
-from rankdrop.text.words import short
 
 STARTS = {"kr6r900": (0, -80, 90, 20, 12, 0), "pa10": (0, 30, 20, 20, 20, 40, 0), "ur10e": (-2, -71, 85, -79, 45, 2)}
 JOINT = {"kr6r900": 4, "pa10": 3, "ur10e": 4}
@@ -153,20 +151,6 @@ def planar() -> tuple[Array, Array, PathCheck]:
 
 
 @pytest.mark.slow
-def test_a_file_that_is_not_followed_to_its_end_is_not_mended_by_other_kinds() -> None:
-    """They would mend the part up to there, and write a file cut short."""
-    _, _, check = planar()
-    assert check.tool is not None
-    assert not check.tool.complete
-    found = mend_path(check, kinds=("null-space", "flip", "bump", "retime"))
-    assert found.remedies == ()
-    reached = short(check.tool.reached)
-    assert found.notes == (f"other kinds: not tried, the poses are followed up to pose {reached} only",)
-    assert remedy_note("range", (2, float(np.radians(13.0)), check.robot)) == (
-        "joint limits: with 13° more range of joint 2 the poses are followed to the end")  # fmt: skip
-
-
-@pytest.mark.slow
 def test_a_planar_arm_stays_inside_its_reach() -> None:
     """Led inside, by as much as the poses are beyond it at least."""
     poses, t, check = planar()
@@ -181,33 +165,3 @@ def test_a_planar_arm_stays_inside_its_reach() -> None:
     for row in np.flatnonzero(early | late):
         assert np.abs(now - poses[row]).max(axis=(1, 2)).min() < 1e-9
     assert np.abs(np.sin(one.trajectory.q[:, 1])).min() > 1e-3
-
-
-def test_how_far_a_joint_would_go_beyond_its_limit_is_measured_between_the_poses() -> None:
-    """A line of two poses in front of an IRB 2400: joint 3 is inside its range at the ends, 5.8° beyond between."""
-    arm = open_robot("irb2400")
-    ends = np.repeat(np.diag([1.0, -1.0, -1.0, 1.0])[None], 2, axis=0)
-    ends[:, :3, 3] = [[0.4, -0.3, 0.3], [0.4, 0.3, 0.3]]
-    check = check_poses(arm, ends, [0.0, 4.0])
-    assert check.tool is not None
-    assert (check.tool.reason, check.tool.joint) == ("limit", 3)
-    blocked = PoseDetourer(check, 0.03, CLEARANCE).find_windows(lambda done, count: None)
-    assert isinstance(blocked, Blocked)
-    assert (blocked.hindrance, blocked.joint) == (Hindrance.RANGE, 3)
-    q, third = check.tool.q[0], []
-    for y in np.linspace(-0.3, 0.3, 601):  # Newton's method in small steps, with the Jacobian by finite differences
-        for _ in range(4):
-            now, wanted = pose(arm, q), ends[0].copy()
-            wanted[1, 3] = y
-            columns = [(_error(pose(arm, q + step), now) / 1e-6) for step in 1e-6 * np.eye(6)]
-            q = q + np.linalg.solve(np.transpose(columns), _error(wanted, now))
-        third.append(q[2])
-    assert blocked.beyond == pytest.approx(max(third) - arm.upper[2], abs=np.radians(0.1))
-    assert "where no singularity is near" in " ".join(local_lines(mend_path(check, kinds=LOCAL)))
-
-
-def _error(wanted: Array, now: Array) -> Array:
-    """(6,) from one pose to another: the way, and the rotation vector of a small turn."""
-    turn = wanted[:3, :3] @ now[:3, :3].T
-    skew = (turn - turn.T) / 2.0
-    return np.array([*(wanted[:3, 3] - now[:3, 3]), skew[2, 1], skew[0, 2], skew[1, 0]])

@@ -6,7 +6,9 @@ from math import pi
 
 import pytest
 
-from rankdrop.text.families import share_text, value_text, values_text
+from rankdrop.results.known import shipped
+from rankdrop.robot.open import open_robot
+from rankdrop.text.families import inside_limits, share_text, value_text, values_text
 
 
 @pytest.mark.parametrize(
@@ -41,3 +43,14 @@ def test_only_all_is_one() -> None:
     assert share_text(1000, 1000) == "100 %"
     assert share_text(99_999, 100_000) == "99.9 %"
     assert share_text(0, 0) == "–"
+
+
+def test_slides_do_not_turn():
+    robot, found = open_robot("stanford"), shipped("stanford")
+    slides = [row for row in found.families if any(pin.number == 3 for pin in row.pinned)]
+    assert slides
+    for row in slides:
+        values = next(pin.values for pin in row.pinned if pin.number == 3)
+        inside = inside_limits(row, robot)
+        kept = next(pin.values for pin in inside.pinned if pin.number == 3)
+        assert kept == tuple(value for value in values if robot.lower[2] <= value <= robot.upper[2])

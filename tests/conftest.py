@@ -1,6 +1,6 @@
 """Shared by all tests: hypothesis is deterministic, `rng` gives every test the same numbers each run.
 
-`run` and `process` run a command line, in this process and as its own.
+`run` and `process` run a command line, in this process and as its own; `found` and `shapes` are analyses.
 """
 
 from __future__ import annotations
@@ -19,11 +19,15 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import numpy as np
 import pytest
+from analyses import every_shape
 from command_line import Ended, Run, command
 from hypothesis import settings
 
 from rankdrop.cli import main
 from rankdrop.results import known as known_exact
+from rankdrop.results.analysis import Analysis
+from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
 
 Report = pytest.TestReport | pytest.CollectReport
 
@@ -149,3 +153,15 @@ def process() -> Run:
         return Ended(done.returncode, done.stdout, done.stderr)
 
     return once
+
+
+@pytest.fixture(scope="session")
+def found() -> Analysis:
+    """A real analysis, small and quick: 3 coranks of an arm with prismatic and revolute joints."""
+    return analyze(open_robot("scara"), starts=200)
+
+
+@pytest.fixture
+def shapes() -> Analysis:
+    """A made-up analysis with every shape that a row can have."""
+    return every_shape()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
-from itertools import combinations
 from math import cos, pi, prod, radians, sin
 from typing import Any
 
@@ -19,17 +18,7 @@ from rankdrop.algebra.field import Point, roots_at, value_at
 from rankdrop.algebra.gcd import _Images, gcd, image_modulo, quotient
 from rankdrop.algebra.polynomial import Equality, flint, is_number, norm, primitive, reciprocal, reduced_roots
 from rankdrop.algebra.ring import Ring, numeric_terms
-from rankdrop.algebra.roots import (
-    PRIMES,
-    ROOTS,
-    embeddings,
-    primes_with,
-    residues_of_roots,
-    root_values,
-    roots_of,
-    sums_over_roots,
-    surd,
-)
+from rankdrop.algebra.roots import ROOTS, embeddings, primes_with, root_values, roots_of, sums_over_roots, surd
 from rankdrop.algebra.solving import Solved
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
@@ -94,17 +83,6 @@ def test_multiples_of_15_and_18_degrees_are_exact(angle: int) -> None:
 def test_other_angles_are_rational() -> None:
     assert roots_of([turn(0.3).cos, turn(0.3).sin]) == []
     assert 0 < abs(turn(0.3).error) < 1e-11
-
-
-def test_roots_exist_modulo_their_primes() -> None:
-    for names in combinations(ROOTS, 2):
-        ring = Ring([1], letters=names)
-        for prime in ring.primes:
-            point = Point(roots_at(ring, prime), prime)
-            assert all(value_at(ring, w * w - reduced_roots(w * w), point) == 0 for w in ring.letter_half.values())
-        assert len(primes_with(names)) >= 12
-    assert primes_with(()) == PRIMES
-    assert residues_of_roots(("cos18", "sqrt5"), PRIMES[3]) is None
 
 
 def test_a_ring_has_the_roots_in_the_squares_of_its_roots() -> None:

@@ -118,13 +118,6 @@ def test_families_are_counted_by_rank(ranks: tuple[RankSummary, ...], said: str)
     assert opening(FamilySummary("arm", 6, ranks, Evidence.TESTED, 10)) == said
 
 
-def test_a_summary_says_how_the_families_were_verified() -> None:
-    found = shipped("planar3r")
-    assert (found.summary.evidence, found.summary.tests) == (Evidence.TESTED, 1150)  # shipped without a derivation
-    family = replace(found.families[0], soundness=Check(10, 9))
-    assert replace(found, families=(family,)).summary.evidence is Evidence.NONE
-
-
 def test_a_failed_test_is_shown_in_the_row_of_its_family(capsys: pytest.CaptureFixture[str]) -> None:
     found = shipped("planar3r")
     family = replace(found.families[0], soundness=Check(10, 9))

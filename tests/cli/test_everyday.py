@@ -305,19 +305,6 @@ def test_bash_completes_commands() -> None:
 
 
 @pytest.mark.by_hand
-@pytest.mark.slow_at("zsh", "bash")
-@pytest.mark.parametrize("word", ["bash", "zsh"])
-def test_where_no_word_fits_names_of_files_are_offered(word: str, run: Any) -> None:
-    script = run("completion", word).out
-    if word == "bash":
-        assert script.rstrip().endswith("complete -o default -F _rankdrop rankdrop")
-        return
-    lines = [line for line in script.splitlines() if re.search(r"--(json|out|html)\[|'1:.*file", line)]
-    assert len(lines) > 20
-    assert [line for line in lines if "]:" in line or "'1:" in line if ":_files'" not in line] == []
-
-
-@pytest.mark.by_hand
 def test_zsh_calls_the_script_where_it_is_autoloaded_and_knows_it_where_it_is_sourced(tmp_path: Path) -> None:
     zsh = shutil.which("zsh")
     if zsh is None:

@@ -335,21 +335,6 @@ def test_elbow_and_shoulder_of_jl_lose_what_jl_says():
     )
 
 
-@pytest.mark.parametrize(
-    ("name", "kind", "part"),
-    [
-        ("pa10", PartingKind.ARM_NOT_SQUARE, "wrist"), ("panda", PartingKind.ARM_NOT_SQUARE, "shoulder"),
-        ("gen3", PartingKind.NOT_SQUARE, ""), ("canadarm2", PartingKind.NOT_SQUARE, ""),
-        ("almarkhi4", PartingKind.NOT_SQUARE, ""),
-    ],
-)  # fmt: skip
-def test_redundant_arms_are_not_decoupled_and_it_is_said_why(name, kind, part):
-    chain = exact_chain(open_robot(name))
-    assert decouple(chain) is None
-    found = parting_of(chain)
-    assert (found.kind, found.part, found.columns, found.rows) == (kind, part, chain.n, chain.task.m)
-
-
 def test_an_arm_that_decouples_says_by_which_joints():
     found = parting_of(CHAINS["puma560"])
     assert (found.kind, found.joints, found.part, found.parts_exactly) == (PartingKind.POINT, (4, 5, 6), "wrist", True)
@@ -360,12 +345,6 @@ def test_an_arm_in_one_piece_and_one_always_singular():
     for name, dead in DEAD.items():
         assert decouple(dead) is None, name
         assert parting_of(dead).kind is PartingKind.ALWAYS_SINGULAR, name
-
-
-def test_too_few_joints_for_the_task():
-    chain = exact_chain(open_robot("planar3r"), "pose")
-    assert decouple(chain) is None
-    assert parting_of(chain).kind is PartingKind.TOO_FEW_JOINTS
 
 
 def test_position_task_of_three_axes_parts_elbow_and_shoulder():

@@ -7,7 +7,6 @@ import pytest
 from reference import arms
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.local.axes import Scene
 from rankdrop.local.relations import Relation, relations_at
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
@@ -107,14 +106,3 @@ def test_relations_do_not_depend_on_base_tool_or_sign(name: str, rng: np.random.
 def test_one_configuration_is_needed() -> None:
     with pytest.raises(ConfigurationError):
         relations_at(open_robot("pa10"), np.zeros((2, 7)))
-
-
-def test_a_scene_of_one_configuration_is_kept_and_a_mimic_joint_is_asked_for() -> None:
-    """Relations, circuits and special places of an explanation are about the same axes."""
-    arm, mimicking = open_robot("pa10"), arms.random_chain(np.random.default_rng(0), "rrmr")
-    q = np.array([0.1, 0.2, 0.0, 0.4, 0.0, 0.6, 0.7])
-    assert Scene.at(arm, q) is Scene.at(arm, q.copy(), every_joint=True)
-    np.testing.assert_array_equal(Scene.at(arm, q).parallel, Scene(arm, q[None]).parallel)
-    place = np.zeros(mimicking.n)
-    assert len(Scene.at(mimicking, place).z) == mimicking.n < len(mimicking.joints)
-    assert len(Scene.at(mimicking, place, every_joint=True).z) == len(mimicking.joints)

@@ -180,18 +180,6 @@ def test_structural_means_at_every_configuration_and_permanent_dependent_there(r
     assert special > 20
 
 
-@pytest.mark.parametrize(("screws", "dimension"), [
-    (concurrent(2), 3), (parallel(2), 3), (parallel(3), 3), (slides(2), 2), (slides(5), 3),
-    ([revolute(Z, C), prismatic(Z)], 2), ([*parallel(2), prismatic(Z)], 4), ([revolute(Z, C), *slides(1)], 4),
-    ([helical(Z, (0, 0, 0), 0.2), helical(Z, (1, 0, 0), 0.2)], 3), (other(2), 6), ([revolute(Z, C)], 1),
-    ([helical(Z, (0, 0, 0), 0.2), helical(Z, (1, 0, 0), 0.3)], 4),
-])  # fmt: skip
-def test_dimensions_of_the_algebras(screws: list[Array], dimension: int) -> None:
-    basis = closure(np.array(screws))
-    assert basis.shape == (dimension, 6)
-    assert np.allclose(basis @ basis.T, np.eye(dimension))
-
-
 @pytest.mark.slow
 def test_catalogue_arms_have_no_system_that_is_dependent_for_ever() -> None:
     for name in robot_names():

@@ -16,7 +16,7 @@ from rankdrop.local.block import singular_values
 from rankdrop.path.check.turns import far_turns
 from rankdrop.path.curve import Curve, curve
 from rankdrop.path.mend import remedies
-from rankdrop.path.mend.bumps import CLEARANCE, least_motion
+from rankdrop.path.mend.bumps import CLEARANCE
 from rankdrop.path.mend.local_change import step, tool_off
 from rankdrop.path.mend.remedies import LOCAL, Mending, Remedy, mend_path
 from rankdrop.path.read.files import read_trajectory
@@ -481,27 +481,6 @@ def test_without_a_remedy_the_command_names_the_bound(
     said = capsys.readouterr().out
     assert "No local remedy. Bump: " in said
     assert "--bump 0.5deg avoids it; --bump 1.6deg does" in said
-
-
-def test_no_joint_motion_along_the_normal_moves_the_tool_less(rng: np.random.Generator) -> None:
-    """Against random changes of the motion; least squares with equal weights, the method before, move it farther."""
-    ways, gains = np.arange(6) < 3, []
-
-    def size(jacobian: Array, motion: Array) -> Array:
-        moved = motion @ jacobian.T
-        return np.linalg.norm(moved[..., :3], axis=-1) + np.linalg.norm(moved[..., 3:], axis=-1)
-
-    for _ in range(10):
-        jacobian, normal = rng.normal(size=(6, 6)), rng.normal(size=6)
-        normal /= np.linalg.norm(normal)
-        found = least_motion(jacobian, ways, normal)
-        assert normal @ found == pytest.approx(1.0)
-        change = rng.normal(size=(2000, 6)) * 10.0 ** rng.uniform(-3.0, 0.0, (2000, 1))
-        change -= (change @ normal)[:, None] * normal
-        assert size(jacobian, found + change).min() > 0.98 * size(jacobian, found)
-        equal = np.linalg.solve(jacobian.T @ jacobian, normal)
-        gains.append(size(jacobian, equal / (normal @ equal)) / size(jacobian, found))
-    assert max(gains) > 1.1
 
 
 def test_detours_beside_bumps_are_told_in_rows_of_the_file() -> None:

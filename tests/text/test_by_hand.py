@@ -7,8 +7,6 @@ from rankdrop.exact.suppression import suppress
 from rankdrop.robot.open import open_robot
 from rankdrop.text.by_hand import steps_of
 
-pytest.importorskip("flint")
-
 
 @pytest.mark.by_hand
 def test_why_these_screws_and_this_frame_is_told():

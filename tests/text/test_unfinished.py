@@ -7,8 +7,6 @@ import pytest
 from rankdrop.robot.dh import from_dh
 from rankdrop.verbs.conditions import conditions
 
-pytest.importorskip("flint")
-
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("n", "task", "alpha"), [(24, "pose", 0.7), (30, "planar", 0.0)])

@@ -1,11 +1,10 @@
-"""Shared by the tests of the command line: one analysis made once, and made-up ones."""
+"""Made-up analyses: for what is shown of one, not for what is true."""
 
 from __future__ import annotations
 
 from math import pi
 
 import numpy as np
-import pytest
 
 from rankdrop.families.corank_families import CorankSummary, Estimator, Unseen
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
@@ -18,14 +17,6 @@ from rankdrop.results.old_files import name_of_words
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, resolve_task
 from rankdrop.tolerances import DEFAULT
-from rankdrop.verbs.analyze import analyze
-
-
-@pytest.fixture(scope="session")
-def found() -> Analysis:
-    """A real analysis, small and quick: 3 coranks of an arm with prismatic and revolute joints."""
-    return analyze(open_robot("scara"), starts=200)
-
 
 ZERO, HALF = (0.0, pi), (pi / 2, -pi / 2)
 SLIDE_X = LostFreedom((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), Frame(), everywhere=True)
@@ -69,8 +60,7 @@ def made_up(*rows: Family, explained: int = 1000, complete: bool = True) -> Anal
     )  # fmt: skip
 
 
-@pytest.fixture
-def shapes() -> Analysis:
+def every_shape() -> Analysis:
     """Every shape a row can have: a long name, exact values, other values, coupled joints, no condition, two words."""
     zero = (0,) * 7
     arm = Equation((Term(0.9087, "cos", (0, 2, 0, 0, 0, 0, 0), zero), Term(1.0, "cos", (0, 2, 2, 0, 0, 0, 0), zero)))

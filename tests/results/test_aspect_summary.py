@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
-from math import pi
 
 import pytest
 from jsonschema import Draft202012Validator
-from reference import cuspidal
 from scripts import tool
 
 from rankdrop import sweep
-from rankdrop.aspects import verdict
 from rankdrop.aspects.arm import count_of_arm, summary_of
-from rankdrop.aspects.verdict import judged_summary
 from rankdrop.designs import compare
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.aspect_summary import CUSPIDAL, NOT_ASKED, NOT_CUSPIDAL, NOT_FOUND, AspectSummary
@@ -79,19 +75,6 @@ def test_aspects_of_another_arm_are_counted_where_asked_for() -> None:
     own = from_dh(links, convention="standard", task="planar-position", name="own")
     assert analyze(own, starts=50).aspects is None
     assert analyze(own, starts=50, aspects=True).aspects == AspectSummary(2, 2, True, NOT_CUSPIDAL)
-
-
-@pytest.mark.slow
-def test_the_verdict_of_an_own_arm_is_proven_or_searched_for_at_a_few_poses(monkeypatch: pytest.MonkeyPatch) -> None:
-    wenger = cuspidal.wenger()
-    assert judged_summary(wenger, resolve_task(None, wenger)).posture_change == CUSPIDAL
-    monkeypatch.setattr(verdict, "POSES", 1)
-    rows = [(0, 0.9, -pi / 2), (0.5, 0.3, pi / 2), (0, 1.2, 0)]
-    table = [{"d": float(d), "a": float(a), "alpha": float(x)} for d, a, x in rows]
-    undecided = from_dh(table, convention="standard", task="position", name="open")
-    assert judged_summary(undecided, resolve_task(None, undecided)).posture_change == NOT_FOUND
-    redundant = open_robot("planar3r")
-    assert judged_summary(redundant, resolve_task("planar-position", redundant)).posture_change == NOT_ASKED
 
 
 @pytest.mark.slow

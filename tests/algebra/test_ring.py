@@ -161,7 +161,6 @@ def test_a_joint_at_pi_takes_the_degree_that_was_there_before_any_pin() -> None:
 
 
 def test_a_determinant_is_the_one_of_the_values(ring: Ring) -> None:
-
     rng = random.Random(7)
     for n in (1, 2, 3, 4):
         entries = [random_polynomial(ring, rng, 3) if rng.random() < 0.7 else ring.zero for _ in range(n * n)]

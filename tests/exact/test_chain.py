@@ -15,7 +15,6 @@ from known.arms import KINDS
 
 from rankdrop.errors import OptionError, RobotError, TaskError
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.arm.geometry import turn
 from rankdrop.exact.letters import letters_text, never_zero, sign_of, value_of
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.open import open_robot
@@ -126,14 +125,6 @@ def test_equal_lengths_share_a_letter_with_their_sign() -> None:
     signs = {sign for (_, which), (sign, letter) in chain.written.items() if letter == "a2" and which == "a"}
     assert signs == {1, -1}
     assert_exact(robot, "position")
-
-
-@pytest.mark.parametrize("angle", [0.0, HALF, -HALF, pi, -pi, 0.3, -2.9, 1e-8])
-def test_a_turn_is_exact_and_says_its_error(angle: float) -> None:
-    found = turn(angle)
-    assert found.cos**2 + found.sin**2 == 1
-    exact = np.arctan2(float(found.sin), float(found.cos)) + found.error
-    assert np.angle(np.exp(1j * (exact - angle))) == pytest.approx(0, abs=1e-13)
 
 
 def test_names_that_mean_something_else_and_lengths_that_are_not_there_are_refused() -> None:

@@ -13,11 +13,10 @@ import rankdrop
 from rankdrop.cli import main
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
-from rankdrop.path.check.turns import far_turns
 from rankdrop.path.curve import Curve, curve
 from rankdrop.path.mend import remedies
 from rankdrop.path.mend.bumps import CLEARANCE
-from rankdrop.path.mend.local_change import step, tool_off
+from rankdrop.path.mend.local_change import tool_off
 from rankdrop.path.mend.remedies import LOCAL, Mending, Remedy, mend_path
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.robot.model import Array
@@ -91,20 +90,6 @@ def test_a_wrist_that_dips_across_zero_is_lifted_and_the_rest_stays_to_the_last_
     off = tool_off(open_robot(name), q, best.trajectory.q)
     np.testing.assert_allclose(off, best.off, rtol=2e-2)
     assert np.degrees(off[1]) < DEPTH + 0.2 + 0.05  # joint 5 alone turns the tool by that
-
-
-@pytest.mark.slow
-def test_a_bump_has_two_continuous_derivatives() -> None:
-    share = np.linspace(-0.2, 1.2, 1401)
-    value, slope, bend = step(share)
-    np.testing.assert_allclose(np.gradient(value, share), slope, atol=1e-4)
-    np.testing.assert_allclose(np.gradient(slope, share)[5:-5], bend[5:-5], atol=0.1)
-    assert np.abs(np.diff(bend)).max() < 0.02 * np.abs(bend).max()
-    q, found = mended("irb120")
-    assert found.best is not None
-    moved = (found.best.trajectory.q - q)[:, 4]
-    second = np.gradient(np.gradient(moved, 0.01), 0.01)
-    assert np.abs(np.diff(second)).max() < 0.4 * np.abs(second).max()  # at a jump: as large as the values themselves
 
 
 @pytest.mark.slow
@@ -376,17 +361,6 @@ def test_a_detour_says_which_joint_turns_how_far() -> None:
 def mend_text(best: Remedy) -> str:
     """The remedy as it is printed."""
     return str(Mending(best.check, (best,), (), True, True))
-
-
-def test_turns_are_found_where_they_are() -> None:
-    t = np.arange(500) * 0.01
-    q = np.zeros((500, 6))
-    q[:, 3] = np.radians(173.0) * smooth((t - 1.2) / 0.6)
-    q[:, 0] = np.radians(80.0) * t / t[-1]  # slow: no turn of its own
-    (turn,) = far_turns(open_robot("irb120"), curve(q, t))
-    assert (turn.joint, round(float(np.degrees(turn.angle)))) == (4, 171)
-    assert turn.start.time == pytest.approx(1.2, abs=0.1)
-    assert turn.end.time == pytest.approx(1.8, abs=0.1)
 
 
 def test_a_path_that_touches_the_edge_of_reach_stays_inside() -> None:

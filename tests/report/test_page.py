@@ -149,13 +149,6 @@ def test_the_skeleton_lies_on_the_axes(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_every_turn_is_told_in_degrees() -> None:
-    text = text_of("stanford")
-    assert "rad, m]" not in text
-    assert re.search(r"Through a point of <b>k1\.f\d</b>: θ\d = −?[\d.]+°", text)
-
-
-@pytest.mark.slow
 def test_what_is_taken_away_is_the_analysis() -> None:
     found = shown("stanford")
     record = page_data(found)["downloads"]

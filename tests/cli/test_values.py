@@ -1,0 +1,39 @@
+"""Configurations as they are typed."""
+
+from __future__ import annotations
+
+from math import pi, radians
+
+import pytest
+
+from rankdrop.cli.values import parse_configuration
+from rankdrop.errors import ConfigurationError
+from rankdrop.robot.open import open_robot
+
+
+def test_configurations_as_people_write_them() -> None:
+    arm = open_robot("scara")
+    assert parse_configuration("[30deg, -pi/2; 120mm 0.5]", arm, deg=False) == [
+        pytest.approx(pi / 6), -pi / 2, pytest.approx(0.12), 0.5,
+    ]  # fmt: skip
+    assert parse_configuration("30, -90, 0.12, 0.5rad", arm, deg=True) == [
+        pytest.approx(pi / 6), pytest.approx(-pi / 2), 0.12, 0.5,
+    ]  # fmt: skip
+    for text in ("(1+1)/2, 0, 0, (1)", "{1, 0, 0, 1}", "(1 0 0 1)", "1, 0, 0, 1,", "[1;0;0;1]"):
+        assert parse_configuration(text, arm, deg=False) == [1.0, 0.0, 0.0, 1.0]
+    assert parse_configuration("−π/2, 0, 0, 1", arm, deg=False)[0] == -pi / 2  # as printed
+    for text in ("", "1,,0,0,1", "1,2,3", "0,5 0,1 0 0"):
+        with pytest.raises(ConfigurationError, match="4 joint values"):
+            parse_configuration(text, arm, deg=False)
+
+
+def test_configurations_of_programs_are_read_by_name() -> None:
+    """As KRL writes an axis target: names, or letters and number, in the order of the joints."""
+    arm = open_robot("kr16")
+    wanted = [radians(x) for x in (0, -90, 90, 0, 0.5, 0)]
+    for text in ("{A1 0, A2 -90, A3 90, A4 0, A5 0.5, A6 0}", "j1: 0; j2: −90; j3: 90; j4: 0; j5: 0.5; j6: 0;",
+                 "joint_a1=0, joint_a2=-pi/2 rad, joint_a3=90, joint_a4=0, joint_a5=0.5deg, joint_a6=0"):  # fmt: skip
+        assert parse_configuration(text, arm, deg=True) == pytest.approx(wanted)
+    for text in ("A2 0, A1 -90, A3 90, A4 0, A5 0, A6 0", "A1 0, A2 -90", "A1 0, 5, A3 90, A4 0, A5 0, A6 0"):
+        with pytest.raises(ConfigurationError, match="6 joint values"):
+            parse_configuration(text, arm, deg=True)

@@ -1,4 +1,7 @@
-"""Shared by all tests: hypothesis is deterministic, and `rng` gives every test the same numbers each run."""
+"""Shared by all tests: hypothesis is deterministic, `rng` gives every test the same numbers each run.
+
+`run` and `process` run a command line, in this process and as its own; `found` and `shapes` are analyses.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import gc
 import os
 import re
 import signal
+import subprocess
 from collections import defaultdict
 from collections.abc import Generator
 from pathlib import Path
@@ -15,9 +19,15 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import numpy as np
 import pytest
+from analyses import every_shape
+from command_line import Ended, Run, command
 from hypothesis import settings
 
+from rankdrop.cli import main
 from rankdrop.results import known as known_exact
+from rankdrop.results.analysis import Analysis
+from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
 
 Report = pytest.TestReport | pytest.CollectReport
 
@@ -117,3 +127,41 @@ def _derived_anew(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
 def rng() -> np.random.Generator:
     """A random generator with a fixed seed, fresh for every test."""
     return np.random.default_rng(20240229)
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    """run("analyze", "pa10", width=100): one command line in this process."""
+
+    def once(*argv: str, width: int = 100) -> Ended:
+        monkeypatch.setenv("COLUMNS", str(width))
+        capsys.readouterr()
+        code = main.run(argv)
+        text = capsys.readouterr()
+        return Ended(code, text.out, text.err)
+
+    return once
+
+
+@pytest.fixture
+def process() -> Run:
+    """process("analyze", "pa10"): one command line as its own process."""
+
+    def once(*argv: str, **environment: str) -> Ended:
+        everything = {**os.environ, **environment}
+        done = subprocess.run(command(*argv), capture_output=True, text=True, env=everything, timeout=120)
+        return Ended(done.returncode, done.stdout, done.stderr)
+
+    return once
+
+
+@pytest.fixture(scope="session")
+def found() -> Analysis:
+    """A real analysis, small and quick: 3 coranks of an arm with prismatic and revolute joints."""
+    return analyze(open_robot("scara"), starts=200)
+
+
+@pytest.fixture
+def shapes() -> Analysis:
+    """A made-up analysis with every shape that a row can have."""
+    return every_shape()

@@ -16,9 +16,6 @@ from pathlib import Path
 import pytest
 from sources import FILES, ROOT, SOURCE, nodes, parsed
 
-from rankdrop import sections
-from rankdrop.local.directions import LostDirection
-
 FACES = {"text", "cli", "report", "viewer", "errors", "schema", "options", "questions", "codec"}
 """Rooms in which sentences are made; the schema's are the meanings of entries, options' and questions' their help."""
 FEWEST = 4  # words of a sentence
@@ -318,10 +315,3 @@ def f():
 """
     )
     assert list(typed_options(tree)) == ["all: --full "]
-
-
-def test_the_module_that_words_a_class_is_looked_up_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    record = LostDirection([1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    module = sections.words_of(record)
-    monkeypatch.delattr(sections, "import_module")
-    assert sections.words_of(record) is module

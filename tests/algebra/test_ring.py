@@ -161,8 +161,6 @@ def test_a_joint_at_pi_takes_the_degree_that_was_there_before_any_pin() -> None:
 
 
 def test_a_determinant_is_the_one_of_the_values(ring: Ring) -> None:
-    from rankdrop.algebra.polynomial import flint
-
     rng = random.Random(7)
     for n in (1, 2, 3, 4):
         entries = [random_polynomial(ring, rng, 3) if rng.random() < 0.7 else ring.zero for _ in range(n * n)]
@@ -231,8 +229,3 @@ def angles(ring: Ring, joint: int, value: str):
     """Values of all generators: one joint at a simple angle, everything else 3."""
     where = {str(ring.c[joint]): COS_SIN[value][0], str(ring.s[joint]): COS_SIN[value][1]}
     return [where.get(str(one), 3) for one in ring.trig.gens()]
-
-
-@pytest.mark.parametrize("bottom", [1, 2, 3, 10, 2**40])
-def test_a_rational_number_modulo_a_prime_times_its_denominator_is_its_numerator(bottom: int) -> None:
-    assert modulo(flint().fmpq(7, bottom)) * bottom % P == 7

@@ -188,15 +188,6 @@ def test_a_slide_that_stands_with_a_number_is_peeled_and_another_is_not() -> Non
     assert regions(ring.one + ring.s[1] * ring.q[2] ** 2, ring=ring).left == Left.SLIDE
 
 
-def test_terms_that_cancel_widen_an_enclosure() -> None:
-    """c1² and s1² in letters that are almost equal: what is left is rounding, and no sign."""
-    ring = Ring([1], (), ["a", "b"])
-    p = ring.letter["a"] * ring.c[1] - ring.letter["b"] * ring.c[1]
-    wave = wave_of(ring, p, {"a": 1e6, "b": 1e6 + 1e-9}, unit=1)
-    here = wave.over({1: np.array([0.0])}, 0.0)
-    assert here.low[0] < 0 < here.high[0]
-
-
 @pytest.mark.slow
 def test_within_limits_the_number_of_aspects_decides_nothing() -> None:
     """Two solutions with equal signs prove a change of posture only where joints turn as they like."""
@@ -208,12 +199,6 @@ def test_within_limits_the_number_of_aspects_decides_nothing() -> None:
     bound = replace(free, options=replace(free.options, limits=True))
     assert bound.shared is None
     assert bound.verdict == NOT_FOUND
-
-
-def test_an_empty_set_makes_a_product_empty() -> None:
-    empty, unclear = Parts(0, 0, proven=True), Parts(1, 3, proven=False)
-    assert empty * unclear == Parts(0, 0, proven=True)
-    assert not (unclear * unclear).proven
 
 
 @pytest.mark.parametrize(("name", "number"), [("pa10", 2), ("gen3", 1), ("canadarm2", 1), ("px150", 2)])

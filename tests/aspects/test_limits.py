@@ -15,7 +15,7 @@ from scipy import ndimage
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.algebra.ring import Ring
 from rankdrop.aspects.arm import count_of_arm
-from rankdrop.aspects.cells import Box, clusters
+from rankdrop.aspects.cells import Box
 from rankdrop.aspects.count import AspectCount, Left, count_in_box
 from rankdrop.aspects.limits import count_within_limits
 from rankdrop.aspects.posture_paths import aspects_of
@@ -147,12 +147,6 @@ def test_a_slide_and_a_turn_have_the_regions_of_a_flood_fill(twists: tuple[float
     found = count_within_limits(robot, signs)
     assert found.exact
     assert (found.at_least, found.peeled) == (flooded, (2,))
-
-
-def test_cells_at_the_two_ends_of_a_limited_joint_are_no_neighbours() -> None:
-    mask = np.array([True, False, True])
-    assert len(set(clusters(mask, (True,))[mask])) == 1
-    assert len(set(clusters(mask, (False,))[mask])) == 2
 
 
 def test_aspects_with_limits_prints_and_writes_the_number(capsys: pytest.CaptureFixture[str]) -> None:

@@ -19,12 +19,9 @@ from rankdrop.cli import exits, main
 from rankdrop.cli.terminal import BRIEF, fit_to_console, print_blocks
 from rankdrop.families.record import Check
 from rankdrop.families.summary import Evidence, FamilySummary, RankSummary
-from rankdrop.named_tasks import WORLD_ALIGNED
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import known_names, shipped
-from rankdrop.robot.open import open_robot
 from rankdrop.sections import Section
-from rankdrop.task import Task
 from rankdrop.text import opening
 
 WIDTH = 80
@@ -97,13 +94,6 @@ def test_every_arm_of_the_catalogue_has_at_most_forty_lines_and_whole_tables(
     check(whole(found, capsys), "", most=1000)
 
 
-def test_ur5e_is_summarised_by_rank() -> None:
-    """The sentence that the issue asks for, word for word."""
-    assert shipped("ur5e").answer == (
-        "ur5e has 9 families of singularities: shoulder, elbow, wrist (rank 5); 5 combinations (rank 4); 1 (rank 3)."
-    )
-
-
 def ranked(rank: int, families: int, combinations: int, **names: int) -> RankSummary:
     return RankSummary(rank, 6 - rank, families, combinations, names)
 
@@ -126,22 +116,6 @@ def ranked(rank: int, families: int, combinations: int, **names: int) -> RankSum
 )  # fmt: skip
 def test_families_are_counted_by_rank(ranks: tuple[RankSummary, ...], said: str) -> None:
     assert opening(FamilySummary("arm", 6, ranks, Evidence.TESTED, 10)) == said
-
-
-def test_an_arm_that_moves_no_row_of_the_task_is_singular_everywhere() -> None:
-    arm = open_robot("planar3r")
-    lifted = Task("lift", (2,), WORLD_ALIGNED)
-    told = "planar3r is singular everywhere: it moves no row of this task."
-    assert rankdrop.analyze(arm, lifted, starts=10).answer == told
-    assert rankdrop.conditions(arm, lifted, points=0).answer == told
-    assert rankdrop.analyze(arm, lifted, starts=10).verdict.sentence == "Verified by exact derivation."
-
-
-def test_a_summary_says_how_the_families_were_verified() -> None:
-    found = shipped("planar3r")
-    assert (found.summary.evidence, found.summary.tests) == (Evidence.TESTED, 1150)  # shipped without a derivation
-    family = replace(found.families[0], soundness=Check(10, 9))
-    assert replace(found, families=(family,)).summary.evidence is Evidence.NONE
 
 
 def test_a_failed_test_is_shown_in_the_row_of_its_family(capsys: pytest.CaptureFixture[str]) -> None:

@@ -78,21 +78,6 @@ def test_unexplained_points_end_with_three(run, shapes: Analysis, monkeypatch: p
     assert ended.out.startswith("Incomplete: ")
 
 
-def test_an_arm_that_is_always_singular_is_told_so(run) -> None:
-    text = " ".join(run("analyze", "planar3r", "--task", "position", "--full", *SMALL).out.split())
-    assert "always singular for the task position: the rank is 2 at every configuration, 3 would be full" in text
-    assert "corank is counted from rank 2" in text
-    assert "planar-position" in text.split("tasks it can do in full:")[1]
-    assert "Corank 1 (rank 1 of 2)" in text
-
-
-def test_an_arm_with_too_few_joints_for_the_task_is_told_so(run) -> None:
-    text = " ".join(run("analyze", "scara", "--task", "pose", "--full", *SMALL).out.split())
-    assert "the task pose has 6 rows and the arm 4 joints: the rank is 4 at most" in text
-    assert "scara" in text.split("tasks it can do in full:")[1]
-    assert "Corank 1 (rank 3 of 4)" in text
-
-
 @pytest.mark.spread(19)
 @pytest.mark.slow
 @pytest.mark.parametrize(
@@ -135,23 +120,6 @@ def test_bad_input_is_one_line_that_names_what_is_allowed(run, argv: tuple[str, 
     assert words in ended.err
 
 
-def test_a_bug_ends_with_one_and_a_traceback(run, monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(*args: object, **options: object) -> None:
-        raise ZeroDivisionError("this test's own")
-
-    monkeypatch.setattr(rankdrop, "analyze", broken)
-    ended = run("analyze", "pa10")
-    assert ended.code == exits.INTERNAL
-    assert "Traceback" in ended.err
-    assert "rankdrop: internal error: ZeroDivisionError: this test's own" in ended.err
-
-
-@pytest.mark.slow
-def test_exit_codes_of_a_process(process) -> None:
-    assert process("analyze", "nope").code == exits.BAD_INPUT
-    assert process("--version").code == exits.FINE
-
-
 def test_version_is_the_installed_one(run) -> None:
     from importlib.metadata import version
 
@@ -166,11 +134,6 @@ def test_every_help_has_an_example(run, argv: tuple[str, ...]) -> None:
     assert f"rankdrop {' '.join(argv)}" in ended.out.split("For example:")[1]
 
 
-def test_help_lists_every_exit_code(run) -> None:
-    text = " ".join(run("--help").out.split())
-    assert all(f"{code} {meaning}" in text for code, meaning in exits.MEANING.items())
-
-
 def test_robots_lists_the_catalogue(run) -> None:
     text = run("robots").out
     assert all(name in text for name in robot_names())
@@ -179,16 +142,6 @@ def test_robots_lists_the_catalogue(run) -> None:
     assert all(entry["n"] > 0 and entry["source"] for entry in listed)
     makers = [line.strip() for line in text.splitlines() if line and not line.startswith(" ")]
     assert makers.index("ABB") < makers.index("KUKA") < makers.index("Yaskawa") < makers.index("Documents")
-
-
-def test_robots_finds_the_arms_of_a_maker(run) -> None:
-    listed = json.loads(run("robots", "fanuc", "--json").out)
-    assert len(listed) >= 5
-    assert {entry["maker"] for entry in listed} == {"FANUC"}
-    text = run("robots", "fanuc").out
-    assert all(entry["name"] in text for entry in listed)
-    assert "pa10" not in text
-    assert "No arm of the catalogue fits 'robbie'" in run("robots", "robbie").out
 
 
 def table(path: Path) -> list[dict[str, str]]:
@@ -275,26 +228,6 @@ def test_a_reader_that_has_gone_is_no_error() -> None:
     assert done.stderr == b""
 
 
-def test_a_descent_is_told_its_start_its_steps_and_its_ties(run, tmp_path: Path) -> None:
-    path = tmp_path / "one.json"
-    common = ("find", "pa10", "--corank", "3", "--length-scale", "1", "--seed", "2", "--start", "269", "--quiet")
-    line = (*common, "--step", "0", "--iterations", "300")
-    plain = run(*line, "--method", "gradient", "--json", str(path))
-    assert "random start 269" in plain.out
-    assert "method gradient, line search, at most 300 iterations" in " ".join(plain.out.split())
-    assert "It ended at σ4 … = 0.13" in " ".join(plain.out.split())
-    record = json.loads(path.read_text(encoding="utf-8"))
-    Draft202012Validator(load_schema("find")).validate(record)
-    assert record["configurations"][0]["outcome"] == "slow"
-    treated = run(*line, "--method", "almarkhi", "--tie", "0.01", "--json", str(path))
-    assert "1 of 1 starts converged" in treated.out
-    assert json.loads(path.read_text(encoding="utf-8"))["configurations"][0]["iterations"] == 34
-    run(*common, "--method", "almarkhi", "--tie", "0", "--step", "0.5", "--iterations", "7", "--json", str(path))
-    record = json.loads(path.read_text(encoding="utf-8"))
-    assert [record["settings"][key] for key in ("step", "tie", "iterations")] == [0.5, 0.0, 7]
-    assert record["configurations"][0]["iterations"] == 7
-
-
 def test_a_start_can_be_given_in_degrees(run, tmp_path: Path) -> None:
     path = tmp_path / "one.csv"
     ended = run("find", "planar2r", "--corank", "1", "--deg", "--start", "-10, 170", "--out", str(path), "--quiet")
@@ -326,13 +259,6 @@ def test_tolerant_ends_with_3_where_a_joint_is_always_needed(run) -> None:
     ended = run("tolerant", "pa10", "--quiet")
     assert ended.code == exits.UNEXPLAINED
     assert "without joint 4 the rank is below 6 at every configuration" in " ".join(ended.out.split())
-
-
-def test_explain_tells_what_each_failure_leaves(run) -> None:
-    ended = run("explain", "pa10", "--q", "0.3,-0.4,1.1,0.9,-0.7,1.3,0.5", "--evaluations", "0", "--full")
-    told = " ".join(ended.out.split())
-    assert "If one joint fails" in told
-    assert "4 joint4 0 0 5 of 6 can" in told
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
-from rankdrop.cover.box_matching import FamilyBoxes, touching_groups
+from rankdrop.cover.box_matching import FamilyBoxes
 from rankdrop.distance.distance import distances
 from rankdrop.families.points import members
 from rankdrop.families.searching import refine
@@ -88,14 +88,6 @@ def test_explained_means_that_a_point_of_the_family_is_near() -> None:
             other = distances([family], UR5, q[by < 0][:400], TASK).distance[:, 0]
             if family.corank == 1 and not family.coupled:
                 assert (other > explainer.radius * (1 - 1e-6)).all()
-
-
-def test_boxes_that_touch_are_one_place_across_the_ends_of_a_turn() -> None:
-    cells = np.array([[0, 3], [15, 4], [7, 7], [8, 8], [3, 15], [3, 0]], dtype=np.int32)
-    groups = {tuple(sorted(rows.tolist())) for rows in touching_groups(cells, (16, 16), (True, False))}
-    assert groups == {(0, 1), (2, 3), (4,), (5,)}
-    groups = {tuple(sorted(rows.tolist())) for rows in touching_groups(cells, (16, 16), (True, True))}
-    assert (4, 5) in groups
 
 
 def test_an_arm_that_is_not_shipped_is_analysed(tmp_path: Path) -> None:

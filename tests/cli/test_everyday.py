@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli.conftest import Ended, command
+from command_line import Ended, command
 
 from papers.run import DOCUMENTS
 from rankdrop.cli import exits, main
@@ -302,19 +302,6 @@ def test_bash_completes_commands() -> None:
     )
     done = subprocess.run([bash, "-c", ask], capture_output=True, text=True, timeout=60)
     assert done.stdout.split() == ["analyze"], done.stderr
-
-
-@pytest.mark.by_hand
-@pytest.mark.slow_at("zsh", "bash")
-@pytest.mark.parametrize("word", ["bash", "zsh"])
-def test_where_no_word_fits_names_of_files_are_offered(word: str, run: Any) -> None:
-    script = run("completion", word).out
-    if word == "bash":
-        assert script.rstrip().endswith("complete -o default -F _rankdrop rankdrop")
-        return
-    lines = [line for line in script.splitlines() if re.search(r"--(json|out|html)\[|'1:.*file", line)]
-    assert len(lines) > 20
-    assert [line for line in lines if "]:" in line or "'1:" in line if ":_files'" not in line] == []
 
 
 @pytest.mark.by_hand

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
-from math import pi, radians
 from pathlib import Path
 
 import pytest
@@ -14,8 +13,6 @@ from rich.cells import cell_len
 
 from rankdrop.cli import exits
 from rankdrop.cli.explain import stopped_early
-from rankdrop.cli.values import parse_configuration
-from rankdrop.errors import ConfigurationError
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.verbs.explain import explain
@@ -94,71 +91,6 @@ def test_refusals_say_what_and_where(run, words: tuple[str, ...], told: str) -> 
     assert told in ended.err
     assert len(ended.err.strip().splitlines()) == 1
     assert ended.out == ""
-
-
-@pytest.mark.slow
-def test_escape_prints_the_ways_out_and_the_procedure_of_gallardo_and_rico(run) -> None:
-    words = ("escape", "rcrrrr", "--q", "0,0,0,0,0,0,0", "--length-scale", "1", "--lie", "--full")
-    text = run(*words).out
-    for part in ("2.071 per rad", "0.7036 per rad", "subspace(1, 5);", "actuating screw 4 can restore (1, 5)",
-                 "conclusion: actuate 3, 4", "Disagreements with the printed procedure"):  # fmt: skip
-        assert part in text
-    record = json.loads(run(*words, "--json", "-").out)
-    Draft202012Validator(load_schema("escape")).validate(record)
-    assert record["lie"]["lost"] == 1
-    assert record["escape"]["single"][0]["number"] == 4
-
-
-def test_nearest_prints_a_distance_and_a_proof(run) -> None:
-    ended = run("nearest", *REGULAR)
-    assert ended.code == exits.FINE
-    assert "nearest singular configuration found: 0.4303 rad (24.7°) away" in ended.out
-    assert "certified: no singularity within" in ended.out
-    record = json.loads(run("nearest", *REGULAR, "--json", "-").out)
-    Draft202012Validator(load_schema("nearest")).validate(record)
-    assert 0.95 * record["nearest"]["distance"] < record["certified_radius"] <= record["nearest"]["distance"]
-
-
-def test_configurations_as_people_write_them() -> None:
-    arm = open_robot("scara")
-    assert parse_configuration("[30deg, -pi/2; 120mm 0.5]", arm, deg=False) == [
-        pytest.approx(pi / 6), -pi / 2, pytest.approx(0.12), 0.5,
-    ]  # fmt: skip
-    assert parse_configuration("30, -90, 0.12, 0.5rad", arm, deg=True) == [
-        pytest.approx(pi / 6), pytest.approx(-pi / 2), 0.12, 0.5,
-    ]  # fmt: skip
-    for text in ("(1+1)/2, 0, 0, (1)", "{1, 0, 0, 1}", "(1 0 0 1)", "1, 0, 0, 1,", "[1;0;0;1]"):
-        assert parse_configuration(text, arm, deg=False) == [1.0, 0.0, 0.0, 1.0]
-    assert parse_configuration("−π/2, 0, 0, 1", arm, deg=False)[0] == -pi / 2  # as printed
-    for text in ("", "1,,0,0,1", "1,2,3", "0,5 0,1 0 0"):
-        with pytest.raises(ConfigurationError, match="4 joint values"):
-            parse_configuration(text, arm, deg=False)
-
-
-def test_configurations_of_programs_are_read_by_name() -> None:
-    """As KRL writes an axis target: names, or letters and number, in the order of the joints."""
-    arm = open_robot("kr16")
-    wanted = [radians(x) for x in (0, -90, 90, 0, 0.5, 0)]
-    for text in ("{A1 0, A2 -90, A3 90, A4 0, A5 0.5, A6 0}", "j1: 0; j2: −90; j3: 90; j4: 0; j5: 0.5; j6: 0;",
-                 "joint_a1=0, joint_a2=-pi/2 rad, joint_a3=90, joint_a4=0, joint_a5=0.5deg, joint_a6=0"):  # fmt: skip
-        assert parse_configuration(text, arm, deg=True) == pytest.approx(wanted)
-    for text in ("A2 0, A1 -90, A3 90, A4 0, A5 0, A6 0", "A1 0, A2 -90", "A1 0, 5, A3 90, A4 0, A5 0, A6 0"):
-        with pytest.raises(ConfigurationError, match="6 joint values"):
-            parse_configuration(text, arm, deg=True)
-
-
-def test_a_rise_has_digits_that_show_it_and_a_speed_that_is_not_checked_is_said(run, tmp_path: Path) -> None:
-    """The table of the AR3 in roboticstoolbox-python issue 199; it has no joint rates."""
-    path = tmp_path / "ar3.toml"
-    rows = ((0.0642, -90, 0.16977), (0.305, 0, 0), (0, 90, 0), (0, -90, -0.22263), (0, 90, 0), (0, 0, -0.03625))
-    joints = [f'[[joints]]\na = {a}\nalpha = "{turn} deg"\nd = {d}\n' for a, turn, d in rows]
-    path.write_text('convention = "standard"\n' + "".join(joints))
-    words = ("explain", str(path), "--deg", "--q", "180,0,0,0,90,0", "--evaluations", "0")
-    out = " ".join(run(*words).out.split())
-    assert "σ6 rises from 0.226 to 0.235." in out
-    assert "Lost: nothing. Get" in out
-    asked = " ".join(run(*words, "--speed", "250mm/s").out.split())
-    assert "Lost: nothing. Speed is not checked: the arm's file has no joint rates." in asked
 
 
 @pytest.mark.slow

@@ -10,11 +10,8 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import rankdrop
-from rankdrop.kinematics import pose
-from rankdrop.poses.branches import matrix_of
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
-from rankdrop.text.inverse import tool_place, tool_sentence
 
 
 @pytest.mark.slow
@@ -43,29 +40,6 @@ def test_one_place_is_needed(run) -> None:
     assert run("explain", "irb120", "--pose", "1,2").code == 2
     assert run("explain", "irb120", "--pose", "0,0,1", "--q", "0,0,0,0,0,0").code == 2
     assert run("explain", "irb120", "--pose", "0.35,0,0.4,pi,0,0", "--only", "escape").code == 2
-
-
-
-def test_explain_says_where_the_tool_is(run) -> None:
-    q = [0.1, 0.5, 0.3, 0.2, 0.9, 0.6]
-    robot = open_robot("puma560")
-    out = " ".join(run("explain", "puma560", "--q", ",".join(map(str, q)), "--evaluations", "0").out.split())
-    assert tool_sentence(robot, pose(robot, q)) in out
-    assert tool_place(robot, matrix_of([0.1, -0.2, 0.3, 0.1, 0.2, 0.3])) == (
-        "(100.0, −200.0, 300.0) mm, roll 5.73°, pitch 11.46°, yaw 17.19°"
-    )
-
-
-def test_an_arm_without_limits_has_none_inside_them(run, tmp_path: Path) -> None:
-    """The table of the Rokae XB25 in roboticstoolbox-python issue 440: eight solutions, no limits."""
-    path = tmp_path / "xb25.toml"
-    rows = [(0, 0, 0.49, 0), (0.16, -90, 0, -90), (0.78, 0, 0, 0), (0.15, -90, 0.66, 0)]
-    rows += [(0, 90, 0, 0), (0, -90, 0.11, 180)]
-    joints = [f'[[joints]]\na = {a}\nalpha = "{b} deg"\nd = {d}\ntheta = "{t} deg"\n' for a, b, d, t in rows]
-    path.write_text('convention = "modified"\n' + "".join(joints))
-    out = " ".join(run("explain", str(path), "--deg", "--pose", "0.2834,0.2788,0.3,0,180,0").out.split())
-    assert "8 solutions; a 6R arm has at most 16. The arm has no joint limits." in out
-    assert "inside" not in out
 
 
 def test_degrees_that_are_read_as_radians_are_noted(run) -> None:

@@ -254,15 +254,6 @@ def test_poses_for_three_joints_name_the_task_that_fits(run, tmp_path: Path) -> 
     assert "--task position leaves free what they cannot do" in one_line(done.out)
 
 
-@pytest.mark.parametrize(("beside", "rolls"), [(0.008, True), (0.25, False)])
-def test_a_tool_that_the_last_joint_rolls_is_asked_about_its_pose(beside: float, *, rolls: bool) -> None:
-    """Yaw, three parallel joints, and the roll of the tool, whose axis passes by the tip."""
-    half = np.pi / 2
-    joints = [(0, -half, 0.1, 0), (0.12, 0, 0, -half), (0.14, 0, 0, 0), (0, -half, 0, 0), (beside, 0, 0.1, 0)]
-    arm = from_dh(joints, convention="standard")
-    assert (pointing_task(arm, resolve_task("pose", arm)) is None) == rolls
-
-
 def test_a_roll_beside_the_tip_leaves_no_singularity_behind() -> None:
     """SO-101, two configurations of lerobot pull request 1001: five columns of rank 5, 0.024 and more, on the way."""
     arm = open_robot("so101")
@@ -307,8 +298,3 @@ def test_two_joints_that_place_a_tool_are_asked_about_its_position(
                    for axis in np.eye(2)]  # fmt: skip
         assert np.linalg.matrix_rank(np.array(columns), tol=1e-6) == rank
         assert explain(arm, q, asked, evaluations=0).rank.rank == rank
-
-
-def test_two_joints_that_turn_a_tool_alone_keep_the_pose() -> None:
-    arm = from_dh([(0.0, np.pi / 2, 0.2, 0.0), (0.0, 0.0, 0.0, 0.0)], convention="standard")
-    assert asked_task(arm, resolve_task("pose", arm)).name == "pose"

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import command
 
 import rankdrop
 from rankdrop.cli import exits
@@ -17,8 +18,6 @@ from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.text.families import rounded_share, share_text
-
-from .conftest import command
 
 SMALL = ("--starts", "200", "--quiet")
 FULL = Path("/dev/full")

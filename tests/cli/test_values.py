@@ -1,43 +1,39 @@
-"""Values and shares in words."""
+"""Configurations as they are typed."""
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, radians
 
 import pytest
 
-from rankdrop.text.families import share_text, value_text, values_text
+from rankdrop.cli.values import parse_configuration
+from rankdrop.errors import ConfigurationError
+from rankdrop.robot.open import open_robot
 
 
-@pytest.mark.parametrize(
-    ("values", "text"),
-    [
-        ((0.0, pi), "0, π"),
-        ((pi, 0.0), "0, π"),
-        ((pi / 2, -pi / 2), "±π/2"),
-        ((-pi / 2,), "−π/2"),
-        ((0.0,), "0"),
-        ((-2 * pi / 3, 2 * pi / 3), "±2π/3"),
-        ((0.7731, -0.7731), "±0.7731 (±44.30°)"),
-        ((-0.5,), "−0.5000 (−28.65°)"),
-        ((-0.5, pi), "−0.5000 (−28.65°), π"),
-        ((0.1, 0.2), "0.1000 (5.73°), 0.2000 (11.46°)"),
-    ],
-)
-def test_opposite_values_are_merged_and_multiples_of_pi_are_exact(values: tuple[float, ...], text: str) -> None:
-    assert values_text(values) == text
+def test_configurations_as_people_write_them() -> None:
+    arm = open_robot("scara")
+    assert parse_configuration("[30deg, -pi/2; 120mm 0.5]", arm, deg=False) == [
+        pytest.approx(pi / 6), -pi / 2, pytest.approx(0.12), 0.5,
+    ]  # fmt: skip
+    assert parse_configuration("30, -90, 0.12, 0.5rad", arm, deg=True) == [
+        pytest.approx(pi / 6), pytest.approx(-pi / 2), 0.12, 0.5,
+    ]  # fmt: skip
+    for text in ("(1+1)/2, 0, 0, (1)", "{1, 0, 0, 1}", "(1 0 0 1)", "1, 0, 0, 1,", "[1;0;0;1]"):
+        assert parse_configuration(text, arm, deg=False) == [1.0, 0.0, 0.0, 1.0]
+    assert parse_configuration("−π/2, 0, 0, 1", arm, deg=False)[0] == -pi / 2  # as printed
+    for text in ("", "1,,0,0,1", "1,2,3", "0,5 0,1 0 0"):
+        with pytest.raises(ConfigurationError, match="4 joint values"):
+            parse_configuration(text, arm, deg=False)
 
 
-def test_a_value_near_a_multiple_of_pi_is_not_called_one() -> None:
-    assert value_text(pi / 2 + 1e-6) == "1.5708 (90.00°)"
-
-
-def test_a_prismatic_value_is_in_metres() -> None:
-    assert values_text((0.25, -0.25), "prismatic") == "±0.25 m"
-    assert values_text((0.0,), "prismatic") == "0 m"
-
-
-def test_only_all_is_one() -> None:
-    assert share_text(1000, 1000) == "100 %"
-    assert share_text(99_999, 100_000) == "99.9 %"
-    assert share_text(0, 0) == "–"
+def test_configurations_of_programs_are_read_by_name() -> None:
+    """As KRL writes an axis target: names, or letters and number, in the order of the joints."""
+    arm = open_robot("kr16")
+    wanted = [radians(x) for x in (0, -90, 90, 0, 0.5, 0)]
+    for text in ("{A1 0, A2 -90, A3 90, A4 0, A5 0.5, A6 0}", "j1: 0; j2: −90; j3: 90; j4: 0; j5: 0.5; j6: 0;",
+                 "joint_a1=0, joint_a2=-pi/2 rad, joint_a3=90, joint_a4=0, joint_a5=0.5deg, joint_a6=0"):  # fmt: skip
+        assert parse_configuration(text, arm, deg=True) == pytest.approx(wanted)
+    for text in ("A2 0, A1 -90, A3 90, A4 0, A5 0, A6 0", "A1 0, A2 -90", "A1 0, 5, A3 90, A4 0, A5 0, A6 0"):
+        with pytest.raises(ConfigurationError, match="6 joint values"):
+            parse_configuration(text, arm, deg=True)

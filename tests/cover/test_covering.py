@@ -19,7 +19,7 @@ from reference.coverings import covering
 
 from rankdrop import _core
 from rankdrop.cover import covering as module
-from rankdrop.cover.box_matching import FamilyBoxes, keys
+from rankdrop.cover.box_matching import FamilyBoxes
 from rankdrop.cover.covering import (
     Covering,
     CoveringEnd,
@@ -36,10 +36,9 @@ from rankdrop.distance.distance import distances
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.searching import search
 from rankdrop.jobs import progress_of
-from rankdrop.jobs.running import perform
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import joint_scale
-from rankdrop.proof.boxes import MAGIC, BitTree, check_plan, digest
+from rankdrop.proof.boxes import MAGIC, BitTree, digest
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
@@ -261,17 +260,6 @@ def test_a_file_is_read_back_and_a_changed_one_refused(tmp_path):
             load_covering(path)
 
 
-@pytest.mark.parametrize("change", [
-    {"top": 99}, {"top": -1}, {"top": True}, {"depth": (3, -1, 2)}, {"depth": (3, 10**9, 2)}, {"depth": (3, 2.0, 2)},
-    {"depth": ()}, {"depth": (1,) * 99}, {"corank": 0}, {"corank": 9},
-])  # fmt: skip
-def test_each_number_of_boxes_is_looked_at(change):
-    plan = covering(open_robot("planar3r"), 0.4).plan
-    check_plan(plan)
-    with pytest.raises(ValueError, match=r"halvings|depth has|corank is"):
-        check_plan(replace(plan, **change))
-
-
 def test_parts_of_another_covering_are_refused(tmp_path):
     def stop(label: str, done: int, total: int) -> None:
         raise KeyboardInterrupt
@@ -297,34 +285,6 @@ def test_chunks_are_kept_to_the_bit_and_damaged_ones_refused():
     for other in (content[:-1], content[:20], content + b"x"):
         with pytest.raises(ValueError, match="chunk"):
             batch_from_bytes(other, plan.shape)
-
-
-def backwards(job, engine, *, folder, report, each):
-    """`finish`, as if workers had the last chunks ready first."""
-    for chunk in reversed(range(job.chunks)):
-        each(chunk, perform(job.work, job.plan, chunk))
-        yield chunk, b""
-
-
-@pytest.mark.by_hand_at("backwards", "by processes")
-@pytest.mark.slow_at("backwards")
-@pytest.mark.slow_at("by processes")
-@pytest.mark.parametrize("made", ["here", "by processes", "backwards"])
-def test_a_budget_pays_for_the_same_chunks_whoever_makes_them(made, monkeypatch, tmp_path):
-    robot = open_robot("almarkhi4")
-    budget = covering(robot, 0.2).tested // 2
-    if made == "by processes":
-        monkeypatch.setattr("rankdrop.verbs.covering._QUICK_BY_ENCLOSURES", 0)
-    if made == "backwards":
-        monkeypatch.setattr("rankdrop.verbs.covering.finish", backwards)
-    found = cover(robot, width=0.2, budget=budget, out=tmp_path / "x", threads=2, explain=False).covering
-    assert (found.complete, found.stopped) == (False, CoveringEnd.BUDGET_SPENT)
-    assert 0 < found.tested <= budget
-    usual = covering(robot, 0.2, budget=budget)
-    np.testing.assert_array_equal(found.tree.finished, usual.tree.finished)
-    assert found.tested == usual.tested
-    monkeypatch.undo()
-    assert cover(robot, width=0.2, out=tmp_path / "x", explain=False).complete
 
 
 @pytest.mark.by_hand_at("0", "2")
@@ -366,15 +326,6 @@ def test_boxes_between_families_that_almost_touch_are_free_when_halved_long_enou
     )  # fmt: skip
     assert set(judged.tolist()) <= {0, 3}
     assert ((by >= 0) == (judged == 3)).all()
-
-
-def test_leaves_of_many_narrow_variables_are_told_apart():
-    """Five variables of 15 bits: more than one number has."""
-    cells = np.random.default_rng(0).integers((1 << 15) - 3, 1 << 15, (300, 5), dtype=np.int32)
-    told = keys(cells, [1 << 15] * 5)
-    assert told.shape == (300, 2)
-    assert len(np.unique(told, axis=0)) == len(np.unique(cells, axis=0))
-
 
 
 @pytest.mark.by_hand
@@ -528,22 +479,6 @@ def test_why_a_covering_ended_is_said_in_its_sentence(end, words):
     tree = replace(found.covering.tree, finished=np.zeros_like(found.covering.tree.finished))
     part = replace(found, covering=replace(found.covering, tree=tree, stopped=end, needed=90))
     assert part.sentence.startswith(f"Not complete{words}: 0.0 % of the joint space")
-
-
-@pytest.mark.slow
-def test_a_budget_ends_the_work_and_says_so():
-    found = covering(open_robot("almarkhi4"), 0.1, budget=15_000)
-    assert (found.complete, found.stopped) == (False, CoveringEnd.BUDGET_SPENT)
-    assert found.tree.finished.any()
-    found = covering(open_robot("almarkhi4"), 0.1, budget=2000)
-    assert (found.complete, found.stopped) == (False, CoveringEnd.BUDGET_TOO_SMALL)
-    assert found.needed > 15_000
-    labels: set[str] = set()
-    cover(open_robot("almarkhi4"), width=0.1, budget=15_000, report=lambda label, *_: labels.add(label))
-    assert labels == {f"parts covered (about {found.needed:,} enclosures in all)"}
-    assert not found.tree.finished.any()
-    with pytest.raises(OptionError, match="budget"):
-        covering(open_robot("almarkhi4"), 0.3, budget=0)
 
 
 def test_two_processes_do_not_make_one_file(tmp_path):

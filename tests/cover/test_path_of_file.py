@@ -22,10 +22,9 @@ from rankdrop.kinematics import pose
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.path import check_path, check_poses, path_asked, path_certificate
 from rankdrop.path.check.tool_line import poses_at
-from rankdrop.path.curve import curve
-from rankdrop.proof.curves import AskedPath, ToolPath, control_points
+from rankdrop.proof.curves import AskedPath, ToolPath
 from rankdrop.proof.record import Unproven, claim_of, with_hash
-from rankdrop.robot.model import Joint, JointKind, Robot
+from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 
 Record = dict[str, Any]
@@ -57,19 +56,6 @@ def honest(interpolate: str) -> Record:
 def verdict(folder: Path, record: Record, path: AskedPath | None, robot: Robot | None = None) -> Any:
     asked = asked_about(robot or open_robot("ur5e"), path=path)
     return verify(write_certificate(with_hash(record), folder / "one.json"), asked)
-
-
-@pytest.mark.parametrize("degree", [1, 3, 5])
-def test_the_curve_of_rows_is_the_one_that_is_checked(degree):
-    """The checker's own formula against that of `rankdrop path`."""
-    rng = np.random.default_rng(degree)
-    rows, rates, bends = rng.uniform(-2, 2, (3, 5, 4))
-    times = np.cumsum(rng.uniform(0.1, 2.0, 5))
-    control = curve(rows, times, rates, bends, {1: "linear", 3: "cubic", 5: "quintic"}[degree]).control
-    made = control_points(AskedPath("", "", rows, times, rates, bends), degree)
-    assert made is not None
-    np.testing.assert_allclose(made[:-1].reshape(control[:, :-1].shape), control[:, :-1], rtol=0, atol=1e-14)
-    np.testing.assert_array_equal(made[-1], rows[-1])
 
 
 @pytest.mark.parametrize("interpolate", ["linear", "cubic", "quintic"])
@@ -274,45 +260,6 @@ def test_positions_alone_are_no_poses(tmp_path):
     matrices, record = tool()
     asked = tool_asked(pose_file(tmp_path, matrices, turned=False))
     assert "positions alone" in verdict(tmp_path, record, asked).reason
-
-
-def mixed() -> Robot:
-    """A turn, a slide, a screw with a pitch and a turn, axes askew."""
-    joints = (
-        Joint("a", JointKind.REVOLUTE, np.array([0, 0, 0, 0, 0, 1.0])),
-        Joint("b", JointKind.PRISMATIC, np.array([0.6, 0, 0.8, 0, 0, 0])),
-        Joint("c", JointKind.HELICAL, np.array([0.0, 0.1, 0.3, 1.0, 0, 0])),
-        Joint("d", JointKind.REVOLUTE, np.array([0, -0.2, 0.7, 0, 0.8, 0.6]) * [1, 1, 1, 1, 1, 1]
-              - np.array([0, *(np.array([0.8, 0.6]) * (-0.2 * 0.8 + 0.7 * 0.6)), 0, 0, 0])),
-    )  # fmt: skip
-    home = np.eye(4)
-    home[:3, 3] = (0.4, 0.2, 0.9)
-    return Robot("mixed", joints, home, task="position")
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_the_distance_of_the_tip_bounds_that_of_many_samples(seed):
-    """Slides and screws: the distance that is proven is never below one that is evaluated, and not far above it."""
-    robot, rng = mixed(), np.random.default_rng(seed)
-    q = rng.uniform(-1.0, 1.0, (2, 4))
-    q[1] = q[0] + rng.uniform(-0.2, 0.2, 4)
-    matrices = pose(robot, q)
-    share = np.linspace(0.0, 1.0, 401)
-    way = pose(robot, q[0] + share[:, None] * (q[1] - q[0]))
-    lines = poses_at(matrices, share)
-    true = float(np.linalg.norm(way[:, :3, 3] - lines[:, :3, 3], axis=1).max())
-    record = path_certificate(check_path(robot, q))
-    claim = claim_of(record, Path())
-
-    def proven(near: float) -> bool:
-        try:
-            ToolPath(claim, AskedPath("", "", poses=matrices, turned=False, tip=near)).compare()
-        except Unproven:
-            return False
-        return True
-
-    assert not proven(0.999 * true)
-    assert proven(1.02 * true)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -10,19 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
-from reference import cuspidal, region
+from reference import cuspidal
 
-from rankdrop.aspects import change_certificate
 from rankdrop.cli.main import run
 from rankdrop.cover import asked_about, verify, write_certificate
 from rankdrop.cover.ball import points_of
 from rankdrop.cover.certificates import Verified, record_of
 from rankdrop.cover.setting import best_setting
-from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.errors import ResultFileError
 from rankdrop.path import path_asked
-from rankdrop.proof.arm import BITS, flint
-from rankdrop.proof.postures import _Pose
-from rankdrop.proof.record import CHANGE, claim_of, fingerprint, with_hash
+from rankdrop.proof.record import CHANGE, fingerprint, with_hash
 from rankdrop.proof.record import _certificate as read
 from rankdrop.proof.record import _link as link_of
 from rankdrop.robot.open import open_robot
@@ -175,32 +172,6 @@ def test_the_claim_is_compared_with_what_was_asked(honest: dict[str, Record], tm
         found = judged(honest[kind], tmp_path, **asked)
         assert found.holds == (not words), (kind, words, found.reason)
         assert not words or words in found.reason
-
-
-def test_a_certificate_needs_a_path() -> None:
-    with pytest.raises(OptionError, match="no path to certify"):
-        change_certificate(cuspidal.postures(cuspidal.wenger(), None))
-
-
-@pytest.mark.parametrize("joints", ["r p r h r r", "r r0:0.5 r r h r r", "r r r r r r"])
-def test_the_equations_have_the_slopes_of_the_arm(joints: str) -> None:
-    rng = np.random.default_rng(3)
-    robot = region.coupled(rng, joints)
-    q = rng.uniform(-0.5, 0.5, (2, robot.n))
-    task = resolve_task("pose", robot)
-    setting = best_setting(robot, task)
-    made = record_of(robot, task, CHANGE, setting, {"degree": 1, "points": q.tolist(), "radius": 1e-9, "limits": False},
-                     {})  # fmt: skip
-    with flint().ctx.workprec(BITS):
-        pose = _Pose(claim_of(made, Path()), q[0])
-        arb = flint().arb
-        at = [arb(float(x)) for x in q[1]]
-        slope = np.array([[float(x.mid()) for x in row] for row in pose._equations(at)[1].tolist()])
-        step = arb(2.0**-30)
-        for j in range(robot.n):
-            ahead, behind = ([x + (sign * step if k == j else 0) for k, x in enumerate(at)] for sign in (1, -1))
-            change = (pose._equations(ahead)[0] - pose._equations(behind)[0]) / (2 * step)
-            assert np.abs(slope[:, j] - [float(x.mid()) for x in change.entries()]).max() < 1e-12
 
 
 def test_the_command_writes_a_certificate_or_says_why_not(

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import replace
-from math import pi, radians
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -19,19 +18,15 @@ from rankdrop.cli import main
 from rankdrop.cli.design import CompareOptions
 from rankdrop.codec import json_text
 from rankdrop.designs import Designs, compare, write_tables
-from rankdrop.designs.measure import families_of, measure_arm, nominal_conditions, with_lengths_of
+from rankdrop.designs.measure import families_of, measure_arm
 from rankdrop.designs.ranking import APPEARS, JOIN, SPLITS, VANISHES, changes, key_of, keys_of, neighbours, rank
 from rankdrop.designs.spec import question_of, spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.distance.share import slower_than
 from rankdrop.errors import OptionError
-from rankdrop.families.evidence import ObtainedFrom
-from rankdrop.families.record import exact_of
-from rankdrop.formula.writing import AnglePin
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
-from rankdrop.results.known import shipped
 from rankdrop.robot.drawing import Drawing
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.numbers import reach
@@ -91,46 +86,6 @@ def test_families_are_those_of_an_analysis_from_nothing(shifted: Designs) -> Non
 
 
 @pytest.mark.by_hand
-def test_nominal_conditions_do_not_hide_a_family_that_appears() -> None:
-    """The nominal arm has no shoulder's family: the variant that has it finds it."""
-    drawing = Drawing.of("anthropomorphic")
-    place = drawing.place("1.a", "here")
-    effort: Any = {"starts": 100, "fresh": 100, "limits": False, "seed": 0}
-    without, with_it, again = (drawing.robot({place: shift}) for shift in (1.2, 0.31, 0.35))
-    task = resolve_task(None, without)
-    nominal = nominal_conditions(without, task)
-    first, second = (families_of(robot, task, nominal, **effort) for robot in (without, with_it))
-    assert nominal is not None
-    assert with_lengths_of(with_it, task, nominal) is not None
-    assert not any(one.coupled for one in first.of_corank(1))
-    assert any(one.coupled == (2, 3) for one in second.of_corank(1))
-    assert second.verified
-    third = families_of(again, task, nominal_conditions(with_it, task), **effort)
-    assert third.verified
-    assert any(one.evidence.kind is ObtainedFrom.EXACT for one in third.of_corank(1) if one.coupled)
-
-
-@pytest.mark.by_hand
-def test_nominal_conditions_that_do_not_hold_are_not_taken() -> None:
-    """Conditions with joints pinned elsewhere are tried, refused, and cost nothing but time."""
-    robot = rankdrop.open_robot("puma560")
-    task = resolve_task(None, robot)
-    effort: Any = {"starts": 200, "fresh": 200, "limits": False, "seed": 0}
-    nominal = nominal_conditions(robot, task)
-    assert nominal is not None
-    wrong = []
-    for one in nominal.families:
-        exact = exact_of(one)
-        pins = tuple(AnglePin(pin.joint, ("pi/2",)) for pin in exact.pins)
-        wrong.append(replace(one, exact=replace(exact, stated=(*pins, *exact.polynomials))))
-    again = families_of(robot, task, replace(nominal, families=tuple(wrong)), **effort)
-    plain = families_of(robot, task, nominal, **effort)
-    assert [one.dimension for one in again.families] == [one.dimension for one in plain.families]
-    assert again.verified
-    assert plain.verified
-
-
-@pytest.mark.by_hand
 def test_the_result_is_the_same_on_two_workers_and_from_a_folder(
     planar: tuple[Path, Designs], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -144,35 +99,6 @@ def test_the_result_is_the_same_on_two_workers_and_from_a_folder(
     (out / "journal").write_text(lines[0])
     assert rankdrop.sweep(file, workers=1, out=out).to_dict() == found.to_dict()
     assert {path.name: path.read_bytes() for path in (out / "parts").iterdir()} == whole
-
-
-def test_places_of_parameters() -> None:
-    drawing = Drawing.of("ur5")
-    q = np.array([0.1, -0.8, 0.9, 0.4, 0.7, 0.2])
-    arm = drawing.nominal
-    longer = drawing.robot({drawing.place("-2.a", "here"): 0.5})
-    apart = longer.joints[2].screw[:3] - arm.joints[2].screw[:3]
-    assert np.abs(apart).max() == pytest.approx(0.5 - 0.425)
-    tool = drawing.robot({drawing.place("tool.z", "here"): 0.1})
-    moved = pose(tool, q)[:3, 3] - pose(arm, q)[:3, 3]
-    assert np.linalg.norm(moved) == pytest.approx(0.1)
-    base = drawing.robot({drawing.place("base.yaw", "here"): pi / 2, drawing.place("base.z", "here"): 1.0})
-    x, y, z = pose(arm, q)[:3, 3]
-    assert pose(base, q)[:3, 3] == pytest.approx([-y, x, z + 1.0])
-    limited = drawing.robot({drawing.place("elbow_joint.upper", "here"): 1.0})
-    assert limited.upper[2] == 1.0
-    assert drawing.measure(drawing.place("tool.pitch", "here")) == "angle"
-
-
-def test_a_number_of_a_urdf_is_replaced() -> None:
-    file = Path(__file__).resolve().parents[1] / "data" / "arms" / "abbirb1600.urdf"
-    drawing = Drawing.of(str(file))
-    place = drawing.place("2.z", "here")
-    before, after = drawing.nominal, drawing.robot({place: 1.0})
-    gap = after.joints[2].frame[:3, 3] - before.joints[2].frame[:3, 3]
-    assert gap == pytest.approx([0.0, 0.0, 1.0 - 0.4865])
-    tilted = drawing.robot({drawing.place("2.roll", "here"): radians(1.57)})
-    assert not np.allclose(tilted.joints[1].frame[:3, :3], before.joints[1].frame[:3, :3])
 
 
 @pytest.mark.slow
@@ -366,18 +292,6 @@ def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.by_hand
-def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_part_are_equal() -> None:
-    asks = {"families": {"starts": 50, "fresh": 50}, "near": {"within": 0.1, "samples": 400}}
-    found = compare(["ur5e", "gp7"], asks, workers=1)
-    assert found.records[0]["measures"]["families"] == len(shipped("ur5e").families)
-    assert found.records[1]["sentence"] == shipped("gp7").verdict.sentence
-    shares = [one["measures"]["near"] for one in found.records]
-    assert 0.0 < abs(shares[0] - shares[1]) < 0.02  # of 400 samples
-    assert found.best("near") == (0, 1)
-    assert found.sentence == "ur5e and gp7 do not differ within the error, for task pose."
-
-
-@pytest.mark.by_hand
 def test_slides_keep_their_lengths_out_of_the_key() -> None:
     found = rankdrop.sweep({"robot": "stanford", "parameters": {"d": {"sets": "2.d", "values": [0.1, 0.2]}},
                             "families": {"starts": 100, "fresh": 100, "exact": False}}, workers=1)  # fmt: skip
@@ -453,30 +367,6 @@ def _poses(file: Path) -> tuple[np.ndarray, np.ndarray | None]:
 
     read = read_poses(file)
     return read.matrices, read.times
-
-
-@pytest.mark.slow
-def test_where_no_variant_has_a_measure_none_is_ranked_and_the_sentence_says_which() -> None:
-    """The region is out of reach."""
-    found = rankdrop.sweep({
-        "robot": "planar3r", "parameters": {"forearm": {"sets": "3.a", "values": [0.3, 0.4]}},
-        "region": {"lower": [5, 5, 0], "upper": [6, 6, 0], "points": 2, "rpy": [0, 0, 0]},
-    }, workers=1)  # fmt: skip
-    assert found.pareto == []
-    assert found.sentence == "None of 2 variants of planar3r is ranked: none has sigma."
-    titles = [section.title for section in found.sections()]
-    assert "Variants" in titles
-    assert "Pareto-optimal variants" not in titles
-
-
-def test_the_note_of_an_arm_without_rate_limits_says_what_is_missing() -> None:
-    others = ("families", "aspects", "near", "region", "paths", "certified")
-    asks = {"slow": {"speed": 0.25, "turn_speed": 0.0, "samples": 100}} | dict.fromkeys(others)
-    arms = [rankdrop.open_robot(name) for name in ("planar3r", "irb120")]
-    records = [measure_arm(arm, resolve_task(None, arm), asks, None, limits=False, seed=0) for arm in arms]
-    assert [one["measures"]["slow"] is None for one in records] == [True, False]
-    assert "–: too few joints have a rate limit, state `velocity`" in error_text(records, "slow")
-    assert "rate limit" not in error_text(records[1:], "slow")
 
 
 def test_the_share_of_slow_configurations_is_that_of_analyze_with_its_interval() -> None:

@@ -138,17 +138,6 @@ def test_a_row_outside_the_limits_says_so():
     assert any(text.startswith("the row lies outside the joint limits: ") for text in told)
 
 
-def test_slides_do_not_turn():
-    robot, found = open_robot("stanford"), shipped("stanford")
-    slides = [row for row in found.families if any(pin.number == 3 for pin in row.pinned)]
-    assert slides
-    for row in slides:
-        values = next(pin.values for pin in row.pinned if pin.number == 3)
-        inside = inside_limits(row, robot)
-        kept = next(pin.values for pin in inside.pinned if pin.number == 3)
-        assert kept == tuple(value for value in values if robot.lower[2] <= value <= robot.upper[2])
-
-
 def test_the_task_decides_as_ever():
     robot = open_robot("scara")
     found = analyze(robot, "position", starts=200, exact="off", within=0.1)

@@ -15,13 +15,10 @@ from known.arms import KINDS
 
 from rankdrop.errors import OptionError, RobotError, TaskError
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.arm.geometry import turn
 from rankdrop.exact.letters import letters_text, never_zero, sign_of, value_of
 from rankdrop.kinematics import jacobian, task_jacobian
-from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BODY, Task
-from rankdrop.verbs.conditions import conditions
 
 HALF = pi / 2
 
@@ -130,14 +127,6 @@ def test_equal_lengths_share_a_letter_with_their_sign() -> None:
     assert_exact(robot, "position")
 
 
-@pytest.mark.parametrize("angle", [0.0, HALF, -HALF, pi, -pi, 0.3, -2.9, 1e-8])
-def test_a_turn_is_exact_and_says_its_error(angle: float) -> None:
-    found = turn(angle)
-    assert found.cos**2 + found.sin**2 == 1
-    exact = np.arctan2(float(found.sin), float(found.cos)) + found.error
-    assert np.angle(np.exp(1j * (exact - angle))) == pytest.approx(0, abs=1e-13)
-
-
 def test_names_that_mean_something_else_and_lengths_that_are_not_there_are_refused() -> None:
     robot = open_robot("puma560")
     for wrong in ({"s2": 0.4318}, {"pi": 0.4318}, {"x": 17.0}):
@@ -176,16 +165,6 @@ def test_the_home_of_the_tool_moves_the_rows_of_a_position_only() -> None:
     assert_exact(longer, "position")
     q = np.full(robot.n, 0.3)
     assert jacobian(robot, q).shape == (6, robot.n)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("n", "task", "alpha"), [(24, "pose", 0.7), (30, "planar", 0.0)])
-def test_a_long_general_arm_ends_at_once_and_says_why(n: int, task: str, alpha: float) -> None:
-    rows = [(0.1 + 0.01 * j, alpha, 0.05 * bool(alpha), 0) for j in range(n)]
-    found = conditions(from_dh(rows, convention="standard"), task, points=0, lengths="numbers")
-    assert not found.complete
-    assert "would grow too long: the arm's screws were not written down" in str(found.left[0])
-    assert found.generic_rank == (6 if task == "pose" else 3)
 
 
 @pytest.mark.parametrize("rows", [(0, 1, 5), (0, 2, 4), (0, 1)])

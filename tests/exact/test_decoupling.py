@@ -326,41 +326,6 @@ def _stated(chain, statement, q, centre):
     return direction / np.linalg.norm(direction)
 
 
-@pytest.mark.parametrize("name", ["ur5", "z1", "ur3e"])
-def test_beside_a_planar_triple_a_line_is_lost(name):
-    chain = exact_chain(open_robot(name))
-    words = {part.roles[0]: part for part in decouple(chain).parts}
-    line = "the points of the line that is parallel to axes 2, 3, 4 and meets axes {} cannot move along it"
-    assert words["shoulder"].statement == line.format("1, 5, 6")
-    assert words["wrist"].statement == line.format("1, 5")
-    assert words["elbow"].statement == (
-        "motions in the plane across axes 2, 3, 4 have no part along the line that meets these axes"
-    )
-    for role, met in (("shoulder", (0, 4, 5)), ("wrist", (0, 4))):
-        q = np.array(words[role].witness)
-        screws = jacobian(chain.robot, q, Frame(0, 0))
-        lost = np.linalg.svd(screws)[0][:, -1]  # a wrench (f; τ) about the base origin
-        assert abs(lost[:3] @ lost[3:]) < 1e-9  # a force along a line
-        assert np.abs(np.cross(lost[:3], screws[3:, 1])).max() < 1e-9 < np.linalg.norm(lost[:3])
-        point = np.cross(lost[:3], lost[3:]) / (lost[:3] @ lost[:3])
-        for j in met:
-            axis, on_axis = screws[3:, j], np.cross(screws[3:, j], screws[:3, j])
-            assert abs((point - on_axis) @ np.cross(lost[:3], axis)) < 1e-9
-            assert np.linalg.norm(np.cross(lost[:3], axis)) > 1e-3  # they meet, not parallel
-    q = np.array(words["elbow"].witness)
-    screws = jacobian(chain.robot, q, Frame(0, 0))
-    feet = [np.cross(screws[3:, j], screws[:3, j]) for j in (1, 2, 3)]
-    across = feet[2] - feet[0] - screws[3:, 1] * ((feet[2] - feet[0]) @ screws[3:, 1])
-    z = screws[3:, 1]
-    out_of_plane = np.vstack([z @ screws[:3], (np.eye(3) - np.outer(z, z)) @ screws[3:]])
-    _, sigma, right = np.linalg.svd(out_of_plane)
-    rates = right[np.array([*sigma, *[0.0] * (6 - len(sigma))]) < 1e-9]  # joint rates of motions in the plane
-    assert len(rates) == 3
-    along = np.array([*across, *np.cross(feet[0], across)])  # a force along the line, as a wrench about the base origin
-    assert along @ screws @ rates.T == pytest.approx(0, abs=1e-9)
-    assert np.abs(along @ screws).max() > 1e-3  # other motions have a part along it
-
-
 def test_elbow_and_shoulder_of_jl_lose_what_jl_says():
     words = {part.roles[0]: part.statement for part in decouple(CHAINS["anthropomorphic"]).parts}
     assert words["elbow"].startswith("the wrist centre cannot translate along the line from the shoulder")
@@ -368,21 +333,6 @@ def test_elbow_and_shoulder_of_jl_lose_what_jl_says():
     assert words["wrist"] == (
         "with the wrist centre at rest the end effector cannot rotate about the perpendicular to axes 4 and 5"
     )
-
-
-@pytest.mark.parametrize(
-    ("name", "kind", "part"),
-    [
-        ("pa10", PartingKind.ARM_NOT_SQUARE, "wrist"), ("panda", PartingKind.ARM_NOT_SQUARE, "shoulder"),
-        ("gen3", PartingKind.NOT_SQUARE, ""), ("canadarm2", PartingKind.NOT_SQUARE, ""),
-        ("almarkhi4", PartingKind.NOT_SQUARE, ""),
-    ],
-)  # fmt: skip
-def test_redundant_arms_are_not_decoupled_and_it_is_said_why(name, kind, part):
-    chain = exact_chain(open_robot(name))
-    assert decouple(chain) is None
-    found = parting_of(chain)
-    assert (found.kind, found.part, found.columns, found.rows) == (kind, part, chain.n, chain.task.m)
 
 
 def test_an_arm_that_decouples_says_by_which_joints():
@@ -395,12 +345,6 @@ def test_an_arm_in_one_piece_and_one_always_singular():
     for name, dead in DEAD.items():
         assert decouple(dead) is None, name
         assert parting_of(dead).kind is PartingKind.ALWAYS_SINGULAR, name
-
-
-def test_too_few_joints_for_the_task():
-    chain = exact_chain(open_robot("planar3r"), "pose")
-    assert decouple(chain) is None
-    assert parting_of(chain).kind is PartingKind.TOO_FEW_JOINTS
 
 
 def test_position_task_of_three_axes_parts_elbow_and_shoulder():

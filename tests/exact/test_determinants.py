@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from dataclasses import replace
 from itertools import combinations
 
@@ -21,8 +19,6 @@ from rankdrop.local.block import sample
 from rankdrop.robot.open import open_robot
 from rankdrop.schema.families import DETERMINANTS
 from rankdrop.task import ROWS, resolve_task
-from rankdrop.text.conditions import steps_text
-from rankdrop.verbs.conditions import conditions
 
 
 def texts(name: str, task: str | None = None) -> list[str]:
@@ -99,53 +95,6 @@ def test_multiplicities_are_told() -> None:
     assert [one["sign"] for one in record["minors"]][3] == 0  # joints 1, 2, 3, 5, 6, 7 are dependent everywhere
 
 
-@pytest.mark.by_hand
-def test_long_factors_are_folded_on_the_screen_and_whole_in_the_file() -> None:
-    found = conditions(open_robot("canadarm2"), method="cofactors", coranks=1, points=0, steps=True)
-    screen, whole = str(found), steps_text(found)
-    assert "a polynomial of 252 half-angle terms = 0" in screen
-    assert "the whole of it: steps_text(conditions)" in screen
-    assert "a polynomial of" not in whole
-    assert "4 d c2 cos(θ4/2) s6 cos²(θ3 + θ4/2)" in whole
-    said = found.determinants
-    assert any("[17 sines and cosines, of θ2, θ3, θ4, θ5, θ6]" in line for line in said.lines(100))
-    assert not any("sines and cosines" in line for line in said.lines(None))
-
-
-def test_without_steps_nothing_is_said() -> None:
-    found = conditions(open_robot("scara"), points=0)
-    assert found.determinants is None
-    assert found.to_dict()["determinants"] is None
-
-
-def test_code_gives_the_same_numbers(tmp_path) -> None:
-    """The Python module and the C header hold the determinants, with the letters as they are named there."""
-    robot = open_robot("puma560")
-    found = conditions(robot, coranks=1, points=0, steps=True)
-    module: dict = {}
-    exec(found.code("python"), module)
-    q = np.array([0.1, -0.7, 0.4, 0.3, 1.2, -0.5])
-    wanted = np.linalg.det(task_jacobian(robot, q, replace(found.task, length_scale=1.0)))
-    assert module["DETERMINANTS"]["det_J"](q) == pytest.approx(wanted, abs=1e-12)
-    assert module["det_J"](np.stack([q, q])).shape == (2,)
-    assert r"$\det J_{22} = -s_5$" in found.latex()
-    compiler = shutil.which("cc") or shutil.which("gcc")
-    if compiler is None:
-        pytest.skip("no C compiler")
-    (tmp_path / "arm.h").write_text(found.code("c"))
-    numbers = ", ".join(repr(float(x)) for x in q)
-    (tmp_path / "main.c").write_text(
-        f'#include <stdio.h>\n#include "arm.h"\nint main(void) {{ double q[6] = {{{numbers}}};\n'
-        'printf("%.17g\\n", rankdrop_puma560_det_J(q)); return 0; }\n'
-    )
-    subprocess.run(
-        [compiler, "-std=c99", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function", "main.c", "-o", "main", "-lm"],
-        cwd=tmp_path, check=True,
-    )  # fmt: skip
-    printed = subprocess.run([str(tmp_path / "main")], capture_output=True, text=True, check=True).stdout
-    assert float(printed) == pytest.approx(wanted, abs=1e-12)
-
-
 @pytest.mark.parametrize(
     ("of", "name", "mark"),
     [
@@ -158,11 +107,3 @@ def test_a_minor_is_named_by_what_it_takes(of: MinorOf, name: str, mark: str) ->
     one = Value(ring, ring.trig.constant(1), None)
     minor = Minor(of, (1, 3), ("vx", "wz"), one, (0.0, 0.0), "J11")
     assert (minor.name, minor.mark) == (name, mark)
-
-
-def test_minors_that_no_time_is_left_for_are_facts() -> None:
-    """PA-10 has 7 minors of 6 columns: each is named in text and JSON, none of them computed."""
-    found = determinants_of(exact_chain(open_robot("pa10")), Work(-1.0))
-    assert [left.joints for left in found.left] == list(combinations(range(1, 8), 6))
-    assert found.lines()[1] == "not done: |$1 $2 $3 $4 $5 $6|"
-    assert encode(DETERMINANTS, found)["left"] == [str(left) for left in found.left]

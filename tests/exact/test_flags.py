@@ -127,14 +127,6 @@ def test_every_path_between_opposite_signs_crosses_and_it_is_said():
     assert json.dumps(plain(found))
 
 
-def test_equal_signs_prove_nothing_and_it_is_said():
-    chain = exact_chain(open_robot("planar2r"))
-    found = families_between(chain, [0, 0.5], [0, 0.5 + 2 * np.pi])
-    assert found.parting == ()
-    assert "does not prove that a path without singularity exists" in found.sentences()[0]
-    assert [one.kind for one in found.crossings] == ["crosses", "crosses"]
-
-
 def test_a_zero_at_one_end_decides_nothing():
     chain = exact_chain(open_robot("planar2r"))
     found = families_between(chain, [0, 0.0], [0, 0.5])

@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from typing import Any
 
-import numpy as np
 import pytest
 
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.derivation import corank_one
-from rankdrop.exact.families import Reality
 from rankdrop.exact.letters import covered_by_numeric_tree, decided_by_numbers, splits
 from rankdrop.exact.tree import Drop, rank_tree
-from rankdrop.families.contradiction import Contradiction, ContradictionKind
-from rankdrop.families.derivation import DIFFERS
-from rankdrop.families.record import exact_of
-from rankdrop.families.unfinished import Unfinished
-from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
-from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
-from rankdrop.verbs.deriving import _cloud, _not_singular
+from rankdrop.verbs.deriving import _cloud
 
 
 @pytest.mark.by_hand
@@ -94,70 +83,6 @@ def test_factors_and_angles_at_these_lengths_are_seen() -> None:
         assert not splits(chain, replace(tree, drops=[drop]))
         assert splits(same, replace(tree, drops=[drop]))
     assert x != y
-
-
-def test_a_family_that_is_not_singular_at_the_arms_own_lengths_is_no_exact_derivation() -> None:
-    found = conditions(open_robot("scara"), points=0)
-    chain = found.chain
-    q = np.array([[0.3, 1e-7, 0.2, 0.1][: chain.n]])
-    here = Reality(q, True, False, (), np.empty((0, chain.n)))
-    sets = [(Drop(piece, 0), here) for family in found.families for piece in exact_of(family).pieces]
-    assert _not_singular(chain, sets, found.families, found.generic_rank) == []
-    far = [(drop, replace(reality, points=reality.points + 1e-3)) for drop, reality in sets]
-    (told,) = _not_singular(chain, far, found.families, found.generic_rank)
-    assert "does not vanish at" in str(told)
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"disagreements": (Contradiction(ContradictionKind.RANK, "k1.f1", rank=3, wrong=2, tested=6),)},
-         "k1.f1: the rank modulo a prime is not 3 at 2 of 6 random points"),
-        ({"generic_rank": 3}, "the rank is 3 almost everywhere exactly, 4 numerically"),
-    ],
-)
-def test_ranks_that_differ_are_a_disagreement(monkeypatch: pytest.MonkeyPatch, change, said: str) -> None:
-    """The families agree; the ranks alone do not."""
-    robot = open_robot("scara")
-
-    def changed(*args: Any, **options: Any) -> Conditions:
-        return replace(conditions(*args, **options), **change)
-
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", changed)
-    found = analyze(robot, starts=100, fresh=True).exact
-    assert found is not None
-    assert found.status == DIFFERS
-    assert len(found.disagreements) == 1
-    assert said in str(found.disagreements[0])
-    assert not found.holds
-
-
-@pytest.mark.slow
-def test_a_disagreement_is_a_line_with_one_configuration() -> None:
-    """PUMA, by decoupling and by a rank tree that has lost a set: the set is not printed, a point on it is."""
-    chain = exact_chain(open_robot("puma560"))
-    tree = rank_tree(chain, Work(60.0, 0))
-    first = [drop for drop in tree.drops if drop.rank == 5]
-    less = replace(tree, drops=[drop for drop in tree.drops if drop is not first[0]])
-    assert corank_one(chain, "decoupling", tree, (), Work(60.0, 0)).disagreements == ()
-    (found,) = corank_one(chain, "decoupling", less, (), Work(60.0, 0)).disagreements
-    line = str(found)
-    assert line.startswith("decoupling has 1 set that the rank tree has not: at q = (")
-    assert line.endswith("the rank is 5 of 6")
-    assert len(line) < 200
-
-
-@pytest.mark.slow
-def test_what_time_left_out_of_the_numeric_check_is_told() -> None:
-    found = conditions(open_robot("pa10"), points=0, special=False, coranks=2)
-    late: list[Unfinished | Contradiction] = []
-    check, over, _ = _cloud(found.chain, 6, 4, found.families, 20, Work(-0.1, 0), late)
-    assert not late
-    all_tested = check.tested
-    check, over, _ = _cloud(found.chain, 6, 4, found.families, 20, Work(-10.0, 0), late)
-    assert 0 < check.tested < all_tested
-    assert not over
-    assert list(map(str, late)) == ["numeric configurations of corank 2 and above: the processor's time ran out"]
 
 
 @pytest.mark.by_hand

@@ -60,15 +60,6 @@ def test_a_letter_named_as_another_length_of_the_table_stays_with_its_value():
     assert dict(found.letters) == {"a2": Fraction("0.4"), "a2_": Fraction("0.5"), "d3": Fraction("0.5")}
 
 
-def test_a_letter_that_no_length_has_is_told():
-    found = exact_chain(arm({"h": 1.0, "L": 0.4}))
-    assert "h" not in found.letters
-    assert found.unused == (("h", 1.0),)
-    assert "the letter h of the robot stands for no length" in str(chain_remarks(found)[0])
-    assert exact_chain(arm({"h": 1.0}), lengths="numbers").unused == ()
-    assert exact_chain(arm({"h": 1.0}), lengths={"L": 0.4}).unused == ()
-
-
 def test_the_caller_s_letters_replace_the_robot_s():
     found = exact_chain(arm({"L": 0.5}), lengths={"M": 0.4})
     assert dict(found.letters) == {"M": Fraction("0.4")}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import re
 from collections.abc import Sequence
 from functools import cache
 from itertools import combinations
@@ -17,15 +16,14 @@ from rankdrop.algebra.field import P, Point, bivariate, common_zeros, complete, 
 from rankdrop.algebra.polynomial import SIMPLE, Equality
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work, work_spent
-from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
-from rankdrop.exact.conjunctions import Conjunction, Derivation, columns_on, values_of
+from rankdrop.exact.conjunctions import Conjunction, Derivation
 from rankdrop.exact.derivation import _too_long
-from rankdrop.exact.method_reason import MethodReason, Parting, PartingKind
-from rankdrop.exact.methods import METHODS, _choices, derive, zero_of
+from rankdrop.exact.method_reason import MethodReason
+from rankdrop.exact.methods import METHODS, derive
 from rankdrop.exact.tree import rank_tree
 from rankdrop.families.points import cloud
 from rankdrop.kinematics import task_jacobian
@@ -34,7 +32,6 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.text.by_hand import Words, notes_of, steps_of
-from rankdrop.text.structure import reason_text
 from rankdrop.units import out_of_units
 from rankdrop.verbs.conditions import conditions
 
@@ -235,17 +232,6 @@ def test_the_screw_of_kg_vanishes_where_c5_and_s6_do(theta4: str, singular: tupl
     assert "joints 2, 3, 4, 6, 7" in notes[place]
     for said in ("θ5 = ±π/2 and (θ6 = 0 or π)", *singular):
         assert said in notes[place + 1]
-
-
-def test_what_is_said_to_vanish_does() -> None:
-    """At θ4 = π, θ5 = π/2, θ6 = 0 every element of the screw is zero, and the other angles are free."""
-    chain = chain_of("canadarm2")
-    builder = Derivation(chain, "reciprocity", 30.0, frame=5, basic=(2, 3, 4, 5, 6, 7))
-    joints, screw = _choices(builder, columns_on(ZeroSet(chain.ring, {4: "pi"}), builder.columns))[0]
-    assert [j + 1 for j in joints] == [2, 3, 4, 6, 7]
-    assert any(w != 0 for w in screw)
-    assert all(chain.ring.at(w, {4: "pi", 5: "pi/2", 6: "0"}) == 0 for w in screw)
-    assert any(chain.ring.at(w, {4: "pi", 5: "pi/2"}) != 0 for w in screw)
 
 
 def test_basic_screws_are_chosen_for_reciprocity_alone() -> None:
@@ -509,17 +495,6 @@ def test_a_sum_of_squares_raises_no_false_alarm_near_singularities() -> None:
     assert found.holds(out_of_units(chain.robot, met.q)).all()
 
 
-def test_a_polynomial_too_long_in_half_angles_is_not_factored_and_no_error() -> None:
-    """Half-angle terms count, of which there are more."""
-    rows = [(0.01, *SRS[0][1:]), (0, *SRS[1][1:2], 0, 0), (0.045, *SRS[2][1:]), (-0.045, *SRS[3][1:2], 0, 0), *SRS[4:]]
-    chain = exact_chain(from_dh(rows, convention="standard"))
-    found = derive(chain, "cofactors")
-    assert found.complete
-    builder = Derivation(chain, "determinant", 30.0)
-    long = sum((minor**2 for minor in builder.minors(chain.columns, 6)), chain.ring.zero)
-    assert chain.ring.factors_within(chain.ring.reduce(long), 30.0) is None
-
-
 def general_7r(*twists: float) -> Robot:
     """Seven turning joints, every offset there; twists [°]."""
     rows = [(0.11 + 0.03 * i, np.deg2rad(twist), 0.2 + 0.07 * i, 0) for i, twist in enumerate(twists)]
@@ -579,20 +554,6 @@ def test_coranks_that_no_configuration_has_are_derived_too() -> None:
     assert rank_tree(chain, Work(20.0), lowest=4).lowest == 4
 
 
-@pytest.mark.slow
-def test_auto_names_the_methods_that_it_does_not_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where conditions are long it compares the minors, which end, and claims nothing of the methods by cases."""
-    arm = from_dh([(0, np.pi / 2, 0.3, 0), (0.4, 0, 0, 0), (0.3, 0, 0, 0), (0.2, 0, 0, 0)], convention="standard")
-    monkeypatch.setattr("rankdrop.exact.derivation._LONG", 1)
-    found = conditions(arm, "position", points=0, coranks=1)
-    assert (found.method, found.complete) == ("determinant", True)
-    assert re.search(
-        r"; conditions have up to \d+ terms: reciprocity and singular-vector were not run; each can be asked for$",
-        reason_text(found.reason),
-    )
-    assert derive(exact_chain(arm, "position"), "singular_vector").complete
-
-
 @pytest.mark.parametrize(
     ("name", "methods"),
     [("panda", ("suppression", "reciprocity", "singular-vector")), ("puma560", ())],
@@ -604,31 +565,6 @@ def test_methods_that_are_not_run_are_those_for_this_arm(name: str, methods: tup
     tree = SimpleNamespace(generic_rank=6, complete=True, drops=[long])
     assert _too_long(chain, tree, MethodReason()).not_run == methods
     assert _too_long(chain, SimpleNamespace(generic_rank=6, complete=True, drops=[]), MethodReason()).not_run == ()
-
-
-def test_a_polynomial_of_one_sign_has_no_zero() -> None:
-    chain = chain_of("puma560")
-    p = chain.ring.determinant([[column[row] for column in chain.columns[3:]] for row in range(3, 6)])
-    where = zero_of(chain, p)
-    assert where is not None
-    assert abs(values_of(chain, p, np.array([where]) + chain.shifts)[0]).max() < 1e-12
-    assert zero_of(chain, p * p + 1) is None
-    assert zero_of(chain, -p * p - 1) is None
-
-
-def test_a_reason_says_what_is_open() -> None:
-    parting = Parting(PartingKind.ALWAYS_SINGULAR)
-    why = "the arm is singular at every configuration"
-    assert reason_text(MethodReason()) == "asked for"
-    assert reason_text(MethodReason(parting, 500, ("singular-vector",))) == (
-        f"{why}; conditions have up to 500 terms: singular-vector was not run; each can be asked for"
-    )
-    assert reason_text(MethodReason(parting, unfactored=2)) == (
-        f"{why}; minors that were not factored in time, and stand as they are: 2"
-    )
-    assert reason_text(MethodReason(parting, unfinished="suppression")) == (
-        f"{why}; the method suppression was tried and did not finish"
-    )
 
 
 def _sparse(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:

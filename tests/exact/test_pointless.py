@@ -23,15 +23,6 @@ from rankdrop.verbs.conditions import conditions
 NOWHERE = prod(PRIMES) - 1  # ≡ −1, a square modulo none of the primes
 
 
-def test_all_primes_have_the_small_roots_and_none_has_that_of_minus_one() -> None:
-    every = (*PRIMES, *FURTHER)
-    assert list(every) == sorted({*every}, reverse=True)
-    for p in every:
-        assert pow(2, p - 1, p) == 1
-        assert p % 120 in (71, 119)
-        assert all(pow(q, (p - 1) // 2, p) == 1 for q in (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43))
-
-
 def test_a_root_that_one_prime_has_not_exists_modulo_another() -> None:
     ring = Ring([1])
     number = next(n for n in range(2, 100) if not roots([-n, 0, 1]))

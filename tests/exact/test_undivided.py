@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 pytest.importorskip("flint")
 
 from rankdrop.algebra.halt import Halt, HaltKind
-from rankdrop.algebra.work import OutOfTime, TooLong, Work, tick
+from rankdrop.algebra.work import OutOfTime, TooLong, Work
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.exact import families as real_families
 from rankdrop.exact import tree as rank_trees
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.tree import Tree, rank_tree
+from rankdrop.exact.tree import rank_tree
 from rankdrop.exact.undivided import _witness as undivided_witness
 from rankdrop.families.unfinished import UnfinishedKind
 from rankdrop.formula.equation import System
@@ -202,23 +200,6 @@ def test_a_set_is_not_finished_where_the_tree_states_no_cases(monkeypatch: pytes
     assert not found.undivided
     assert str(found.left[0]).startswith("the conditions of a set of rank 5 hold at configurations of higher rank, too")
     assert {one.kind for one in found.left} == {UnfinishedKind.STRAYS}
-
-
-def test_a_tree_that_takes_more_than_its_share_leaves_work_for_its_sets(monkeypatch: pytest.MonkeyPatch) -> None:
-    """All sets of an arm became cases, which took no more than a tenth of a second: no work was left."""
-    plain = deriving.rank_tree
-
-    def long(*args: Any, **named: Any) -> Tree:
-        found = plain(*args, **named)
-        tick(60e6)
-        return found
-
-    asked = {"points": 0, "special": False, "method": "tree", "seconds": 30.0, "coranks": 1}
-    usual = conditions(open_robot("stanford"), **asked)
-    monkeypatch.setattr(deriving, "rank_tree", long)
-    found = conditions(open_robot("stanford"), **asked)
-    assert [one.id for one in found.families] == [one.id for one in usual.families]
-    assert not found.undivided
 
 
 def test_a_witness_is_a_singular_configuration_on_its_set() -> None:

@@ -11,28 +11,9 @@ from rankdrop.exact.family import derived_in_units
 from rankdrop.families.row import on_row, row_of
 from rankdrop.formula.equation import Equation, System, Term
 from rankdrop.problem import Problem
-from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.units import in_units, task_in_units
-from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
-
-
-def wrist_with_offset(d5: float):
-    """Six joints, axes 4 and 6 apart by d5: next to θ2 = ±90° the conditions of two families of corank 2 are flat."""
-    rows = [(0, -90, 0.12), (0.285, 0, 0), (0.022, 90, 0), (0, -90, 0.25), (0, 90, d5), (0, 0, 0.09)]
-    return from_dh([(a, np.radians(alpha), d, 0.0) for a, alpha, d in rows], convention="standard", name="wrist-offset")
-
-
-@pytest.mark.by_hand
-@pytest.mark.parametrize("d5", [0.0014])
-def test_a_row_has_every_real_root_of_its_set(d5: float) -> None:
-    found = analyze(wrist_with_offset(d5), starts=1000)
-    assert found.verified
-    assert found.verdict.claims == ("sampled", "derived exactly")
-    assert [len(found.of_corank(k)) for k in (1, 2, 3)] == [1, 5, 0]
-    assert all(one.completeness.agree == one.completeness.tested for one in found.coranks)
-
 
 ELBOW = str(Path(__file__).parents[1] / "data" / "near" / "elbow_0mm44.toml")
 

@@ -7,17 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from rankdrop.families.library import (
-    MOST_CIRCUITS,
-    FitProblem,
-    circuits,
-    holds,
-    hypersurface,
-    library,
-    size,
-    sparse_basis,
-    vanishing,
-)
+from rankdrop.families.library import FitProblem, circuits, holds, hypersurface, library, size, vanishing
 from rankdrop.formula.equation import Equation, System, Term
 from rankdrop.tolerances import DEFAULT
 
@@ -132,20 +122,3 @@ def test_null_space_has_the_dimension_of_the_multiples(rng):
     x = points_on([HALF_ANGLE], rng, 400)[:, (2, 3)]
     for degrees, dimension in [((2, 1), 1), ((2, 2), 2), ((4, 2), 6), ((4, 4), 12)]:
         assert vanishing(library(degrees, ANGLES[:2])(x), DEFAULT).shape[1] == dimension
-
-
-def test_sparse_basis_spans_the_same_space(rng):
-    null = np.linalg.qr(rng.standard_normal((12, 3)))[0]
-    basis = sparse_basis(null)
-    np.testing.assert_allclose(null @ (null.T @ basis), basis, atol=1e-12)
-    assert (np.abs(basis) < 1e-9).sum() >= 6
-
-
-@pytest.mark.slow
-def test_circuits_have_one_joint_more_than_the_dimension_and_are_counted(rng):
-    basis = np.linalg.qr(rng.standard_normal((7, 3)))[0]
-    found = circuits((basis @ basis.T)[None], tuple(range(7)))
-    assert len(found) == 35
-    assert {len(one) for one in found} == {4}
-    basis = np.linalg.qr(rng.standard_normal((14, 5)))[0]
-    assert len(circuits((basis @ basis.T)[None], tuple(range(14)))) == MOST_CIRCUITS  # of 3,003

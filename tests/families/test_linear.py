@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import tracemalloc
 from math import pi
 
 import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.families import inspection
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.fit import minors
-from rankdrop.families.inspection import Signature, candidates, independent
+from rankdrop.families.inspection import Signature
 from rankdrop.families.row import Linear, Row, boxes, canonical, grow, vanishing_on
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem, wrap
@@ -87,13 +85,6 @@ def test_boxes_cover_by_full_products():
     assert boxes({(0.0, 1.0), (1.0, 0.0)}) == [((0.0,), (1.0,)), ((1.0,), (0.0,))]
 
 
-def test_candidates_are_primitive_and_simplest_first():
-    found = candidates((1, 2, 4), 5)
-    assert [int(x) for x in found[0]] == [0, 1, 1, 0, 0]
-    assert all(np.gcd.reduce(row) == 1 for row in found)
-    assert independent(found) == ((0, 1, 1, 0, 0), (0, 1, 0, 0, 1), (0, 1, 0, 0, -1))
-
-
 def zeros(values: tuple[float, ...], covector: tuple[int, ...] = (1,), *, periodic: bool = True) -> np.ndarray:
     """|condition| at its values, at values beside them, and the order of the values reversed: all from the equation."""
     one, other = (vanishing_on(covector, order, periodic=periodic) for order in (values, values[::-1]))
@@ -152,31 +143,3 @@ def test_minors_are_of_the_values_that_are_pinned(rng):
     np.testing.assert_allclose(scale * value, determinant, atol=1e-12 * np.abs(determinant).max() + 1e-14)
     straight = Row(pinned, ((0.0,), (0.0,)), (), signature, PLANTED)
     assert minors(problem, straight, (1,), 2, rng) == []  # the wrist is straight: nothing is left to vanish
-
-
-@pytest.mark.slow
-def test_relations_of_many_points_take_as_much_memory_as_those_of_some(rng):
-    """Ten coupled joints have 2,430 candidates: 6,000 points at once would be 117 MB for a table of numbers alone."""
-    normals = rng.normal(size=(6_000, 10))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    normals[::2] = np.array([1, 1, *(0,) * 8]) / np.sqrt(2)  # half of them have a relation: θ1 + θ2
-    conormal = normals[:, :, None] * normals[:, None, :]
-    tracemalloc.start()
-    try:
-        told = inspection._relations(conormal, tuple(range(10)), 10)
-        most = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-    assert most < 60e6
-    assert told[0] == ((1, 1, *(0,) * 8),)
-    assert told[1] == ()
-
-
-def test_an_arm_of_thirty_joints_is_taken_apart():
-    """Its D has 25 rows, more than the core takes apart: singular values and spaces are as of fewer."""
-    d = np.random.default_rng(0).normal(size=(3, 25, 30))
-    s, v = inspection._right(d)
-    np.testing.assert_allclose(np.linalg.norm(d @ v[..., :25], axis=1), s, atol=1e-12)
-    np.testing.assert_allclose(d @ v[..., 25:], 0, atol=1e-12)
-    narrow, bases = inspection._right(d[:, :5])
-    np.testing.assert_allclose(np.linalg.norm(d[:, :5] @ bases[..., :5], axis=1), narrow, atol=1e-12)

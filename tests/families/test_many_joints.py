@@ -10,8 +10,6 @@ import pytest
 
 from rankdrop.families.library import MOST_SUPPORTS, circuits
 from rankdrop.families.row import grow
-from rankdrop.robot.dh import from_dh
-from rankdrop.verbs.analyze import analyze
 
 
 @pytest.mark.slow
@@ -44,11 +42,3 @@ def test_combinations_of_many_values_are_tested_in_bounded_number() -> None:
         return [True] * len(values)
 
     assert len(grow([(0.0,) * 29], linear, holds)) == sum(sizes) == 1024
-
-
-@pytest.mark.by_hand
-def test_an_analysis_of_thirty_joints_ends() -> None:
-    rng = np.random.default_rng(30)
-    rows = [(rng.uniform(0.1, 0.5), f"{rng.choice([0, 90, -90])} deg", rng.choice([0, 0.1, 0.3]), 0) for _ in range(30)]
-    found = analyze(from_dh(rows, convention="standard"), starts=300, threads=1)
-    assert found.families

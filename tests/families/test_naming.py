@@ -10,10 +10,8 @@ import pytest
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.exact.families import _one_of_each_first
-from rankdrop.families.name import ArmPart, Centre, Detail, FamilyName, Geometry, JointValues, Variable
-from rankdrop.families.naming import LONGEST, name_family, shorten_names
+from rankdrop.families.naming import name_family
 from rankdrop.families.searching import search
-from rankdrop.local.dependence import Common, Dependence
 from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Robot
@@ -142,12 +140,6 @@ def test_the_shoulder_of_an_arm_with_offset_is_a_plane_and_without_it_an_axis() 
     assert name(puma(0.0), shoulder(puma(0.0), 0.02)) == "shoulder: wrist centre on axis 1"
 
 
-def test_the_shoulder_of_a_ur_type_arm_is_where_axes_5_and_6_meet() -> None:
-    found = search(ur(), 1, task=resolve_task(None, ur()), starts=60, seed=0).converged
-    found = found[(np.abs(np.sin(found[:, 2])) > 0.1) & (np.abs(np.sin(found[:, 4])) > 0.1)]
-    assert name(ur(), found) == "shoulder: axes 5, 6 meet in plane of axes 1, 2"
-
-
 def test_three_axes_of_a_bare_wrist() -> None:
     wrist = from_dh([(0, H, 0, 0), (0, -H, 0, 0), (0, 0, 0.1, 0)], convention="standard", name="h", task="orientation")
     assert name(wrist, points(wrist, {2: Z})) == "axes 1 and 3 aligned"
@@ -212,50 +204,6 @@ def test_joints_told_to_be_pinned_are_explained() -> None:
 def test_what_is_not_a_singular_family_is_refused(q: Array) -> None:
     with pytest.raises(ConfigurationError):
         name(pa10(), q)
-
-
-STRETCHED = FamilyName(
-    (ArmPart.ELBOW,), details=(Detail(Geometry.COPLANAR_WITH_CENTRE, ((1, 2),), Centre.WRIST),)
-)  # fmt: skip
-FLAT = Detail(Geometry.PARALLEL_AND_COPLANAR, ((1, 2, 3, 5),))
-ALIGNED = FamilyName(tuple(ArmPart), details=(Detail(Geometry.ALIGNED, ((0, 2), (4, 6))),))
-
-
-def at(joint: int, *degrees: float) -> tuple[JointValues, ...]:
-    """Values of one joint."""
-    return (JointValues(Variable(joint), tuple(np.radians(degrees).tolist())),)
-
-
-@pytest.mark.parametrize(
-    ("names", "expected"),
-    [
-        ([STRETCHED], ["elbow: axes 2, 3 and wrist centre coplanar"]),
-        (
-            [replace(STRETCHED, values=at(3, -87.3, 92.7))],
-            ["elbow: arm stretched or folded (θ3 = −87.3° or 92.7°)"],
-        ),
-        (
-            [FamilyName((ArmPart.ELBOW, ArmPart.WRIST), True, (FLAT,), values=at(4, -90.1, 89.9))],
-            ["elbow and wrist (θ4 = −90.1° or 89.9°)"],  # not −90° or 90°: that is another posture
-        ),
-        (
-            [replace(ALIGNED, bound=(Variable(joint),)) for joint in (3, 5)],
-            ["shoulder, elbow and wrist: axes 1, 3 and 5, 7 aligned", None],
-        ),
-    ],
-)
-def test_a_long_name_is_shortened_and_stays_the_only_one(names: list[FamilyName], expected: list[str | None]) -> None:
-    short = list(map(str, shorten_names(names)))
-    assert all(len(one) <= LONGEST for one in short)
-    assert len(set(short)) == len(names)
-    assert all(want in (None, got) for want, got in zip(expected, short, strict=True))
-
-
-@pytest.mark.slow
-def test_a_name_of_very_many_details_is_shortened_at_once() -> None:
-    sets = tuple(Dependence(Common.DEPENDENT_SCREWS, (i, i + 1, i + 2)) for i in range(59))
-    (short,) = shorten_names([FamilyName(details=sets)])
-    assert str(short) == "joints 1, 2, 3 dependent; joints 2, 3, 4 dependent"
 
 
 def test_an_angle_that_is_nearly_a_right_one_is_not_written_as_one() -> None:

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
-from rankdrop.designs.measure import _family
-from rankdrop.families import ArmPart, FamilyName
+from rankdrop.families import ArmPart
 from rankdrop.families.parts import FamilyParts, parts_of
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import robot_names
-from rankdrop.text.brief import compared_arms
 from rankdrop.text.claims import opening, summary_of_analysis
-from rankdrop.text.special import family_label, family_title, place_name
-from rankdrop.text.stretches import stretch_place
+from rankdrop.text.special import family_label
 
 S, E, W = ArmPart
 
@@ -50,15 +45,6 @@ def test_a_family_that_binds_a_joint_of_the_base_says_so() -> None:
     assert family_label(found.robot, found.task, bound) == "base and elbow"
 
 
-def test_a_label_names_the_parts_and_a_title_the_axes_too() -> None:
-    found = shipped("crx10ial")
-    robot, task, family = found.robot, found.task, found.families[0]
-    assert family_label(robot, task, family) == "shoulder, elbow or wrist"
-    assert family_title(robot, task, family) == "shoulder, elbow or wrist: joints 1–6 dependent"
-    own = replace(family, called=FamilyName(given="my own family"))
-    assert family_label(robot, task, own) == family_title(robot, task, own) == "my own family"
-
-
 def first_sentence(name: str) -> str:
     return opening(summary_of_analysis(shipped(name)))
 
@@ -85,20 +71,3 @@ def test_no_first_sentence_speaks_of_screws_or_axes(name: str) -> None:
     assert "screws" not in sentence
     assert "axes" not in sentence
     assert "joints" not in sentence
-
-
-def test_a_comparison_and_a_path_name_the_parts_of_an_arm_with_offsets() -> None:
-    """A CRX has one long condition: its stored name is "joints 1–6 dependent"."""
-    found = shipped("crx10ial")
-    family = found.families[0]
-    record = {"error": "", "families": [_family(one, found.robot, found.task) for one in found.families]}
-    (line,) = compared_arms(["crx"], [record]).lines
-    assert line.startswith("crx: shoulder, elbow or wrist (corank 1)")
-    q = np.array(family.witness)
-    check = SimpleNamespace(robot=found.robot, task=found.task)
-    closest = SimpleNamespace(q=q + 0.3, foot=q)
-    stretch = SimpleNamespace(corank=0, closest=closest, name=family.name)
-    assert stretch_place(check, stretch) == place_name(found.robot, found.task, family)
-    assert stretch_place(check, stretch).startswith(("shoulder", "elbow", "wrist"))
-    closest.foot = np.zeros(0)
-    assert stretch_place(check, stretch) == family.name

@@ -11,7 +11,6 @@ from rankdrop.families import pose_witness
 from rankdrop.families.pictured import TALL, height, upright, upright_start
 from rankdrop.local import fault, singular_values
 from rankdrop.results.known import shipped
-from rankdrop.text.special import place_name
 
 
 @pytest.mark.parametrize("name", ["pa10", "crx10ial"])
@@ -69,12 +68,3 @@ def test_pictures_begin_with_an_arm_that_stands(name: str) -> None:
     assert height(found.robot, q[None])[0] >= 0.95 * TALL
     assert ((q >= found.robot.lower) & (q <= found.robot.upper)).all()
     assert singular_values(found.robot, q, found.task)[-1] > 0.02
-
-
-@pytest.mark.parametrize("name", ["crx10ial", "yumi", "ur5e", "xarm6"])
-def test_a_picture_is_called_by_the_part_of_the_arm(name: str) -> None:
-    found = shipped(name)
-    for family in found.families:
-        title = place_name(found.robot, found.task, family)
-        assert title.split(":")[0].split()[0].strip(",") in {"shoulder", "elbow", "wrist"}
-        assert "screws" not in title

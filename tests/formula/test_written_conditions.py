@@ -12,15 +12,13 @@ from math import cos, prod, sin
 import numpy as np
 import pytest
 
-from rankdrop.algebra.polynomial import number_value, reduced_roots
+from rankdrop.algebra.polynomial import reduced_roots
 from rankdrop.algebra.ring import Ring
 from rankdrop.exact.letters import letters_text
 from rankdrop.families.record import exact_of
 from rankdrop.formula.notation import SUPERSCRIPT, C, Python
 from rankdrop.formula.reading import read
-from rankdrop.formula.shortest import ratio
 from rankdrop.formula.sums import half_of
-from rankdrop.formula.value import Quotient, Value
 from rankdrop.formula.writing import Condition
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
@@ -175,25 +173,6 @@ def ratio_of(ring, one, two):
         two = two * (1 + ring.t[j] ** 2) ** max((int(have) - int(own)) // 2, 0)
 
     return 1 if reduced_roots(one - two) == 0 else 0
-
-
-def test_a_quotient_keeps_the_roots_of_its_number() -> None:
-    ring = Ring([1, 2], letters=["sqrt2", "sqrt3"])
-    two, three = ring.letter["sqrt2"], ring.letter["sqrt3"]
-    top = ring.reduce((1 + two) * ring.s[1] * (ring.c[2] + two * ring.s[2]))
-    bottom = ring.reduce(three * ring.s[1] * (three + ring.c[2]))
-    whole = Quotient(*(Value(ring, p, ring.factor(p)) for p in (top, bottom)))
-    theta = np.array([0.4, 1.1])
-    wanted = (1 + 2**0.5) * (cos(1.1) + 2**0.5 * sin(1.1)) / (3**0.5 * (3**0.5 + cos(1.1)))
-    assert whole.at(theta, {"sqrt2": 2**0.5, "sqrt3": 3**0.5}) == pytest.approx(wanted, rel=1e-12)
-
-
-def test_a_number_with_a_root_has_its_own_sign() -> None:
-    ring = Ring([1], letters=["sqrt2"])
-    two = ring.letter["sqrt2"]
-    p = (1 - two) * (2 + ring.c[1])
-    f = ring.to_half(2 + ring.c[1]).f
-    assert number_value(ratio(ring, p, f)) == pytest.approx(1 - 2**0.5, rel=1e-12)
 
 
 def test_a_minus_stands_before_a_whole_sum() -> None:

@@ -7,13 +7,11 @@ configuration that a search finds has to lie on a family.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
 
-from rankdrop.exact.family import Assumption
 from rankdrop.families.points import cloud, count_explained
 from rankdrop.families.record import exact_of
 from rankdrop.formula.equation import System
@@ -113,13 +111,3 @@ def test_a_forearm_as_long_as_the_upper_arm_is_singular_at_a_right_angle(name: s
     q = np.random.default_rng(0).uniform(-3, 3, (5, 6))
     q[:, 2] = -np.pi / 2 - exact_of(family).shifts[2]
     assert singular_values(found.robot, q, found.task)[:, 5].max() < 1e-12
-
-
-def test_an_assumption_that_is_false_is_no_exact_derivation() -> None:
-    found = conditions(open_robot("planar3r"))
-    assert found.verified
-    wrong = replace(found, assumptions=(Assumption("a2 ≠ d4", holds=False, derived=False),))
-    assert not wrong.verified
-    assert wrong.verdict.word == "incomplete"
-    assert wrong.verdict.claims in ((), ("sampled",))
-    assert "a2 ≠ d4 is assumed, which is not true of this arm" in wrong.verdict.sentence

@@ -15,10 +15,9 @@ import pytest
 
 import rankdrop
 from rankdrop import path as paths
-from rankdrop.errors import ConfigurationError, TaskError
+from rankdrop.errors import ConfigurationError
 from rankdrop.poses.branches import self_motion_curves
 from rankdrop.results.known import shipped
-from rankdrop.task import BODY, SPACE, WORLD_ALIGNED
 
 ARM = rankdrop.open_robot("planar3r")
 A = [0.1, 0.5, 0.3]
@@ -87,13 +86,3 @@ def test_every_kind_of_real_numbers_is_a_configuration(good: str) -> None:
     q = np.array([float(one) for one in GOOD[good]])
     np.testing.assert_array_equal(rankdrop.pose(ARM, GOOD[good]), rankdrop.pose(ARM, q))
     np.testing.assert_array_equal(rankdrop.explain(ARM, GOOD[good]).q, q)
-
-
-def test_a_frame_has_a_name() -> None:
-    for name, frame in (("base", WORLD_ALIGNED), ("tip", BODY), ("space", SPACE)):
-        np.testing.assert_array_equal(rankdrop.jacobian(ARM, A, name), rankdrop.jacobian(ARM, A, frame))
-        derivative = rankdrop.jacobian_derivative(ARM, A, name)
-        np.testing.assert_array_equal(derivative, rankdrop.jacobian_derivative(ARM, A, frame))
-    for wrong in ("world", None, 3, ["base"]):
-        with pytest.raises(TaskError, match=r"there is no such frame; got .*; allowed: base, tip, space, or a Frame"):
-            rankdrop.jacobian(ARM, A, wrong)  # type: ignore[arg-type]

@@ -21,8 +21,7 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Joint, Mimic, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import revolute
-from rankdrop.task import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame, resolve_task, six_rows
-from rankdrop.text.directions import frame_name
+from rankdrop.task import BODY, SPACE, TIP, WORLD_ALIGNED, Frame, resolve_task, six_rows
 
 H = pi / 2
 
@@ -169,16 +168,6 @@ def test_a_joint_that_follows_another_is_carried_along() -> None:
     q = flat[np.argmin(np.linalg.svd(jacobian(robot, flat)[:, :2], compute_uv=False)[:, 1])]
     chosen = lost_in_sparsest_frame(robot, q, task, 1)
     assert np.abs(chosen.directions @ jacobian(robot, q, chosen.frame)).max() < 1e-3
-
-
-def test_frames_have_names_that_end_a_sentence() -> None:
-    assert frame_name(WORLD_ALIGNED) == "the base"
-    assert frame_name(BODY) == "the tool"
-    assert frame_name(SPACE) == "the base at its origin"
-    assert frame_name(Frame(4, TIP)) == "link 4"
-    assert frame_name(Frame(4, 4)) == "link 4 at its origin"
-    assert frame_name(Frame(BASE, 3)) == "the base at the origin of link 3"
-    assert frame_name(Frame(BASE, TIP, (0.0, 0.1, 0.0))) == "the base at (0, 0.1, 0) m of the tool"
 
 
 def test_wrong_questions_are_refused(pa10: Robot) -> None:

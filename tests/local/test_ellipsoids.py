@@ -7,14 +7,12 @@ from math import inf
 import numpy as np
 import pytest
 
-from rankdrop.codec import encode
 from rankdrop.configuration import configuration_at
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.local.ellipsoids import ellipsoids
 from rankdrop.local.rates import rate_limits
 from rankdrop.robot.open import open_robot
-from rankdrop.schema.explanation import SHAPES
 from rankdrop.task import resolve_task
 
 
@@ -85,15 +83,3 @@ def test_parts_that_the_task_lacks_are_none() -> None:
     assert ellipsoids(robot, [0.1] * 7, "position").unit_rates.rotation is None
     assert ellipsoids(robot, [0.1] * 7, "orientation").unit_rates.translation is None
     assert ellipsoids(open_robot("pa10"), [0.1] * 7).rate_limits is None, "no limits are known"
-
-
-def test_unit_balls_are_named_in_words_and_in_files() -> None:
-    """SCARA has a slide, which counts by the length scale; without slides no length is named."""
-    scara = ellipsoids(open_robot("scara"), [0.3, 0.4, 0.1, 0.2])
-    scale = scara.length_scale
-    planar = ellipsoids(open_robot("planar2r"), [0.3, 0.4])
-    assert planar.unit_rates.ball == "Σ q̇² ≤ (1 rad/s)²; Σ τ² ≤ (1 N m)²"
-    assert scara.unit_rates.ball == f"Σ q̇² ≤ (1 rad/s)², slides in units of {scale:.4g} m; Σ τ² ≤ (1 N m)²"
-    limits = ellipsoids(open_robot("fetch8"), np.zeros(8)).rate_limits
-    assert limits is not None
-    assert encode(SHAPES, limits)["ball"] == limits.ball == "Σ (q̇/limit)² ≤ 1; Σ (τ · limit)² ≤ (1 W)²"

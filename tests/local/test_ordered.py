@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from reference import arms
 
-from rankdrop.errors import OptionError, RankdropError, RobotError
+from rankdrop.errors import OptionError, RobotError
 from rankdrop.kinematics import jacobian
 from rankdrop.local.instructions import session
 from rankdrop.local.ordered import OrderedScrewSet, motion, ordered_subsets
@@ -17,7 +17,6 @@ from rankdrop.local.ordered_report import report
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import SPACE, resolve_task
-from rankdrop.text.procedure import procedure_text
 
 DOC = Path(__file__).resolve().parents[2] / "docs" / "gallardo-rico.md"
 R = 0.5**0.5
@@ -146,54 +145,6 @@ def test_a_screw_of_any_length_turns_by_its_own_rate() -> None:
     assert np.allclose(back, np.eye(6))
 
 
-@pytest.mark.slow_at("pa10")
-@pytest.mark.parametrize("name", ["pa10", "puma"])
-def test_rates_and_gains_of_any_singular_set(name: str, rng: np.random.Generator) -> None:
-    """The rate is that of σ_r under a small motion; a joint with a rate escapes; one without gains no full rank at
-    first order."""
-    robot, q = arms.singular_configurations(name, rng, 9)
-    escaping = 0
-    for configuration in q:
-        here = OrderedScrewSet.of(robot, configuration)
-        found = report(here)
-        assert found.lost > 0
-        assert (found.steps[0].name, found.steps[0].last) == ("readoss", robot.n)
-        for joint in found.joints:
-            sigma = np.linalg.svd(here.moved(joint.number, 1e-5).screws)[1][found.generic - 1]
-            assert sigma / 1e-5 == pytest.approx(joint.rate, rel=1e-3, abs=1e-3)
-            if joint.rate > 0:
-                assert joint.escapes
-            escaping += joint.escapes
-            assert joint.escapes == (joint.number in found.escapes)
-    assert escaping > 5
-
-
-def test_a_joint_that_escapes_at_second_order_only_escapes() -> None:
-    """PA-10 at θ2 = θ4 = 0, joint 4 moved: corank 1 leaves, the rate is zero."""
-    robot = open_robot("pa10")
-    found = report(OrderedScrewSet.of(robot, [0.3, 0.0, 0.4, 0.0, 0.5, 0.6, 0.7]))
-    assert found.lost >= 1
-    second = [joint for joint in found.joints if joint.gain > 0 and joint.rate == 0.0]
-    assert second, "a gain that no first-order rate tells"
-    assert {joint.number for joint in second if joint.escapes} == set(found.escapes) - {
-        joint.number for joint in found.joints if joint.rate > 0
-    }
-    assert any(joint.escapes for joint in second)
-
-
-def test_what_is_read_again_is_restored_and_nothing_else() -> None:
-    steps = session(GR, [("newscrews", 3, 5), ("readoss", 5, 5), ("newscrews", 2, 5)])
-    assert steps[1][1] == ("[1, 0, 0, 0, 0, 0]",)
-    assert steps[2][1][1] == "S(4) = [0, 1, 0, 5, 0, 5]", "screw 4 is still where newscrews put it"
-    assert steps[2][1][2] == "S(5) = [1, 0, 0, 0, 0, -1]"
-
-
-def test_a_regular_set_has_nothing_to_escape_from() -> None:
-    found = report(OrderedScrewSet.of(open_robot("puma560"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]))
-    assert (found.lost, found.trials, found.printed, found.escapes) == (0, (), (), ())
-    assert "not singular" in procedure_text(found)
-
-
 @pytest.mark.parametrize("change", ["base", "unit", "sign", "slow"])
 def test_what_is_told_does_not_depend_on_frame_unit_or_sign(change: str, rng: np.random.Generator) -> None:
     if change == "base":
@@ -271,17 +222,6 @@ def test_what_is_no_screw_list_is_refused_with_its_place(text: str, told: str, t
     path.write_text(text)
     with pytest.raises(RobotError, match=told):
         OrderedScrewSet.read(path)
-
-
-@pytest.mark.parametrize("call", [
-    lambda: GR.dimension(3, 2), lambda: GR.msos(0, 2), lambda: GR.newscrews(4, 8), lambda: GR.moved(8, 0.1),
-    lambda: session(GR, [("jump", 1, 2)]), lambda: OrderedScrewSet(np.zeros((0, 6))),
-    lambda: OrderedScrewSet.of(arms.random_chain(np.random.default_rng(0), "rrm"), [0, 0]),
-    lambda: OrderedScrewSet.of(open_robot("pa10"), np.zeros(7), length=0.0),
-])  # fmt: skip
-def test_what_does_not_exist_is_refused(call: object) -> None:
-    with pytest.raises(RankdropError):
-        call()  # type: ignore[operator]
 
 
 def test_the_set_is_an_arm_again() -> None:

@@ -7,7 +7,6 @@ import pytest
 from reference import arms
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.local.axes import Scene
 from rankdrop.local.relations import Relation, relations_at
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
@@ -15,29 +14,6 @@ from rankdrop.robot.screws import from_screws, prismatic, revolute
 
 def told(found: tuple[Relation, ...]) -> list[tuple[bool, str]]:
     return [(relation.structural, relation.words) for relation in found]
-
-
-def test_the_zero_pose_of_the_pa10() -> None:
-    found = relations_at(open_robot("pa10"), np.zeros(7))
-    assert told(found) == [
-        (False, "axes 1, 3, 5, 7 aligned"),
-        (False, "axes 1, 2, 3, 5, 7 meet in one point"),
-        (False, "axes 1, 3, 4, 5, 7 meet in one point"),
-        (False, "axes 1, 3, 5, 6, 7 meet in one point"),
-        (False, "axes 2, 4, 6 parallel"),
-        (True, "axes 1, 2, 3 meet in one point"),
-        (True, "axes 3, 4, 5 meet in one point"),
-        (True, "axes 5, 6, 7 meet in one point"),
-    ]
-    assert found[0].joints == (1, 3, 5, 7)
-
-
-def test_a_regular_configuration_has_structure_only() -> None:
-    found = relations_at(open_robot("ur5"), [0.1, -0.5, 0.7, 0.3, 0.9, 0.2])
-    assert told(found) == [
-        (True, "axes 1, 2 intersect"), (True, "axes 4, 5 intersect"), (True, "axes 5, 6 intersect"),
-        (True, "axes 2, 3, 4 parallel"),
-    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("theta", "words"), [(0.0, "axes 2, 3, 4, 6 parallel"), (np.pi, "axes 2, 3, 4, 6 parallel")])
@@ -107,14 +83,3 @@ def test_relations_do_not_depend_on_base_tool_or_sign(name: str, rng: np.random.
 def test_one_configuration_is_needed() -> None:
     with pytest.raises(ConfigurationError):
         relations_at(open_robot("pa10"), np.zeros((2, 7)))
-
-
-def test_a_scene_of_one_configuration_is_kept_and_a_mimic_joint_is_asked_for() -> None:
-    """Relations, circuits and special places of an explanation are about the same axes."""
-    arm, mimicking = open_robot("pa10"), arms.random_chain(np.random.default_rng(0), "rrmr")
-    q = np.array([0.1, 0.2, 0.0, 0.4, 0.0, 0.6, 0.7])
-    assert Scene.at(arm, q) is Scene.at(arm, q.copy(), every_joint=True)
-    np.testing.assert_array_equal(Scene.at(arm, q).parallel, Scene(arm, q[None]).parallel)
-    place = np.zeros(mimicking.n)
-    assert len(Scene.at(mimicking, place).z) == mimicking.n < len(mimicking.joints)
-    assert len(Scene.at(mimicking, place, every_joint=True).z) == len(mimicking.joints)

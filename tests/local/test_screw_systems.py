@@ -120,16 +120,6 @@ def test_motion_bears_out_what_is_said_at_the_zero_pose(name: str, rng: np.rando
         assert system.permanent is (system.structural and len(system.numbers) > system.dimension)
 
 
-def test_the_zero_pose_of_the_pa10() -> None:
-    found = systems_at(open_robot("pa10"), np.zeros(7))
-    assert [(s.numbers, s.kind, s.permanent) for s in found] == [
-        ((1, 3, 5, 7), "coaxial", False), ((1, 2, 3), "spherical", False), ((3, 4, 5), "spherical", False),
-        ((5, 6, 7), "spherical", False),
-    ]  # fmt: skip
-    assert found[0].words.endswith("dependent here: no motion of these joints alone breaks it")
-    assert found[1].words == "axes 1, 2, 3 meet in one point (spherical system of dimension 3), at every configuration"
-
-
 def test_of_a_scara_the_whole_is_told_and_not_its_parts() -> None:
     found = systems_at(open_robot("scara"), np.zeros(4))
     assert [(s.numbers, s.kind, s.permanent) for s in found] == [((1, 2, 3, 4), "Schönflies", False)]
@@ -178,18 +168,6 @@ def test_structural_means_at_every_configuration_and_permanent_dependent_there(r
             special += not system.structural
     assert permanent > 20
     assert special > 20
-
-
-@pytest.mark.parametrize(("screws", "dimension"), [
-    (concurrent(2), 3), (parallel(2), 3), (parallel(3), 3), (slides(2), 2), (slides(5), 3),
-    ([revolute(Z, C), prismatic(Z)], 2), ([*parallel(2), prismatic(Z)], 4), ([revolute(Z, C), *slides(1)], 4),
-    ([helical(Z, (0, 0, 0), 0.2), helical(Z, (1, 0, 0), 0.2)], 3), (other(2), 6), ([revolute(Z, C)], 1),
-    ([helical(Z, (0, 0, 0), 0.2), helical(Z, (1, 0, 0), 0.3)], 4),
-])  # fmt: skip
-def test_dimensions_of_the_algebras(screws: list[Array], dimension: int) -> None:
-    basis = closure(np.array(screws))
-    assert basis.shape == (dimension, 6)
-    assert np.allclose(basis @ basis.T, np.eye(dimension))
 
 
 @pytest.mark.slow

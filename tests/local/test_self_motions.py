@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from reference.measure import central_differences
 
-from rankdrop.configuration import configuration_at
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.kinematics import jacobian, pose, task_jacobian
 from rankdrop.local.block import joint_scale, sample
@@ -18,7 +17,6 @@ from rankdrop.local.self_motions import BRANCHES, CLOSED, LIMIT, NONE, REACHED, 
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import BODY, SPACE, resolve_task
-from rankdrop.tolerances import Tolerances
 
 H = pi / 2
 
@@ -199,10 +197,3 @@ def test_options_are_refused() -> None:
         self_motion(robot, [q, q])
     with pytest.raises(TaskError, match="move with the tip"):
         self_motion(robot, q, resolve_task("position", robot, frame=SPACE))
-
-
-def test_a_configuration_carries_its_tolerances() -> None:
-    """At 1e-6 of the stretched elbow the PA-10 counts as singular with a wider tolerance only."""
-    arm, q = open_robot("pa10"), [0.1, 0.5, 0.7, 1e-6, 0.9, 0.4, 0.2]
-    assert self_motion(arm, q, length=0.1).corank == 0
-    assert self_motion(configuration_at(arm, q, None, Tolerances(singular=1e-4)), length=0.1).corank == 1

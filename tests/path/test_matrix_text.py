@@ -38,24 +38,6 @@ def test_every_form_is_the_same_pose(text: str) -> None:
     assert matrix_of(made.numbers) == pytest.approx(POSE, abs=1e-12)
 
 
-def test_numpy_prints_four_digits_and_the_rotation_is_mended_with_a_note() -> None:
-    text = np.array2string(POSE, precision=4, suppress_small=True)
-    read = matrix_of_text(text, "--pose")
-    assert read is not None
-    assert read.pose == pytest.approx(POSE, abs=2e-4)
-    assert read.pose[:3, :3] @ read.pose[:3, :3].T == pytest.approx(np.eye(3), abs=1e-12)
-    assert [note.startswith("the rotation of one pose is replaced") for note in read.notes] == [True]
-
-
-def test_numbers_column_by_column_are_said_to_be_read_so() -> None:
-    """libfranka's O_T_EE; a matrix in rows is not turned over: its translation in the last row is a mistake."""
-    read = matrix_of_text(" ".join(map(repr, POSE.T.ravel().tolist())), "--pose")
-    assert read is not None
-    assert [note.startswith("a matrix written column by column") for note in read.notes] == [True]
-    with pytest.raises(OptionError, match="transposed"):
-        matrix_of_text(f"{POSE.T.tolist()}", "--pose")
-
-
 @pytest.mark.parametrize(("changed", "said"), [
     ((0, 0, 2.0), "no rotation"), ((3, 3, 2.0), "0 0 0 1"), ((0, 3, 400.0), "m or mm is in doubt"),
 ])  # fmt: skip

@@ -6,7 +6,6 @@ The judge of the first test is a continuation by fixed steps of arc length in Nu
 from __future__ import annotations
 
 from collections import Counter
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,26 +18,15 @@ from rankdrop.path.check import follow as follow_module
 from rankdrop.path.check import passing
 from rankdrop.path.check.follow import _Walk, follow
 from rankdrop.path.check.passing import Departure, Move, departures, internal_turn
-from rankdrop.path.check.path_file import PathQuestion, check_file
 from rankdrop.path.check.solution_curve import follow_curve
 from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_path import check_poses
 from rankdrop.poses.inverse import Aim, rotation, solutions
-from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
 TOLERANCE = (1e-4, 1e-4)  # of the tip [m, rad]
-SAMPLE = """name = "sample-manipulator"
-[home]
-xyz = [0, 0, 2]
-"""  # the arm of pinocchio's buildSampleModelManipulator, pinocchio issue 1006
-SAMPLE += "".join(
-    f"[[joints]]\naxis = {axis}\npoint = [0, 0, {z}]\n"
-    for axis, z in (("[1, 0, 0]", 0), ("[0, 1, 0]", 0), ("[0, 0, 1]", 0), ("[0, 1, 0]", 1), ("[1, 0, 0]", 2),
-                    ("[0, 1, 0]", 2))
-)  # fmt: skip
 
 
 def at(home: np.ndarray, along: np.ndarray, s: float) -> np.ndarray:
@@ -295,24 +283,6 @@ def test_a_start_that_is_not_asked_for_is_turned_already() -> None:
     robot = open_robot("lrmate200id")
     check = check_poses(robot, line(robot, np.zeros(6), [0, 1, 0, 0, 0, 0], 0.0, 0.1))
     assert check.tool.complete
-
-
-@pytest.mark.slow
-def test_a_path_from_the_edge_of_reach_inwards_is_followed(tmp_path: Path) -> None:
-    (tmp_path / "arm.toml").write_text(SAMPLE)
-    (tmp_path / "in.csv").write_text("x,y,z,roll,pitch,yaw\n0,0,2,0,0,0\n0.5,0,1.5,0,0,0\n")
-    robot = open_robot(tmp_path / "arm.toml")
-    check = check_file(robot, tmp_path / "in.csv", PathQuestion(None, None, PathOptions()))
-    assert check.tool.complete
-    assert [one.rest for one in check.tool.passed] == [True]
-    assert check.sentence == "The path leaves the singularity at its start, from rest."
-    assert not check.holds
-    assert not check.clear
-    (tmp_path / "out.csv").write_text("x,y,z,roll,pitch,yaw\n0.5,0,1.5,0,0,0\n-0.1,0,2.1,0,0,0\n")
-    out = check_file(robot, tmp_path / "out.csv", PathQuestion(None, None, PathOptions()))
-    assert not out.tool.complete
-    assert out.tool.folds
-    assert "folds back" in out.sentence
 
 
 @pytest.mark.parametrize(("turned", "place", "rest"), [(25.0, 0.5, True), (25.0, 1.0, False), (5.0, 0.5, False)])

@@ -15,13 +15,11 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.tool_path import check_poses
-from rankdrop.path.mend.detours import Hindrance, lost_motions
-from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, Window
+from rankdrop.path.mend.detours import lost_motions
+from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
 from rankdrop.path.mend.remedies import LOCAL, mend_path
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
-from rankdrop.text.remedies import local_lines, remedy_note
-from rankdrop.text.words import short
 
 STARTS = {"kr6r900": (0, -80, 90, 20, 12, 0), "pa10": (0, 30, 20, 20, 20, 40, 0), "ur10e": (-2, -71, 85, -79, 45, 2)}
 JOINT = {"kr6r900": 4, "pa10": 3, "ur10e": 4}
@@ -98,49 +96,6 @@ def test_the_tool_is_led_around_and_all_other_poses_stay(name: str) -> None:
     assert (best.kind, best.check.verdict, len(best.changes)) == ("detour", "free", 1)
 
 
-@pytest.mark.slow
-def test_the_way_lost_before_the_joints_turn_leads_around(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At the wrist of a UR10e joints 4 and 6 turn half around between two poses. Along the direction that is lost while
-    they turn, the share of a turn is larger; no such turn leads around, and the other motion is tried.
-    """
-    _, t, check = checked("ur10e")
-    work = PoseDetourer(check, float(np.radians(2.0)), CLEARANCE)
-    way, turn = lost_motions(work.aim, work.tool.rank, np.radians([-1, -69, 87, -78, 0.1, 4]))
-    assert not way[3:].any()
-    assert not turn[:3].any()
-    (window,) = _windows(work)
-    assert 1e-3 < window.off[0] < 4e-3
-    assert window.off[1] == 0.0
-    made = work.trajectory()
-    assert singular_values(check.robot, made.q, check.task)[:, 5].min() > 1e-4
-    assert (made.times[0], made.times[-1]) == (t[0], t[-1])
-    again = PoseDetourer(check, float(np.radians(2.0)), CLEARANCE)
-    motions = [np.array([0.0, 0.0, 0.0, 0.867, -0.015, 0.498]), way]
-    monkeypatch.setattr("rankdrop.path.mend.pose_detours.lost_motions", lambda aim, rank, q: motions)
-    tried: list[object] = []
-    led = again._led_along
-    monkeypatch.setattr(again, "_led_along", lambda *arguments: tried.append(led(*arguments)) or tried[-1])
-    assert [one.off[1] for one in _windows(again)] == [0.0]
-    assert [isinstance(one, Blocked) for one in tried] == [True, False]
-
-
-def _windows(work: PoseDetourer) -> list[Window]:
-    found = work.find_windows(lambda done, count: None)
-    assert not isinstance(found, Blocked)
-    return found
-
-
-@pytest.mark.slow
-def test_where_no_window_does_the_bound_is_named() -> None:
-    """With a bound that is too small: the one that would do."""
-    _, _, check = checked("pa10")
-    found = PoseDetourer(check, 2e-4, CLEARANCE).find_windows(lambda done, count: None)
-    assert isinstance(found, Blocked)
-    assert found.hindrance == Hindrance.TOOL
-    assert 2e-4 < found.needed < np.radians(2.0)
-    assert abs(found.place - 60) < 10
-
-
 @cache
 def planar() -> tuple[Array, Array, PathCheck]:
     """Poses 0.3 mm beyond the reach of the first two of three links in the middle."""
@@ -150,20 +105,6 @@ def planar() -> tuple[Array, Array, PathCheck]:
     out = poses[30, :3, 3] / np.linalg.norm(poses[30, :3, 3])
     poses[:, :3, 3] += 3e-4 * np.exp(-(((t - 1.2) / 0.1) ** 2))[:, None] * out
     return poses, t, check_poses(arm, poses, t, start=q[0], branches=False)
-
-
-@pytest.mark.slow
-def test_a_file_that_is_not_followed_to_its_end_is_not_mended_by_other_kinds() -> None:
-    """They would mend the part up to there, and write a file cut short."""
-    _, _, check = planar()
-    assert check.tool is not None
-    assert not check.tool.complete
-    found = mend_path(check, kinds=("null-space", "flip", "bump", "retime"))
-    assert found.remedies == ()
-    reached = short(check.tool.reached)
-    assert found.notes == (f"other kinds: not tried, the poses are followed up to pose {reached} only",)
-    assert remedy_note("range", (2, float(np.radians(13.0)), check.robot)) == (
-        "joint limits: with 13° more range of joint 2 the poses are followed to the end")  # fmt: skip
 
 
 @pytest.mark.slow
@@ -181,33 +122,3 @@ def test_a_planar_arm_stays_inside_its_reach() -> None:
     for row in np.flatnonzero(early | late):
         assert np.abs(now - poses[row]).max(axis=(1, 2)).min() < 1e-9
     assert np.abs(np.sin(one.trajectory.q[:, 1])).min() > 1e-3
-
-
-def test_how_far_a_joint_would_go_beyond_its_limit_is_measured_between_the_poses() -> None:
-    """A line of two poses in front of an IRB 2400: joint 3 is inside its range at the ends, 5.8° beyond between."""
-    arm = open_robot("irb2400")
-    ends = np.repeat(np.diag([1.0, -1.0, -1.0, 1.0])[None], 2, axis=0)
-    ends[:, :3, 3] = [[0.4, -0.3, 0.3], [0.4, 0.3, 0.3]]
-    check = check_poses(arm, ends, [0.0, 4.0])
-    assert check.tool is not None
-    assert (check.tool.reason, check.tool.joint) == ("limit", 3)
-    blocked = PoseDetourer(check, 0.03, CLEARANCE).find_windows(lambda done, count: None)
-    assert isinstance(blocked, Blocked)
-    assert (blocked.hindrance, blocked.joint) == (Hindrance.RANGE, 3)
-    q, third = check.tool.q[0], []
-    for y in np.linspace(-0.3, 0.3, 601):  # Newton's method in small steps, with the Jacobian by finite differences
-        for _ in range(4):
-            now, wanted = pose(arm, q), ends[0].copy()
-            wanted[1, 3] = y
-            columns = [(_error(pose(arm, q + step), now) / 1e-6) for step in 1e-6 * np.eye(6)]
-            q = q + np.linalg.solve(np.transpose(columns), _error(wanted, now))
-        third.append(q[2])
-    assert blocked.beyond == pytest.approx(max(third) - arm.upper[2], abs=np.radians(0.1))
-    assert "where no singularity is near" in " ".join(local_lines(mend_path(check, kinds=LOCAL)))
-
-
-def _error(wanted: Array, now: Array) -> Array:
-    """(6,) from one pose to another: the way, and the rotation vector of a small turn."""
-    turn = wanted[:3, :3] @ now[:3, :3].T
-    skew = (turn - turn.T) / 2.0
-    return np.array([*(wanted[:3, 3] - now[:3, 3]), skew[2, 1], skew[0, 2], skew[1, 0]])

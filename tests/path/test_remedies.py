@@ -13,11 +13,10 @@ import rankdrop
 from rankdrop.cli import main
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
-from rankdrop.path.check.turns import far_turns
 from rankdrop.path.curve import Curve, curve
 from rankdrop.path.mend import remedies
-from rankdrop.path.mend.bumps import CLEARANCE, least_motion
-from rankdrop.path.mend.local_change import step, tool_off
+from rankdrop.path.mend.bumps import CLEARANCE
+from rankdrop.path.mend.local_change import tool_off
 from rankdrop.path.mend.remedies import LOCAL, Mending, Remedy, mend_path
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.robot.model import Array
@@ -91,20 +90,6 @@ def test_a_wrist_that_dips_across_zero_is_lifted_and_the_rest_stays_to_the_last_
     off = tool_off(open_robot(name), q, best.trajectory.q)
     np.testing.assert_allclose(off, best.off, rtol=2e-2)
     assert np.degrees(off[1]) < DEPTH + 0.2 + 0.05  # joint 5 alone turns the tool by that
-
-
-@pytest.mark.slow
-def test_a_bump_has_two_continuous_derivatives() -> None:
-    share = np.linspace(-0.2, 1.2, 1401)
-    value, slope, bend = step(share)
-    np.testing.assert_allclose(np.gradient(value, share), slope, atol=1e-4)
-    np.testing.assert_allclose(np.gradient(slope, share)[5:-5], bend[5:-5], atol=0.1)
-    assert np.abs(np.diff(bend)).max() < 0.02 * np.abs(bend).max()
-    q, found = mended("irb120")
-    assert found.best is not None
-    moved = (found.best.trajectory.q - q)[:, 4]
-    second = np.gradient(np.gradient(moved, 0.01), 0.01)
-    assert np.abs(np.diff(second)).max() < 0.4 * np.abs(second).max()  # at a jump: as large as the values themselves
 
 
 @pytest.mark.slow
@@ -378,17 +363,6 @@ def mend_text(best: Remedy) -> str:
     return str(Mending(best.check, (best,), (), True, True))
 
 
-def test_turns_are_found_where_they_are() -> None:
-    t = np.arange(500) * 0.01
-    q = np.zeros((500, 6))
-    q[:, 3] = np.radians(173.0) * smooth((t - 1.2) / 0.6)
-    q[:, 0] = np.radians(80.0) * t / t[-1]  # slow: no turn of its own
-    (turn,) = far_turns(open_robot("irb120"), curve(q, t))
-    assert (turn.joint, round(float(np.degrees(turn.angle)))) == (4, 171)
-    assert turn.start.time == pytest.approx(1.2, abs=0.1)
-    assert turn.end.time == pytest.approx(1.8, abs=0.1)
-
-
 def test_a_path_that_touches_the_edge_of_reach_stays_inside() -> None:
     robot = open_robot("planar2r")
     q = np.array([[0.0, 0.5], [0.4, 0.0], [0.8, 0.5]])
@@ -481,27 +455,6 @@ def test_without_a_remedy_the_command_names_the_bound(
     said = capsys.readouterr().out
     assert "No local remedy. Bump: " in said
     assert "--bump 0.5deg avoids it; --bump 1.6deg does" in said
-
-
-def test_no_joint_motion_along_the_normal_moves_the_tool_less(rng: np.random.Generator) -> None:
-    """Against random changes of the motion; least squares with equal weights, the method before, move it farther."""
-    ways, gains = np.arange(6) < 3, []
-
-    def size(jacobian: Array, motion: Array) -> Array:
-        moved = motion @ jacobian.T
-        return np.linalg.norm(moved[..., :3], axis=-1) + np.linalg.norm(moved[..., 3:], axis=-1)
-
-    for _ in range(10):
-        jacobian, normal = rng.normal(size=(6, 6)), rng.normal(size=6)
-        normal /= np.linalg.norm(normal)
-        found = least_motion(jacobian, ways, normal)
-        assert normal @ found == pytest.approx(1.0)
-        change = rng.normal(size=(2000, 6)) * 10.0 ** rng.uniform(-3.0, 0.0, (2000, 1))
-        change -= (change @ normal)[:, None] * normal
-        assert size(jacobian, found + change).min() > 0.98 * size(jacobian, found)
-        equal = np.linalg.solve(jacobian.T @ jacobian, normal)
-        gains.append(size(jacobian, equal / (normal @ equal)) / size(jacobian, found))
-    assert max(gains) > 1.1
 
 
 def test_detours_beside_bumps_are_told_in_rows_of_the_file() -> None:

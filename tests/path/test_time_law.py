@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from jsonschema import Draft202012Validator
 
-from rankdrop.cli import main
-from rankdrop.codec import json_text
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.posture_changes import decide_postures
@@ -20,7 +15,6 @@ from rankdrop.path.mend.time_law import CORNER, NOT, PASSES, REGULAR, TANGENT, T
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.schema import load_schema
 from rankdrop.task import Task, resolve_task
 
 H = np.pi / 2
@@ -152,32 +146,3 @@ def test_what_cannot_be_asked_is_refused() -> None:
             through(arm, [0, 0], along)
     with pytest.raises(ConfigurationError, match="corank 2"):
         through(open_robot("pa10"), [0.0] * 7, [1, 0, 0, 0, 0, 0])
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Any:
-    def once(*argv: str) -> tuple[int, str, str]:
-        capsys.readouterr()
-        return (main.run(list(argv)), *capsys.readouterr())
-
-    return once
-
-
-@pytest.mark.slow
-def test_the_command(run: Any, tmp_path: Path) -> None:
-    out = tmp_path / "motion.csv"
-    code, printed, _ = run("through", "planar2r", "--deg", "--q", "0,180", "--along", "0,1", "--path", str(out))
-    assert code == 0
-    assert printed.startswith("Trackable through the singularity at any speed")
-    assert run("path", "planar2r", str(out), "--quiet")[0] == 3  # it does touch the singularity
-    code, printed, _ = run("through", "planar2r", "--q", "0,0", "--along", "-1,0", "--json", "-")
-    assert code == 3
-    record = json.loads(printed)
-    check = Draft202012Validator(load_schema("through"))
-    check.validate(record)
-    assert record == json.loads(json_text(through(open_robot("planar2r"), [0, 0], [-1, 0]).to_dict()))
-    for entry in set(record) - {"units"}:  # which files of 0.2.0 do not have
-        assert not check.is_valid({key: value for key, value in record.items() if key != entry}), entry
-    code, _, said = run("through", "planar2r", "--q", "0,0", "--along", "a,b")
-    assert code == 2
-    assert "--along" in said

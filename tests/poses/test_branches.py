@@ -11,12 +11,9 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
 from rankdrop.poses.branches import inverse, matrix_of
 from rankdrop.poses.inverse import Aim, joint_difference, rotation
-from rankdrop.poses.unreached import JOINTS, ORIENTATION, POSITION
 from rankdrop.results.known import shipped
-from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.text.inverse import tool_sentence
 
 GENERIC = {
     "puma560": [0.1, 0.5, 0.3, 0.2, 0.9, 0.6],
@@ -27,23 +24,6 @@ GENERIC = {
     "scara": [0.3, 0.7, 0.1, 0.2],
     "planar3r": [0.3, 0.7, 0.4],
 }
-
-
-def test_lengths_have_the_unit_in_which_they_are_read() -> None:
-    """An arm in centimetres reaches 70 m as it is read; its tool was once printed in mm."""
-    centimetres = from_dh([(40.0, 0, 0, 0), (30.0, 0, 0, 0)], convention="standard")
-    assert tool_sentence(centimetres, pose(centimetres, [0.0, 0.0])).startswith("Tool at (70.0, 0.0, 0.0) m,")
-    small = from_dh([(0.01, 0, 0, 0), (0.01, 0, 0, 0)], convention="standard")
-    assert tool_sentence(small, pose(small, [0.0, 0.0])).startswith("Tool at (20.0, 0.0, 0.0) mm,")
-    there = matrix_of([100.0, 0.0, 0.0])
-    assert "by 30 m" in inverse(centimetres, there, "planar-position", starts=64).sentence
-
-
-def test_a_pose_that_was_typed_in_millimetres_is_recognised() -> None:
-    arm = from_dh([(0.4, 0, 0, 0), (0.3, 0, 0, 0)], convention="standard")
-    far = inverse(arm, [600.0, 200.0, 0.0], "planar-position", starts=64).sentence
-    assert "are the numbers millimetres? Write 600mm" in far
-    assert "millimetres" not in inverse(arm, [6.0, 2.0, 0.0], "planar-position", starts=64).sentence
 
 
 def test_a_quaternion_of_another_length_is_refused_with_the_unit_one() -> None:
@@ -178,22 +158,6 @@ def test_a_surface_is_moved_inside_narrow_limits() -> None:
     assert np.abs(surface.q - inside).max() <= 0.02 + 1e-9
 
 
-def test_the_turn_of_a_free_tool_axis_is_across_that_axis() -> None:
-    """The tool axis leaves the vertical plane of a five-joint arm; the least turn back is about a line across it."""
-    half = np.pi / 2
-    table = [(0.0, half, 0.3, 0.0), (0.35, 0.0, 0.0, 0.0), (0.3, 0.0, 0.0, 0.0), (0.0, half, 0.0, half),
-             (0.0, 0.0, 0.12, 0.0)]  # fmt: skip
-    robot = from_dh(table, convention="standard")
-    wanted = matrix_of([0.4, 0.1, 0.3, *np.radians([170.0, 10.0, 0.0])])
-    found = inverse(robot, wanted, "tool-axis-free", starts=300)
-    assert found.unreached is not None
-    made = found.unreached.turned
-    turn = np.cross(wanted[:3, 2], made[:3, 2])
-    assert found.unreached.turn == pytest.approx(float(np.arcsin(np.linalg.norm(turn))), abs=1e-6)
-    axis = ", ".join(f"{x:.2f}".replace("-", "−") for x in turn / np.linalg.norm(turn))
-    assert f"turning about ({axis})" in found.sentence
-
-
 def test_an_isolated_singular_solution_is_one() -> None:
     robot = open_robot("planar2r")
     found = inverse(robot, pose(robot, [0.3, 0.0]))
@@ -207,54 +171,6 @@ def test_sets_of_more_dimensions_are_not_counted_as_curves() -> None:
     found = inverse(robot, pose(robot, [0.0] * 7), starts=400)
     assert [one.dimension for one in found.continua] == [3]
     assert "dimension 3" in found.sentence
-
-
-@pytest.mark.slow
-def test_out_of_reach_says_by_how_much() -> None:
-    robot = open_robot("planar2r")  # reaches 1.7 or so in its plane
-    far = pose(robot, [0.4, 0.0])[:3, 3] * 1.25
-    found = inverse(robot, far)
-    assert found.unreached is not None
-    assert found.unreached.kind == POSITION
-    assert found.unreached.position == pytest.approx(float(np.linalg.norm(far)) / 5, abs=1e-6)
-    np.testing.assert_allclose(found.unreached.tip[:2, 3], far[:2] / 1.25, atol=1e-5)
-    assert "Out of reach by" in found.sentence
-    arm = open_robot("puma560")
-    found = inverse(arm, [2.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    assert found.unreached is not None
-    low = np.random.default_rng(1).uniform(-np.pi, np.pi, (20000, 6))
-    sampled = np.linalg.norm(pose(arm, low)[:, :3, 3] - [2.0, 0.0, 0.0], axis=1).min()
-    assert found.unreached.position <= sampled + 1e-9
-
-
-@pytest.mark.slow
-def test_too_few_joints_are_named_with_the_angle_and_the_distance() -> None:
-    robot = open_robot("px150")
-    found = inverse(robot, [0.2, 0.1, 0.2, 0.0, 0.0, 0.0], starts=300)
-    why = found.unreached
-    assert why is not None
-    assert why.kind == JOINTS
-    assert why.turn == pytest.approx(np.arctan2(0.1, 0.2), abs=1e-5)
-    assert why.shift == pytest.approx(0.1, abs=1e-5)
-    assert "yaw" in found.sentence
-    assert "5 joints" in found.sentence
-    reached = inverse(robot, [0.2, 0.1, 0.2, 0.0, 0.0, float(np.arctan2(0.1, 0.2))])
-    assert reached.branches
-    assert reached.unreached is None
-
-
-@pytest.mark.slow
-def test_an_orientation_out_of_reach_is_told_from_a_position() -> None:
-    robot = open_robot("ur5e")
-    edge = pose(robot, [0.2, -0.5, 0.05, -0.3, 0.7, 0.1])
-    edge[:3, :3] = edge[:3, :3] @ rotation(np.array([[0.0, np.pi / 2, 0.0]]))[0]
-    found = inverse(robot, edge, starts=300)
-    if found.unreached is not None:
-        assert found.unreached.kind == ORIENTATION
-        assert found.unreached.position <= 1e-6
-        assert found.unreached.turn is not None
-        np.testing.assert_allclose(found.unreached.turned[:3, 3], edge[:3, 3], atol=1e-4)
-    assert found.unreached is not None or found.branches
 
 
 @pytest.mark.slow

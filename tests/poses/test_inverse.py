@@ -159,22 +159,3 @@ def test_a_spent_budget_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not check.holds
     assert "used up" in check.sentence
     assert check.verdict == "undecided"
-
-
-@pytest.mark.slow
-def test_half_a_turn_between_two_poses_is_a_choice_and_is_said() -> None:
-    """180° about the tool's axis: joint 6 turns by half a turn one way or the other, and both are as short."""
-    robot = open_robot("irb120")
-    start = np.array([0.2, 0.1, 0.2, 0.3, 0.9, 0.0])
-    ends = pose(robot, np.stack([start, start, start]))
-    ends[1, :3, :3] = ends[0, :3, :3] @ np.diag([-1.0, -1.0, 1.0])
-    ends[2, :3, :3] = ends[1, :3, :3] @ rotation(np.array([[0.0, 0.0, 3.0]]))[0]
-    checked = check_poses(robot, ends, start=start)
-    assert checked.tool is not None
-    assert checked.tool.half_turns == (1,)
-    assert any(note.startswith("half a turn: from pose 1 the next one is 180° away") for note in checked.notes)
-    plain = check_poses(robot, ends[1:], start=checked.tool.q[-1] - [0, 0, 0, 0, 0, 3.0])
-    assert plain.tool is not None
-    assert plain.tool.half_turns == ()
-    assert not any(note.startswith("half a turn") for note in plain.notes)
-    assert check_poses(robot, ends[:2], start=start, task="position").tool.half_turns == ()

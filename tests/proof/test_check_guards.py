@@ -13,31 +13,20 @@ from reference import arms
 from reference.coverings import covering
 
 from rankdrop.cover import covering as covers_of
-from rankdrop.cover.certificates import (
-    covering_certificate,
-    existence_certificate,
-    record_of,
-    verify,
-    write_certificate,
-)
-from rankdrop.cover.covering import write_covering
+from rankdrop.cover.certificates import record_of, verify, write_certificate
 from rankdrop.cover.setting import best_setting, middle_of
 from rankdrop.proof import covers
-from rankdrop.proof.arm import BITS, Arm, Region
-from rankdrop.proof.boxes import bits, digest
+from rankdrop.proof.arm import Arm, Region
+from rankdrop.proof.boxes import bits
 from rankdrop.proof.check import arm_of
 from rankdrop.proof.existence import _Zero, verify_existence
 from rankdrop.proof.record import Link, Unproven, Work, read_certificate
-from rankdrop.proof.regions import Cell, Check, CurvePath
+from rankdrop.proof.regions import Check, CurvePath
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
-
-@pytest.fixture(autouse=True)
-def _precise():
-    with flint.ctx.workprec(BITS):
-        yield
+pytestmark = pytest.mark.usefixtures("precise")
 
 
 class Linear(_Zero):
@@ -57,40 +46,6 @@ def test_a_zero_outside_the_box_is_none_in_it(away, inside):
     zero = Linear(away * width)
     start = [flint.arb(0)]
     assert zero._krawczyk_inside(start, start, flint.arb_mat([[0]]), width) is inside
-
-
-def test_a_box_next_to_a_singular_configuration_holds_none(tmp_path):
-    """Krawczyk's test about a place 1.5 widths beside the zero of a real arm."""
-    robot = open_robot("planar3r")
-    claim = read_certificate(write_certificate(existence_certificate(robot, [0.3, 0.0, 0.2]), tmp_path / "e.json"))
-    zero = _Zero(arm_of(claim), claim.entries["q"], [0, 1, 5])
-    start = zero._start()
-    _, slope = zero._equations(start)
-    planes, width = zero._planes(slope), 1e-6
-    assert zero._krawczyk_inside(start, start, planes, width)
-    beside = [x + 1.5 * width * (place == 0) for place, x in enumerate(start)]
-    assert not zero._krawczyk_inside(beside, start, planes, width)
-
-
-def region_of(lower: tuple[float, ...], upper: tuple[float, ...], cell: Cell) -> Any:
-    """The region that the checker makes of a box."""
-    plan: Any = SimpleNamespace(variables=tuple(range(1, len(lower) + 1)), lower=lower, upper=upper)
-    return covers.region_of(plan, len(lower), cell)
-
-
-def test_boxes_of_a_whole_turn_overlap_at_its_seam():
-    """2π of doubles is shorter than 2π: the first and the last box reach across the gap, and neighbours overlap."""
-    lower = -np.pi - np.pi / 8
-    upper = lower + 2 * np.pi
-    true_turn = 2 * flint.arb.pi()
-    first, last, second = (region_of((lower,), (upper,), Cell((index,), (3,))) for index in (0, 7, 1))
-
-    def ends(region: Any) -> tuple[Any, Any]:
-        return region.centre[0] - region.half[0], region.centre[0] + region.half[0]
-
-    assert flint.arb(upper) - flint.arb(lower) < true_turn  # the gap that the seam closes
-    assert ends(last)[1] > ends(first)[0] + true_turn
-    assert ends(first)[1] > ends(second)[0]
 
 
 def test_boxes_of_the_determinant_overlap_at_the_seam_as_well():
@@ -160,22 +115,6 @@ def _last(found: Any) -> tuple[Any, Any]:
     raise AssertionError("no leaf is left")
 
 
-@pytest.mark.parametrize(("short", "whole"), [(0.0, True), (1e-12, False), (1e-6, False), (1e-3, False)])
-def test_a_turn_that_is_a_little_short_is_none(tmp_path, short, whole):
-    """A false covering: its boxes are all truly free, and the singular θ2 = 0 lies in the gap of its range."""
-    robot = open_robot("planar3r")
-    low, high = short / 2, 2 * np.pi - short / 2
-    joints = tuple(replace(joint, lower=low, upper=high) if j == 1 else joint for j, joint in enumerate(robot.joints))
-    found = covering(replace(robot, joints=joints), 0.4, limits=True)
-    plan = replace(found.plan, limits=False, turns=(True,))
-    write_covering(tmp_path / "a.cover", replace(found, plan=plan))
-    record = covering_certificate(robot, plan, digest(plan, found.tree), "a.cover", covers_task(robot))
-    told = verify(write_certificate(record, tmp_path / "a.json"), every=True)
-    assert plan.variables == (2,)
-    assert told.holds == whole, told.reason
-    assert whole or "said to be a turn, and is none" in told.reason
-
-
 class Seen(Exception):
     """The determinant that a check makes was looked at."""
 
@@ -202,45 +141,6 @@ def test_the_check_of_a_covering_hands_the_seam_to_the_determinant(monkeypatch):
     for a, b in zip(low, high, strict=True):
         assert flint.arb(b) - flint.arb(a) < 2 * flint.arb.pi()
         assert flint.arb(b) - flint.arb(a) + 2 * flint.arb(given[0]) > 2 * flint.arb.pi()
-
-
-def test_a_determinant_that_leaves_out_a_joint_that_decides_is_refused():
-    """With it at 0 the others have a polynomial of their own, of which any box may be free."""
-    robot = arms.random_chain(np.random.default_rng(3), "rrrrrr")
-    links = [Link("revolute", tuple(joint.screw.tolist()), j) for j, joint in enumerate(robot.joints)]
-    arm = Arm(links, 6, 3, [flint.arb(float(x)) for x in middle_of(robot)], flint.arb(1))
-    assert arm.moving == [1, 2, 3, 4]
-    for left in arm.moving:
-        places = [j for j in arm.moving if j != left]
-        with pytest.raises(Unproven, match="no trigonometric polynomial"):
-            covers.Determinant(arm, [0, 1, 2, 3, 4, 5], places, (0.0,) * 3, (1.0,) * 3, 0.0)
-
-
-@pytest.mark.parametrize("left", [0, 1, 2, 3])
-def test_ranges_that_leave_out_a_joint_that_decides_are_refused(left):
-    robot = arms.random_chain(np.random.default_rng(3), "rrrrrr")
-    links = [Link("revolute", tuple(joint.screw.tolist()), j) for j, joint in enumerate(robot.joints)]
-    variables = [j for place, j in enumerate((2, 3, 4, 5)) if place != left]
-    entries = {"variables": variables, "lower": [-np.pi] * 3, "upper": [3.2] * 3, "turns": [True] * 3, "limits": False}
-    claim: Any = SimpleNamespace(entries=entries, variables=6, links=links, limits=None)
-    covers.check_ranges(claim, [j - 1 for j in variables])
-    with pytest.raises(Unproven, match="leaves out a joint that decides"):
-        covers.check_ranges(claim, [1, 2, 3, 4])
-
-
-@pytest.mark.parametrize("link", range(7))
-def test_every_joint_that_moves_a_column_decides(link):
-    """The joints that a covering has to bound are those that change a column in the link's axes, and no others."""
-    robot = arms.random_chain(np.random.default_rng(5), "rprrrr")
-    links = [Link(str(joint.kind), tuple(joint.screw.tolist()), j) for j, joint in enumerate(robot.joints)]
-    arm = Arm(links, 6, link, [flint.arb(float(x)) for x in middle_of(robot)], flint.arb(1))
-    q, zero = np.full(6, 0.3), [flint.arb(0)] * 6
-
-    def columns(at: Any) -> Any:
-        return arm.jacobian(arm.screws_over([flint.arb(float(x)) for x in at], zero)[0])
-
-    changing = [j for j in range(6) if np.abs(columns(q + 0.5 * np.eye(6)[j]) - columns(q)).max() > 1e-9]
-    assert arm.moving == changing
 
 
 def curve_of(points: list[list[float]], degree: int = 1) -> tuple[CurvePath, list[Region]]:

@@ -10,7 +10,6 @@ import pytest
 
 from rankdrop.aspects import aspect_maps, aspects_of, count_of_arm
 from rankdrop.cli.main import run
-from rankdrop.errors import OptionError
 from rankdrop.kinematics import task_jacobian
 from rankdrop.report.aspects_figure import aspects_figure
 from rankdrop.robot.dh import from_dh
@@ -64,13 +63,6 @@ def test_every_sign_vector_of_three_joints_has_a_region_in_slices() -> None:
     assert (strip.joints, len(strip.regions)) == ((5,), 2)
     assert (sliced.joints, len(sliced.regions), sliced.cells.shape[0]) == ((2, 3, 4), 4, len(sliced.slices))
     assert [one.parts for one in sliced.regions] == [1, 1, 1, 1]
-
-
-@pytest.mark.parametrize(("name", "why"), [("almarkhi4", "no condition separates"), ("stanford", "a slide")])
-def test_an_arm_without_such_a_picture_says_why(name: str, why: str) -> None:
-    arm = open_robot(name)
-    with pytest.raises(OptionError, match=why):
-        aspect_maps(*count_of_arm(arm, resolve_task(None, arm)))
 
 
 @pytest.mark.slow

@@ -125,28 +125,6 @@ def test_the_command_writes_figures_into_a_folder(tmp_path: Path) -> None:
     assert sorted(path.name for path in folder.iterdir()) == ["lines-k1.f1.svg", "slice-k1.f1.svg"]
 
 
-@pytest.mark.parametrize(
-    ("options", "part"),
-    [
-        (["--out", "nowhere/x.html"], "there is no such folder"),
-        (["--out", "x.docx"], "the ending names no format"),
-        (["--figure", "arm"], "figures are files"),
-        (["--format", "png", "--out", "one.png"], "one file holds one figure"),
-        (["--exact-seconds", "-1"], "at least 0"),
-        (["--format", "gif"], "gif"),
-    ],
-)
-def test_bad_options_are_one_line(
-    options: list[str], part: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main.run(["report", "planar2r", *options]) == 2
-    told = capsys.readouterr().err
-    assert part in told
-    assert len(told.strip().splitlines()) == 1
-    assert not list(tmp_path.iterdir())
-
-
 def test_angles_are_shown_in_degrees_and_legends_outside_the_data(shown: Content) -> None:
     assert angle_ticks(-3.3, 3.3) == [(k * np.pi / 2, f"{90 * k}°".replace("-", "−")) for k in range(-2, 3)]
     assert [word for _, word in angle_ticks(0.0, 0.2)][:3] == ["0°", "2°", "4°"]

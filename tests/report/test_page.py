@@ -14,7 +14,6 @@ import pytest
 
 from rankdrop.distance.share import NearShare, SlowShare
 from rankdrop.families.record import Check
-from rankdrop.formula.mathml import typeset
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import skeleton
 from rankdrop.report.content import Content, content, page_data, standing
@@ -147,31 +146,6 @@ def test_the_skeleton_lies_on_the_axes(name: str) -> None:
         axis = joint.screw[3:]
         for place in places if np.any(axis) else ():
             assert np.allclose(joint.screw[:3] + np.cross(axis, place), axis * (axis @ joint.screw[:3]), atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("latex", "parts"),
-    [
-        (r"\theta_4 \in \{0, \pi\}", ["<msub><mi>θ</mi><mn>4</mn></msub>", "∈", "<mi>π</mi>"]),
-        (r"\theta_3 = \pm\frac{\pi}{2}", ["±", "<mfrac><mrow><mi>π</mi></mrow><mrow><mn>2</mn></mrow></mfrac>"]),
-        (r"a_2 c_2 + a_3 c_{23} = 0", ["<mrow><mn>23</mn></mrow>", ">+<"]),
-        (r"\cos^{2}(\tfrac{\theta_2}{2})", ["<msup>", "cos"]),
-        (r"2.5 \cdot 10^{-13} \mathrm{upper}", ["<mn>2.5</mn>", "−", "<mtext>upper</mtext>"]),
-    ],
-)
-def test_conditions_are_typeset(latex: str, parts: list[str]) -> None:
-    found = typeset(latex)
-    assert all(part in found for part in parts)
-    for tag in ("mrow", "msub", "msup", "mfrac", "mi", "mn", "mo", "math"):
-        assert len(re.findall(f"<{tag}[ >]", found)) == found.count(f"</{tag}>")
-    assert "\\" not in found
-
-
-@pytest.mark.slow
-def test_every_turn_is_told_in_degrees() -> None:
-    text = text_of("stanford")
-    assert "rad, m]" not in text
-    assert re.search(r"Through a point of <b>k1\.f\d</b>: θ\d = −?[\d.]+°", text)
 
 
 @pytest.mark.slow

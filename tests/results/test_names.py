@@ -73,15 +73,6 @@ def test_a_name_is_written_and_read_as_facts(text: str, facts: FamilyName, short
     assert (name_words(facts), short_name(facts)) == (text, short)
 
 
-def test_a_name_holds_only_the_facts_that_it_has() -> None:
-    facts = FamilyName((ArmPart.WRIST,), values=(JointValues(Variable(2), (-1.9722, 1.9722)),),
-                       shorter=Shorter.PLUS_MINUS | Shorter.WHOLE_DEGREES)  # fmt: skip
-    record = encode(CALLED, facts)
-    assert sorted(record) == ["parts", "shorter", "values"]
-    assert record["shorter"] == ["plus_minus", "whole_degrees"]
-    assert str(name_from_dict(record)) == "wrist (θ2 = ±113°)"
-
-
 @pytest.mark.parametrize("damage", [{"parts": ["knee"]}, {"relations": [{"geometry": "odd"}]}, {"ordinal": "second"}])
 def test_an_entry_that_is_no_fact_of_a_name_is_refused(damage: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=r"Invalid enum value|Expected"):

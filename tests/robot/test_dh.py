@@ -14,7 +14,7 @@ from reference.kinematics import pose
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Array, JointKind
-from rankdrop.robot.transform import cos_sin, from_xyz_rpy
+from rankdrop.robot.transform import from_xyz_rpy
 
 
 def rz_tz(theta: float, d: float) -> Array:
@@ -94,12 +94,6 @@ def test_right_angles_leave_exact_zeros_in_the_screws() -> None:
     rows = [(0, "pi/2", 0.5, 0), (0.3, "-pi/2", 0, "pi"), (0.2, "90 deg", 0.1, "-pi/2"), (0, "-270 deg", 0.4, 0)]
     for joint in from_dh(rows, convention="standard").joints:
         assert set(np.abs(joint.screw[3:])) == {0.0, 1.0}
-
-
-@given(st.integers(-40, 40))
-def test_cos_sin_is_exact_at_quarter_turns_and_near_the_library_elsewhere(quarter: int) -> None:
-    assert set(map(abs, cos_sin(quarter * (pi / 2)))) == {0.0, 1.0}
-    assert cos_sin(quarter * 0.1 + 0.01) == (cos(quarter * 0.1 + 0.01), sin(quarter * 0.1 + 0.01))
 
 
 def test_rows_may_be_sequences_mappings_or_records() -> None:

@@ -12,7 +12,6 @@ import pytest
 
 from rankdrop.robot.model import Joint, Mimic, Robot, coarse_fingerprint, fingerprint, geometry
 from rankdrop.robot.open import open_robot
-from rankdrop.robot.transform import rigid
 
 
 def with_first(robot: Robot, **changes: object) -> Robot:
@@ -69,16 +68,3 @@ def test_a_file_is_the_same_arm_on_every_processor(kernels: str) -> None:
         stdout=subprocess.PIPE,
     )  # fmt: skip
     assert ran.stdout.strip() == repr([fingerprint(open_robot(name)) for name in OTHERS])
-
-
-def test_a_matrix_that_is_nearly_a_rotation_becomes_one() -> None:
-    """By Newton's step, to the rotation that is nearest: that of the singular value decomposition."""
-    rng = np.random.default_rng(0)
-    for _ in range(50):
-        u, _, vt = np.linalg.svd(rng.normal(size=(3, 3)))
-        given = np.eye(4)
-        given[:3, :3] = u @ vt * np.sign(np.linalg.det(u @ vt)) + rng.uniform(-1e-7, 1e-7, (3, 3))
-        u, _, vt = np.linalg.svd(given[:3, :3])
-        made = rigid(given, "here")[:3, :3]
-        np.testing.assert_allclose(made, u @ vt, rtol=0, atol=2e-15)
-        np.testing.assert_allclose(made.T @ made, np.eye(3), rtol=0, atol=1e-15)

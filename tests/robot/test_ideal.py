@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, pi, radians
+from math import pi, radians
 
 import numpy as np
 import pytest
@@ -14,13 +14,12 @@ from reference.kinematics import pose
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.options import on_command_line
 from rankdrop.robot.dh import from_dh
-from rankdrop.robot.ideal import Hold, Tolerance, ideal, near_ideal, read_tolerance, what_holds
+from rankdrop.robot.ideal import Hold, ideal, near_ideal, read_tolerance, what_holds
 from rankdrop.robot.model import Robot
 from rankdrop.robot.numbers import Change, extent, numbers_of
 from rankdrop.robot.open import open_robot, robot_names
-from rankdrop.text.robots import near_line, near_text
+from rankdrop.text.robots import near_text
 from rankdrop.tolerances import SQUARE
 from robot.test_numbers import noisy
 
@@ -211,34 +210,6 @@ def test_designed_offsets_are_not_near() -> None:
     assert extent(arm) == pytest.approx(0.93, abs=0.02)
     assert near_ideal(arm) is None
     assert near_ideal(wrist(twist=radians(1.0))) is None
-
-
-def test_a_long_arm_is_near_by_hundreds_of_millimetres() -> None:
-    rows = [(20 * a, twist, 20 * d, 0) for a, twist, d, _ in ([0, pi / 2, 0.3, 0], [0.4, 0, 0, 0], [0, pi / 2, 0, 0],
-            [0, -pi / 2, 0.4, 0], [0, pi / 2, 0.007, 0], [0, 0, 0.1, 0])]  # fmt: skip
-    near = near_ideal(from_dh(rows, convention="standard"))
-    assert near is not None
-    assert near_text(near) == "this arm is within 140 mm of one with a spherical wrist"
-
-
-def test_more_than_two_gains_are_counted() -> None:
-    near = near_ideal(open_robot("gen3"))
-    assert near is not None
-    assert near_text(near) == "this arm is within 13 mm of one with a spherical wrist, a spherical shoulder and 1 more"
-    assert near.tolerance == Tolerance(pytest.approx(13e-3))  # type: ignore[arg-type]
-    assert degrees(near.angle) == 0.0
-
-
-def test_the_line_on_an_ideal_arm_says_what_takes_it() -> None:
-    """The function for whoever works in Python, as it is called; the option on the command line."""
-    arm = open_robot("gen3")
-    near = near_ideal(arm)
-    assert near is not None
-    call = near_line(near).removeprefix(f"{near_text(near)}: see rankdrop.robot.ideal.")
-    assert call == "ideal(robot, length=0.013)"
-    assert what_holds(ideal(arm, length=0.013)[0], arm) == near.gained
-    with on_command_line():
-        assert near_line(near) == f"{near_text(near)}: see --ideal 13mm"
 
 
 def test_a_wrist_says_that_its_axes_meet_and_not_at_which_angle() -> None:

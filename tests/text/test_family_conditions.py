@@ -110,10 +110,3 @@ def test_inside_limits_the_table_says_all_of_a_joint_at_one_of_its_values() -> N
     assert found.exact is not None
     assert found.exact.agrees
     assert conditions_of(row) == []
-
-
-def test_an_analysis_is_printed_as_its_tables() -> None:
-    said = str(analyze(bent(), "planar", starts=200))
-    assert said.startswith("bent has 1 family of singularities: elbow (rank 2).\n  Verified by ")
-    assert "elbow: axes 1, 2, 3 coplanar" in said
-    assert "Analysis(" not in said

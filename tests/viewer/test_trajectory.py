@@ -14,7 +14,7 @@ from rankdrop.path.read.files import read_trajectory
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.viewer.tab_path import plotted_rows, track_of
+from rankdrop.viewer.tab_path import track_of
 
 ARM = open_robot("scara")  # three joints that turn and, third, one that slides
 NAMES = [joint.name for joint in ARM.variables]
@@ -79,12 +79,3 @@ def test_the_track_finds_the_singular_row() -> None:
     assert track.singular == 1
     assert track.distance[1] == 0.0
     assert track.sigma[0] == pytest.approx(track.sigma[2])
-
-
-def test_a_thinned_track_keeps_a_dip_of_one_row() -> None:
-    sigma = np.ones(100_000)
-    sigma[54_321] = 0.0
-    keep = plotted_rows(sigma)
-    assert 54_321 in keep
-    assert len(keep) <= 602
-    assert (np.diff(keep) > 0).all()

@@ -112,12 +112,6 @@ def test_command_line(run, tmp_path) -> None:
     assert len(record["numbers"]["inverse"]) == 6
 
 
-def test_a_singular_configuration_has_no_inverse(run) -> None:
-    ended = run("jacobian", "planar2r", "--q", "0.3,0", "--inverse")
-    assert ended.code == exits.UNEXPLAINED
-    assert "no inverse: the configuration is singular" in ended.out
-
-
 def test_refusals() -> None:
     with pytest.raises(OptionError, match="only a square Jacobian has an inverse"):
         link_jacobian(open_robot("pa10"), inverse=True)

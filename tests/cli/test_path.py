@@ -13,12 +13,7 @@ from jsonschema import Draft202012Validator
 from patience import until
 
 from rankdrop.cli import main
-from rankdrop.errors import ResultFileError
-from rankdrop.path.check.many import check_chunk
-from rankdrop.results.analysis import robot_to_dict
-from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
-from rankdrop.task import resolve_task
 
 FREE = [[0.0, 0.5, 0.1], [0.2, 0.9, 0.3]]
 CROSSING = [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3]]
@@ -186,16 +181,6 @@ def test_a_cluster_judges_many_paths_alike(tmp_path: Path, run, monkeypatch: pyt
     code, plain, _ = run("all")
     with distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=":0") as cluster:
         assert run("all", "--scheduler", cluster.scheduler_address)[:2] == (code, plain)
-
-
-def test_a_file_that_changes_while_others_are_judged_is_told(tmp_path: Path) -> None:
-    arm = open_robot("planar3r")
-    task = resolve_task(None, arm)
-    file = saved(tmp_path, "a.npy", FREE)
-    plan = {"robot": robot_to_dict(arm, task, 3), "length_scale": 1.0, "analysis": None, "options": {}, "reading": {},
-            "files": [["a.npy", str(file), "0" * 64]]}  # fmt: skip
-    with pytest.raises(ResultFileError, match=r"a\.npy: the file is not what it was when the job began"):
-        check_chunk(plan, 0)
 
 
 def test_degrees_read_as_radians_are_refused_with_their_row(tmp_path: Path, run) -> None:

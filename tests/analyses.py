@@ -1,18 +1,11 @@
-"""Shared by the tests of the command line: run it in this process or as its own, and one analysis made once."""
+"""Made-up analyses: for what is shown of one, not for what is true."""
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from collections.abc import Callable
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-import pytest
 
-from rankdrop.cli import main
 from rankdrop.families.corank_families import CorankSummary, Estimator, Unseen
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.lost import LostFreedom
@@ -24,57 +17,6 @@ from rankdrop.results.old_files import name_of_words
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, resolve_task
 from rankdrop.tolerances import DEFAULT
-from rankdrop.verbs.analyze import analyze
-
-
-@dataclass(frozen=True)
-class Ended:
-    """How a command line ended."""
-
-    code: int
-    out: str
-    err: str
-
-
-Run = Callable[..., Ended]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    """run("analyze", "pa10", width=100): one command line in this process."""
-
-    def once(*argv: str, width: int = 100) -> Ended:
-        monkeypatch.setenv("COLUMNS", str(width))
-        capsys.readouterr()
-        code = main.run(argv)
-        text = capsys.readouterr()
-        return Ended(code, text.out, text.err)
-
-    return once
-
-
-@pytest.fixture
-def process() -> Run:
-    """process("analyze", "pa10"): one command line as its own process."""
-
-    def once(*argv: str, **environment: str) -> Ended:
-        everything = {**os.environ, **environment}
-        done = subprocess.run(command(*argv), capture_output=True, text=True, env=everything, timeout=120)
-        return Ended(done.returncode, done.stdout, done.stderr)
-
-    return once
-
-
-def command(*argv: str) -> list[str]:
-    """The words that start `rankdrop` with this Python."""
-    return [sys.executable, "-m", "rankdrop.cli.main", *argv]
-
-
-@pytest.fixture(scope="session")
-def found() -> Analysis:
-    """A real analysis, small and quick: 3 coranks of an arm with prismatic and revolute joints."""
-    return analyze(open_robot("scara"), starts=200)
-
 
 ZERO, HALF = (0.0, pi), (pi / 2, -pi / 2)
 SLIDE_X = LostFreedom((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), Frame(), everywhere=True)
@@ -118,8 +60,7 @@ def made_up(*rows: Family, explained: int = 1000, complete: bool = True) -> Anal
     )  # fmt: skip
 
 
-@pytest.fixture
-def shapes() -> Analysis:
+def every_shape() -> Analysis:
     """Every shape a row can have: a long name, exact values, other values, coupled joints, no condition, two words."""
     zero = (0,) * 7
     arm = Equation((Term(0.9087, "cos", (0, 2, 0, 0, 0, 0, 0), zero), Term(1.0, "cos", (0, 2, 2, 0, 0, 0, 0), zero)))

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
-from math import pi
 
 import pytest
 from jsonschema import Draft202012Validator
-from reference import cuspidal
 from scripts import tool
 
 from rankdrop import sweep
-from rankdrop.aspects import verdict
 from rankdrop.aspects.arm import count_of_arm, summary_of
-from rankdrop.aspects.verdict import judged_summary
-from rankdrop.cli import main
 from rankdrop.designs import compare
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.aspect_summary import CUSPIDAL, NOT_ASKED, NOT_CUSPIDAL, NOT_FOUND, AspectSummary
@@ -23,7 +18,6 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
-from rankdrop.text.aspects import aspects_and_verdict_cell, aspects_cell, aspects_line
 from rankdrop.verbs.analyze import analyze
 
 TOOL = tool("make_aspects")
@@ -69,27 +63,6 @@ def test_aspects_are_known_of_the_arm_and_its_task_only() -> None:
     assert moved.aspects == found
 
 
-def test_the_words_say_what_is_proven() -> None:
-    lines = {
-        AspectSummary(8, 8, True, NOT_CUSPIDAL): ("8", "The arm has 8 aspects (proven): it cannot change its posture"),
-        AspectSummary(1, 1, True, NOT_ASKED): ("1", "The arm has 1 aspect (proven)."),
-        AspectSummary(2, 8, True, None): ("2 … 8", "The arm has at least 2 aspects (proven) and at most 8 (proven)."),
-        AspectSummary(2, 8, False, CUSPIDAL): ("≥ 2", "The arm has at least 2 aspects (proven): it can change its"),
-        AspectSummary(None, None, False, None): ("–", "The aspects of the arm were not counted: rankdrop aspects says"),
-    }
-    for summary, (cell, line) in lines.items():
-        assert aspects_cell(summary) == cell
-        assert aspects_line(summary).startswith(line)
-    assert aspects_cell(None) == "–"
-    assert aspects_line(None) == ""
-
-
-def test_a_cell_of_a_comparison_says_what_is_cuspidal_and_what_is_not_decided() -> None:
-    cells = {CUSPIDAL: "2, cuspidal", NOT_FOUND: "2, undecided", NOT_CUSPIDAL: "2", NOT_ASKED: "2", None: "2"}
-    for change, cell in cells.items():
-        assert aspects_and_verdict_cell(AspectSummary(2, 2, True, change)) == cell
-
-
 def test_an_analysis_has_the_aspects_of_its_arm_and_keeps_them_in_its_file() -> None:
     found = analyze(open_robot("planar2r"), starts=50, fresh=False)
     assert found.aspects == catalogue_aspects()["planar2r"]
@@ -102,19 +75,6 @@ def test_aspects_of_another_arm_are_counted_where_asked_for() -> None:
     own = from_dh(links, convention="standard", task="planar-position", name="own")
     assert analyze(own, starts=50).aspects is None
     assert analyze(own, starts=50, aspects=True).aspects == AspectSummary(2, 2, True, NOT_CUSPIDAL)
-
-
-@pytest.mark.slow
-def test_the_verdict_of_an_own_arm_is_proven_or_searched_for_at_a_few_poses(monkeypatch: pytest.MonkeyPatch) -> None:
-    wenger = cuspidal.wenger()
-    assert judged_summary(wenger, resolve_task(None, wenger)).posture_change == CUSPIDAL
-    monkeypatch.setattr(verdict, "POSES", 1)
-    rows = [(0, 0.9, -pi / 2), (0.5, 0.3, pi / 2), (0, 1.2, 0)]
-    table = [{"d": float(d), "a": float(a), "alpha": float(x)} for d, a, x in rows]
-    undecided = from_dh(table, convention="standard", task="position", name="open")
-    assert judged_summary(undecided, resolve_task(None, undecided)).posture_change == NOT_FOUND
-    redundant = open_robot("planar3r")
-    assert judged_summary(redundant, resolve_task("planar-position", redundant)).posture_change == NOT_ASKED
 
 
 @pytest.mark.slow
@@ -138,9 +98,3 @@ def test_a_count_changes_where_a_family_vanishes() -> None:
     assert found.spec.goals == {}
     assert found.holds
     Draft202012Validator(load_schema("sweep")).validate(found.to_dict())
-
-
-@pytest.mark.slow
-def test_the_command_prints_the_number(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.run(["analyze", "planar2r", "--starts", "50", "--quiet"]) == 0
-    assert "The arm has 2 aspects (proven): it cannot change its posture" in capsys.readouterr().out

@@ -62,14 +62,6 @@ def test_arrays_are_read_only(found: Analysis) -> None:
         found.families[0].lost_directions[0, 0] = 1.0
 
 
-def test_the_text_holds_no_infinity_and_rows_of_numbers_stay_on_a_line(found: Analysis) -> None:
-    text = json_text(found.to_dict())
-    assert "Infinity" not in text
-    assert "NaN" not in text
-    assert json.loads(text) == found.to_dict()
-    assert '"witness": [' + ", ".join(map(repr, found.families[0].witness)) + "]" in text
-
-
 @pytest.mark.parametrize(
     ("damage", "words"),
     [

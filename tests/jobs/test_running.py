@@ -186,7 +186,7 @@ def test_a_cluster_without_its_packages_is_told(monkeypatch: pytest.MonkeyPatch)
 KILLED = """
 import sys
 from rankdrop.jobs import Engine, finish
-from engine.test_jobs import job
+from jobs.test_running import job
 list(finish(job(sleep=0.3, log=sys.argv[2]), Engine(2), folder=sys.argv[1]))
 """
 

@@ -20,7 +20,7 @@ struct SetPoints {
     std::vector<int> moving;           // joints that matter to them, all of them turn
     int width = 0;                     // of a point's record: q (n) [rad], the direction lost (m), the null space (n - rank, n)
     std::vector<float> records;
-    std::vector<std::int16_t> place;   // group after group in blocks (moving, kBlock) [parts of a turn, 2^16 of them]
+    std::vector<std::int16_t> place;   // group after group in blocks (pairs of moving, kBlock, 2) [parts of a turn, 2^16 of them]
     std::vector<std::int16_t> centre;  // of all groups, in blocks
     std::vector<int> first;            // first point of every group, and the end
     std::vector<int> first_place;      // where the first block of every group begins in `place`

@@ -35,6 +35,7 @@
 
 #include "enclosure.hpp"
 #include "monitor.h"
+#include "single_svd.hpp"
 #include "spread.hpp"
 
 namespace rankdrop {
@@ -170,7 +171,7 @@ class Monitor {
         const int n = chain_.variables, m = view_.m, s = m < n ? m : n;
         RANKDROP_ISA::Workspace& ws = work_->ws;
         for (int j = 0; j < n; ++j) work_->x[j] = RANKDROP_ISA::fill(q[j]);
-        RANKDROP_ISA::decompose(chain_, view_, work_->x, s, ws);
+        RANKDROP_ISA::decompose(chain_, view_, work_->x, s, ws, RANKDROP_ISA::svd_of_equal);
         for (int i = 0; i < s; ++i) sigma_[i] = RANKDROP_ISA::get(ws.sigma[i], 0);
         for (int a = 0; a < m; ++a)
             for (int i = 0; i < m; ++i) u_[a * m + i] = RANKDROP_ISA::get(ws.u[i * m + a], 0);

@@ -68,6 +68,20 @@ inline View seen_from_base(View view) {
     return view;
 }
 
+// A size that the compiler knows, or where FIXED is 0 one of run time.
+template <int FIXED>
+struct Size {
+    explicit Size(int) {}
+    operator int() const { return FIXED; }
+};
+
+template <>
+struct Size<0> {
+    int value;
+    explicit Size(int value_) : value(value_) {}
+    operator int() const { return value; }
+};
+
 // From one configuration to where the rank is r or less: Newton's steps onto the tangent plane of F = 0, nearest to q, over
 // all joints, from several sheets of the set at once. Walk 0 begins at q with its weakest direction for the one that
 // vanishes, walk 1 with its second weakest: near a point where both are lost, the nearer sheet may be either's. The others
@@ -81,9 +95,8 @@ template <int ROWS, int JOINTS, int RANK>
 class WalkOntoSet {
   public:
     WalkOntoSet(const Chain& chain, const View& view, const double* scale, int rank, SetRoom& room)
-        : chain_(chain), view_(seen_from_base(view)), scale_(scale), room_(room), m(ROWS ? ROWS : view.m),
-          n(JOINTS ? JOINTS : chain.variables), rank_(RANK ? RANK : rank), s_(n - rank_),
-          shifted_(whole_twist(view)), mirrored_(m - rank_ == 1 && m > 2), factor_at_(m), sign_at_(m + 1) {}
+        : chain_(chain), view_(seen_from_base(view)), scale_(scale), room_(room), m(view.m), n(chain.variables), rank_(rank),
+          s_(n - rank_), shifted_(whole_twist(view)), mirrored_(m - rank_ == 1 && m > 2), factor_at_(m), sign_at_(m + 1) {}
 
     // From one lane of `start`, decomposed at q (in the same lane). `beside(x)`: how far ends x are from the family's
     // conditions.
@@ -368,8 +381,7 @@ class WalkOntoSet {
         jacobian(chain_, view_, room_.at, room_.jacobian, n, 1);
         if (mirrored_) reflect(u);
         else turn(u);
-        for (int i = 0; i < m; ++i) orthogonalise(i);
-        complete(room_.v + pack * n * n);
+        orthogonalise(room_.v + pack * n * n);
         for (int i = rank_; i < m; ++i) {
             for (int b = rank_ - 1; b >= 0; --b) {
                 Pack sum = room_.lower[i * m + b];
@@ -422,43 +434,43 @@ class WalkOntoSet {
         }
     }
 
-    // Row i of U^T J less what the strong rows before it span; of what is left of a strong one, the direction.
-    void orthogonalise(int i) {
-        Pack *row = room_.turned + i * n, *along = room_.lower + i * m;
-        const int before = i < rank_ ? i : rank_;
-        for (int b = 0; b < before; ++b) along[b] = fill(0.0);
-        for (int pass = 0; pass < (i < rank_ ? 1 : 2); ++pass)  // what is left of a weak row is small: twice
-            for (int b = 0; b < before; ++b) {
-                const Pack* q = room_.basis + b * n;
-                Pack overlap = fill(0.0);
-                for (int j = 0; j < n; ++j) overlap = overlap + row[j] * q[j];
-                for (int j = 0; j < n; ++j) row[j] = row[j] - overlap * q[j];
-                along[b] = along[b] + overlap;
-            }
-        if (i >= rank_) return;
-        Pack square = fill(0.0);
-        for (int j = 0; j < n; ++j) square = square + row[j] * row[j];
-        along[i] = sqrt(max(square, fill(1e-300)));
-        const Pack inverse = fill(1.0) / along[i];
-        for (int j = 0; j < n; ++j) room_.basis[i * n + j] = row[j] * inverse;
-    }
-
-    // V2: what it was before, made orthogonal to the strong rows as they are now.
-    void complete(Pack* v) {
+    // Rows of U^T J less what the strong rows before them span, and of what is left of a strong one, the direction: `basis`.
+    // V2 completes it: what it was before, made orthogonal to them. What is left of a weak row is small: twice. A direction
+    // is taken off all that come later at once, so that their sums overlap.
+    void orthogonalise(Pack* v) {
+        for (int i = rank_; i < n; ++i)
+            for (int j = 0; j < n; ++j) room_.basis[i * n + j] = v[(i - rank_) * n + j];
+        for (int b = 0; b < rank_; ++b) {
+            const Pack length = size_above_zero(room_.turned + b * n), inverse = fill(1.0) / length;
+            room_.lower[b * m + b] = length;
+            for (int j = 0; j < n; ++j) room_.basis[b * n + j] = room_.turned[b * n + j] * inverse;
+            for (int i = b + 1; i < m; ++i) room_.lower[i * m + b] = fill(0.0) + take_off(b, room_.turned + i * n);
+            for (int i = rank_; i < n; ++i) take_off(b, room_.basis + i * n);
+        }
+        for (int i = rank_; i < m; ++i)
+            for (int b = 0; b < rank_; ++b)
+                room_.lower[i * m + b] = room_.lower[i * m + b] + take_off(b, room_.turned + i * n);
         for (int i = rank_; i < n; ++i) {
             Pack* x = room_.basis + i * n;
-            for (int j = 0; j < n; ++j) x[j] = v[(i - rank_) * n + j];
-            for (int b = 0; b < i; ++b) {
-                const Pack* q = room_.basis + b * n;
-                Pack overlap = fill(0.0);
-                for (int j = 0; j < n; ++j) overlap = overlap + x[j] * q[j];
-                for (int j = 0; j < n; ++j) x[j] = x[j] - overlap * q[j];
-            }
-            Pack square = fill(0.0);
-            for (int j = 0; j < n; ++j) square = square + x[j] * x[j];
-            const Pack inverse = fill(1.0) / sqrt(max(square, fill(1e-300)));
+            for (int b = rank_; b < i; ++b) take_off(b, x);
+            const Pack inverse = fill(1.0) / size_above_zero(x);
             for (int j = 0; j < n; ++j) v[(i - rank_) * n + j] = x[j] = x[j] * inverse;
         }
+    }
+
+    Pack size_above_zero(const Pack* x) const {
+        Pack square = fill(0.0);
+        for (int j = 0; j < n; ++j) square = square + x[j] * x[j];
+        return sqrt(max(square, fill(1e-300)));
+    }
+
+    // x less its part along direction b of the basis, which is returned.
+    Pack take_off(int b, Pack* x) const {
+        const Pack* q = room_.basis + b * n;
+        Pack overlap = fill(0.0);
+        for (int j = 0; j < n; ++j) overlap = overlap + x[j] * q[j];
+        for (int j = 0; j < n; ++j) x[j] = x[j] - overlap * q[j];
+        return overlap;
     }
 
     // row_k = left^T dJ(e_k) x, of what `derivative_times` found.
@@ -535,7 +547,10 @@ class WalkOntoSet {
     const View view_;
     const double* scale_;
     SetRoom& room_;
-    const int m, n, rank_, s_;
+    const Size<ROWS> m;
+    const Size<JOINTS> n;
+    const Size<RANK> rank_;
+    const Size<JOINTS - RANK> s_;
     const bool shifted_, mirrored_;  // the twist is seen from the base; U1 is a reflection's
     const int factor_at_, sign_at_;        // places in `u` of what else `reflect` needs
     bool begun_at_points_ = false;

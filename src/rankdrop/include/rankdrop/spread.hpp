@@ -66,13 +66,15 @@ inline Settled settle(const Chain& chain, const View& view, const Families& tabl
     return out;
 }
 
-// Some of the places (points, joints), block after block (joints, kBlock); the last block is filled up with zeros.
+// Some of the places (points, paired joints), block after block as `squares_to` reads them; the last block is filled up with
+// zeros.
 inline void append_blocks(const std::vector<std::int16_t>& place, const std::vector<int>& some, int joints,
                           std::vector<std::int16_t>& out) {
     for (std::size_t first = 0; first < some.size(); first += kBlock)
-        for (int j = 0; j < joints; ++j)
+        for (int j = 0; j < joints; j += 2)
             for (std::size_t i = first; i < first + kBlock; ++i)
-                out.push_back(i < some.size() ? place[(std::size_t)(some[i] * joints + j)] : std::int16_t{0});
+                for (int own = 0; own < 2; ++own)
+                    out.push_back(i < some.size() ? place[(std::size_t)(some[i] * paired(joints) + j + own)] : std::int16_t{0});
 }
 
 // Groups of points by the nearest of their centres, the first of the points themselves.
@@ -81,10 +83,11 @@ inline SetPoints grouped(const Settled& from, int n, int m, int free) {
     for (int j = 0; j < n; ++j)
         if (from.most[(std::size_t)j] > kIdle) out.moving.push_back(j);
     const int joints = (int)out.moving.size(), count = (int)from.q.size() / n;
-    std::vector<std::int16_t> place((std::size_t)(count * joints));
+    const int stride = paired(joints);
+    std::vector<std::int16_t> place((std::size_t)(count * stride));
     for (int i = 0; i < count; ++i)
         for (int j = 0; j < joints; ++j)
-            place[(std::size_t)(i * joints + j)] = parts_of_turn(from.q[(std::size_t)(i * n + out.moving[(std::size_t)j])]);
+            place[(std::size_t)(i * stride + j)] = parts_of_turn(from.q[(std::size_t)(i * n + out.moving[(std::size_t)j])]);
     std::vector<int> some(kGroups);
     for (int i = 0; i < kGroups; ++i) some[(std::size_t)i] = i;
     append_blocks(place, some, joints, out.centre);
@@ -92,7 +95,7 @@ inline SetPoints grouped(const Settled& from, int n, int m, int free) {
     std::vector<std::vector<int>> members(kGroups);
     for (int i = 0; i < count; ++i) {
         for (int block = 0; block < kGroups; block += kBlock)
-            squares_to(out.centre.data() + block * joints, place.data() + (std::ptrdiff_t)i * joints, joints, squares.data() + block);
+            squares_to(out.centre.data() + block * stride, place.data() + (std::ptrdiff_t)i * stride, joints, squares.data() + block);
         auto& group = members[(std::size_t)(std::min_element(squares.begin(), squares.end()) - squares.begin())];
         if ((int)group.size() < kMostOfGroup) group.push_back(i);
     }

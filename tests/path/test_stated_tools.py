@@ -130,3 +130,30 @@ def test_a_tool_that_the_robot_does_not_hold_is_not_its_tool(tmp_path: Path) -> 
     program = read_program(written(tmp_path, "a.mod", text))
     assert program.tool is None
     assert [skipped.reason.value for skipped in program.skipped] == ["tool frame", "tool frame"]
+
+
+def test_a_program_that_begins_with_a_pose_and_states_its_posture_begins_there(tmp_path: Path) -> None:
+    text = "movej(get_inverse_kin(p[-0.4,-0.2,0.3,3.14159,0,0], qnear=[0.2,-1.6,2.1,-2.1,-1.6,1.7]))\n" + MOVES
+    found = checked(open_robot("ur5e"), written(tmp_path, "a.script", text))
+    assert [part.begins for part in found.parts] == ["stated"]
+    assert any("one in the posture that it states is taken" in line for line in found.summary)
+    assert found.parts[0].check is not None
+    first = found.parts[0].check.curve.control[0, 0]
+    assert np.abs(first - [0.2, -1.6, 2.1, -2.1, -1.6, 1.7]).max() < 0.3
+
+
+def test_after_a_line_that_ends_the_next_target_is_reached_in_another_posture(tmp_path: Path) -> None:
+    """Joint 4 ends at its limit in line 4; the target of line 5 has six solutions inside the limits."""
+    text = """DEF weld()
+$TOOL = {X 0, Y 0, Z 100, A 0, B 0, C 0}
+PTP {A1 18.6, A2 -66.5, A3 124.6, A4 -150, A5 53, A6 160}
+LIN {X 600, Y 200, Z 500, A 0, B 90, C 0}
+LIN {X 600, Y 200, Z 550, A 0, B 90, C 0}
+LIN {X 600, Y 180, Z 550, A 0, B 90, C 0}
+END
+"""
+    found = checked(open_robot("kr6r900"), written(tmp_path, "a.src", text))
+    first, second = found.parts
+    assert first.ended is not None
+    assert (first.ended.move.line, second.ended) == (4, None)
+    assert [move.line for move in second.moves] == [5, 6]

@@ -539,9 +539,9 @@ PROGRAM_PARTS = table(
     "program_parts",
     lines=(row(Positive, 2), "of its first and its last move",
         lambda part: [part.moves[0].line, part.moves[-1].line]),
-    begins=(Literal["joints", "start", "before", "posture"],
+    begins=(Literal["joints", "start", "before", "stated", "posture"],
         "how its first configuration is known: joint values; --start; the solution of a pose nearest to where the part "
-        "before it ended; the posture that people use"),
+        "before it ended; the posture that its target states; the posture that people use"),
     ended=(PROGRAM_ENDED | None, "where it ends before its last move does"),
     off=(num("m", ge=0), "the tip is proven to stay within this distance of its lines"),
     turned=(num("rad", ge=0), "and within this angle"),

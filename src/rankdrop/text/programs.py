@@ -271,6 +271,8 @@ def _begin_lines(check: Any) -> Iterator[str]:
         posed = f"Start: line {part.moves[0].line} is a pose."
         if part.begins == "posture":
             yield f"{posed} The posture that people use is taken; {advise('start', '…')} takes another."
+        elif part.begins == "stated":
+            yield f"{posed} Of its solutions one in the posture that it states is taken."
         else:
             yield f"{posed} The solution nearest to the configuration before it is taken."
 

@@ -69,7 +69,7 @@ class FollowedMoves:
     """Rows of a part while it is built."""
 
     moves: list[Move]
-    begins: Literal["joints", "start", "before", "posture"] = "joints"
+    begins: Literal["joints", "start", "before", "stated", "posture"] = "joints"
     rows: list[Array] = field(default_factory=list)
     owner: list[int] = field(default_factory=list)
     lasts: list[float] = field(default_factory=list)
@@ -130,7 +130,9 @@ class MoveFollower:
             followed.ended = self._ended(move, first)
             return
         followed.rows.append(first)
-        if before is None:
+        if move.target.posture != Posture():
+            followed.begins = "stated"
+        elif before is None:
             followed.begins = "posture"
         elif given:
             followed.begins = "start"
@@ -141,10 +143,9 @@ class MoveFollower:
         """A configuration at the pose of a move: in the posture it names, else near to the one before; or why none."""
         goal, posture = self._pose(move), move.target.posture
         if before is not None and posture == Posture():
-            try:
-                return configuration_at(self.robot, goal, self.task, before)[0]
-            except ConfigurationError:
-                return Cause.UNREACHED
+            reached = self._reached_from(before, goal)
+            if reached is not None:
+                return reached
         solutions = self._solutions(goal)
         if before is None and len(solutions):
             near = solutions[0]
@@ -156,6 +157,13 @@ class MoveFollower:
         if len(solutions):
             return Cause.POSTURE
         return Cause.UNREACHED
+
+    def _reached_from(self, before: Array, goal: Array) -> Array | None:
+        """A configuration at a pose on the branch of another one; None where a joint reaches its limit on the way."""
+        try:
+            return configuration_at(self.robot, goal, self.task, before)[0]
+        except ConfigurationError:
+            return None
 
     def _joint_move(self, followed: FollowedMoves, index: int, move: Move) -> None:
         """Straight in joint space, to joint values or to a solution of a pose."""

@@ -91,7 +91,7 @@ class Part:
         check: its joint path, checked; None where its first target is out of reach.
         owner: of each stretch between two rows the index of its move.
         begins: how its first configuration is known: "joints", "start" (--start), "before" (nearest to where the part
-            before it ended), or "posture" (that which people use).
+            before it ended), "stated" (the posture that the target states), or "posture" (that which people use).
         ended: why it ends before its last move does; None where it does not.
         off, turned: the tip is proven to stay so near to its lines [m], [rad].
         passed: indices of moves that pass through a singularity.
@@ -101,7 +101,7 @@ class Part:
     moves: tuple[Move, ...]
     check: PathCheck | None
     owner: Index
-    begins: Literal["joints", "start", "before", "posture"]
+    begins: Literal["joints", "start", "before", "stated", "posture"]
     ended: Ended | None
     off: float
     turned: float

@@ -182,7 +182,7 @@ def test_a_statement_over_several_lines_is_read_as_one(name: str, broken: dict[s
     assert len(found.items) == len(expected.items)
     for one, other in zip(found.items, expected.items, strict=True):
         first = other.text.split()[0].split("(")[0]
-        assert text.splitlines()[one.line - 1].split(":")[-1].split("(")[0].strip().startswith(first)
+        assert text.splitlines()[one.line - 1].split("(")[0].strip().startswith(first)
         assert type(one) is type(other)
         if isinstance(one, Move):
             assert repr(one.target) == repr(other.target)

@@ -88,3 +88,12 @@ def test_jobs_name_moves_that_end_elsewhere() -> None:
     )
     assert reasons(program) == ["other", "shifted", "other", "ends early", "other move", "other move"]
     assert [(move.speed.linear, move.blend) for move in program.moves] == [(0.1, False)]
+
+
+def test_a_line_is_shown_with_its_number_in_the_program() -> None:
+    """An engineer looks for 3:L on the pendant, not for the fourth line of the listing."""
+    lines = "   1:  WAIT .50(sec) ;\n   3:L P[1] 250mm/sec FINE ;\n"
+    text = f"/PROG A\n/MN\n{lines}/POS\nP[1]{{\n GP1:\n J1= 0 deg, J2= 0 deg\n}};\n/END\n"
+    program = fanuc_tp.read(text, "a.ls")
+    shown = [(item.line, item.text) for item in program.items]
+    assert shown == [(3, "1:WAIT .50(sec)"), (4, "3:L P[1] 250mm/sec FINE")]

@@ -63,15 +63,19 @@ def read(text: str, name: str) -> Program:
     positions, tools = _positions(lines, name)
     listing = Listing(name)
     last: Target | None = None
-    for count, text in _instructions(lines, name):
+    for count, number_in_program, text in _instructions(lines, name):
         if text and not text.startswith(_REMARKS):
+            listing.label = f"{number_in_program}:"
             last = _instruction(listing, positions, tools, count, text, last)
     return listing.program(Language.TP, raised=True, level=True)
 
 
-def _instructions(lines: list[tuple[int, str]], name: str) -> Iterator[tuple[int, str]]:
-    """Instructions without their numbers, with the line on which each begins; a line that goes on has no number."""
-    begun, size, section = 0, 0, ""
+def _instructions(lines: list[tuple[int, str]], name: str) -> Iterator[tuple[int, str, str]]:
+    """The line on which each instruction begins, its number in the program, and the instruction without it.
+
+    A line that goes on has no number.
+    """
+    begun, number_in_program, size, section = 0, "", 0, ""
     kept: list[str] = []
     for count, line in lines:
         if line.startswith("/"):
@@ -83,14 +87,14 @@ def _instructions(lines: list[tuple[int, str]], name: str) -> Iterator[tuple[int
         text = rest.strip().rstrip(";").rstrip()
         if own.strip():
             if kept:
-                yield begun, " ".join(kept)
-            begun, size, kept = count, len(text), [text]
+                yield begun, number_in_program, " ".join(kept)
+            begun, number_in_program, size, kept = count, own.strip(), len(text), [text]
         elif kept:
             size += len(text) + 1
             kept.append(text)
         check_length(size, f"{name}, line {begun}")
     if kept:
-        yield begun, " ".join(kept)
+        yield begun, number_in_program, " ".join(kept)
 
 
 def _positions(lines: list[tuple[int, str]], name: str) -> tuple[dict[str, Target | Reason], set[str]]:

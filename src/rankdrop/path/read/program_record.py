@@ -209,7 +209,7 @@ class Program:
 @dataclass
 class Listing:
     """Moves and skipped lines while a program is read; `where` is the file, `tool` the tool frame of the next move,
-    `stated` the lines that state one.
+    `stated` the lines that state one, `label` what stands in front of a line: its number in the program.
     """
 
     where: str
@@ -217,6 +217,7 @@ class Listing:
     moves: int = 0
     tool: Array | None = field(default_factory=lambda: np.eye(4))
     stated: list[Move | Skipped] = field(default_factory=list)
+    label: str = ""
 
     def set_tool(self, line: int, text: str, tool: Array | None) -> None:
         """Take the tool frame (4, 4) of the moves that follow; None: a tool that is not known.
@@ -252,7 +253,7 @@ class Listing:
 
     def skip(self, line: int, text: str, reason: Reason) -> None:
         """Keep a line that was not read."""
-        self.items.append(Skipped(line, shorten_line(text), reason))
+        self.items.append(Skipped(line, shorten_line(f"{self.label}{text}"), reason))
 
     def move(
         self, line: int, text: str, kind: Literal["joint", "line"], target: Target | Reason, speed: Speed, *,
@@ -270,7 +271,7 @@ class Listing:
         if self.moves > MOST_MOVES:
             raise TrajectoryError("the program has too many moves", where=f"{self.where}, line {line}",
                                   allowed=f"at most {MOST_MOVES:,}")  # fmt: skip
-        self.items.append(Move(line, shorten_line(text), kind, target, speed, blend, self.tool))
+        self.items.append(Move(line, shorten_line(f"{self.label}{text}"), kind, target, speed, blend, self.tool))
 
 
 @dataclass

@@ -298,3 +298,13 @@ def test_two_joints_that_place_a_tool_are_asked_about_its_position(
                    for axis in np.eye(2)]  # fmt: skip
         assert np.linalg.matrix_rank(np.array(columns), tol=1e-6) == rank
         assert explain(arm, q, asked, evaluations=0).rank.rank == rank
+
+
+def test_poses_that_five_joints_cannot_take_get_another_task_and_no_detour(run, tmp_path: Path) -> None:
+    """Both ends are reached; between them the yaw of the line is not the direction of its points from axis 1."""
+    file = tmp_path / "five.csv"
+    file.write_text("x,y,z,roll,pitch,yaw\n0.25,0.0,0.15,0,0.5,0\n0.25,0.08,0.15,0,0.5,0.3097\n", encoding="utf-8")
+    ended = run("path", "px150", str(file), "--quiet")
+    assert "--task tool-axis-free" in ended.out
+    assert "etour" not in ended.out
+    assert run("path", "px150", str(file), "--quiet", "--task", "tool-axis-free").out.startswith("Free")

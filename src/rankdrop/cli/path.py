@@ -256,7 +256,9 @@ def _check_target(file: Path, model: Robot, mend: Remedies) -> None:
 
 
 def _needs_remedy(check: paths.PathCheck) -> bool:
-    """Whether a path is not free, or too fast."""
+    """Whether a path is not free, or too fast; poses that an arm with few joints cannot take need another task."""
+    if check.tool is not None and check.tool.reason == "few joints":
+        return False
     return not check.clear or check.verdict == paths.TOO_FAST
 
 

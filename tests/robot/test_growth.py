@@ -96,6 +96,9 @@ PROGRAMS: dict[str, tuple[str, Callable[[int], str]]] = {
         lambda i: f"CONST jointtarget p{i}:=[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n", size, "MODULE m\n")),
     "names of URScript": (".script", lambda size: repeated(lambda i: f"a{i} = [0, 0, 0, 0]\n", size, "def p():\n")),
     "brackets": (".script", lambda size: repeated("[", size, "movej(")),
+    "blanks of a target": (".script", lambda size: repeated(" ", size, "movec(", "p[0,0,0,0,0,0])")),
+    "blanks of a setting": (".src", lambda size: repeated(" ", size, "DEF p()\n$ORI_TYPE", "x\nEND\n")),
+    "arcs of KRL": (".src", lambda size: repeated("CIRC {X 1, Y 1, Z 1}, {X 1, A 0}\n", size, "DEF p()\n", "END\n")),
     "points of a TP program": (".ls", lambda size: repeated(
         lambda i: f"P[{i}]{{ GP1: J1= 0 deg, J2= 0 deg }};\n", size, "/PROG p\n/POS\n")),
     "points of INFORM": (".jbi", lambda size: repeated(lambda i: f"C{i:05d}=0,0,0,0\n", size, "/JOB\n")),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from math import degrees, isfinite
 from typing import Any
@@ -31,7 +32,7 @@ _REASONS = {
     "expression": "target is an expression",
     "incomplete": "target does not have all of its values, and the move before it does not give the others",
     "pulses": "target is in pulses: pulses per degree are not in the file",
-    "circle": "circular moves are not read",
+    "circle": "this circular move is not read: an angle, a mode, or a turn of the tool on it that is not known",
     "spline": "splines are not read",
     "relative": "relative moves are not read: where the move before ended is not known from the file",
     "after joint values": "the move is relative to a target of joint values: write its pose, or make it absolute",
@@ -53,6 +54,7 @@ _REASONS = {
 _CAUSES = {
     "out of reach": "no configuration within the joint limits was found for its target",
     "no such posture": "no solution within the joint limits has the configuration that its target states",
+    "no circle": "the place before it, the place on the way and its target lie on one line",
 }
 _ENDS = {
     "singular": "the branch ends at a singularity", "stuck": "the solver does not converge",
@@ -63,7 +65,7 @@ _ENDS = {
 _SAME_DISTANCE = 1.001  # a stretch that is as near as its move, to this factor, is the nearest one
 _FAST = 3  # lines of which joints above their rate limits are described
 _SLOW = 0.1  # of the programmed speed, below which a joint move is the better advice
-_KINDS = {"joint": "joint move", "line": "straight line"}
+_KINDS = {"joint": "joint move", "line": "straight line", "arc": "circular arc"}
 
 
 def sentence(check: Any) -> str:
@@ -254,14 +256,18 @@ def _tool_lines(check: Any) -> Iterator[str]:
 def _read_line(check: Any) -> str:
     """The language of a program and how many moves of each kind were read."""
     moves = check.program.moves
-    joint = sum(move.kind == "joint" for move in moves)
+    counts = Counter(move.kind for move in moves)
+    arcs = ""
+    if counts["arc"]:
+        arcs = f", {counts['arc']} circular"
     unread = parts = ""
     if check.unread:
         unread = f"; {len(check.unread)} not read"
     if len(check.parts) > 1:
         parts = f", in {len(check.parts)} parts"
-    return (f"Program: {check.program.language}; {len(moves)} {plural('move', len(moves))} read: {joint} joint, "
-            f"{len(moves) - joint} straight{unread}{parts}.")  # fmt: skip
+    read = f"{counts['joint']} joint, {counts['line']} straight{arcs}"
+    return (f"Program: {check.program.language}; {len(moves)} {plural('move', len(moves))} read: {read}"
+            f"{unread}{parts}.")  # fmt: skip
 
 
 def _begin_lines(check: Any) -> Iterator[str]:
@@ -296,7 +302,7 @@ def _fast_lines(check: Any) -> Iterator[str]:
 
 def _turn_lines(check: Any) -> Iterator[str]:
     """The linear move in which a joint turns far, and by how much."""
-    lines = [move for move in check.moves if move.kind == "line" and degrees(move.turn) >= _FAR_TURN]
+    lines = [move for move in check.moves if move.kind != "joint" and degrees(move.turn) >= _FAR_TURN]
     if lines:
         most = max(lines, key=lambda move: move.turn)
         turn = _far_turn(check, most)
@@ -455,7 +461,7 @@ def remedy_words(remedy: Any, robot: Robot) -> str:
         goal = joints_words(robot, remedy.goal, deg=True)
         return f"make it a joint move: its target is within reach in another posture ({goal})"
     if remedy.advice == "slower":
-        other = "; or make it a joint move" if remedy.move.kind == "line" and remedy.factor < _SLOW else ""
+        other = "; or make it a joint move" if remedy.move.kind != "joint" and remedy.factor < _SLOW else ""
         share = rounded_down(remedy.factor, 3)
         return f"at {share} of its speed{_speed_words(remedy)} it keeps the joint limits{other}"
     if remedy.advice == "out of reach":

@@ -6,7 +6,7 @@ configuration in which the move before it ended, as a controller does without bl
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from itertools import product
 from math import floor, pi
@@ -24,6 +24,7 @@ from rankdrop.path.check.path_file import PathQuestion
 from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.check.tool_path import check_tilt, followed_branch, timed_branch, tip_apart
+from rankdrop.path.read.arc import arc_poses
 from rankdrop.path.read.program_record import Move, Posture, Program
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.poses.inverse import Aim
@@ -45,6 +46,7 @@ class Cause(StrEnum):
     UNREACHED = "out of reach"
     POSTURE = "no such posture"
     BRANCH = "branch ends"
+    NO_CIRCLE = "no circle"
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,23 +213,26 @@ class MoveFollower:
         return least if least > 0.0 else 1.0
 
     def _line(self, followed: FollowedMoves, index: int, move: Move) -> None:
-        """Straight with the tip, followed on the branch of the last row."""
+        """Straight with the tip, or on an arc, followed on the branch of the last row."""
         now = followed.rows[-1]
         begin = pose(self.robot, now)
         if move.target.joints is None:
             end = self._pose(move)
         else:
             end = pose(self.robot, self._joints(move))
-        way = np.stack([begin, end])
-        length = float(np.linalg.norm(end[:3, 3] - begin[:3, 3]))
+        way = self._way(move, begin, end)
+        if way is None:
+            followed.ended = Ended(move, Cause.NO_CIRCLE)
+            return
+        length = float(np.linalg.norm(np.diff(way[:, :3, 3], axis=0), axis=1).sum())
         turn = float(np.linalg.norm(rotation_vector((end[:3, :3] @ begin[:3, :3].T)[None])[0]))
         if max(length, turn) <= STILL:
             return
         branch = followed_branch(self.robot, way, now, self.task, self.tolerance, free=False)
-        times = self._line_seconds(move, length, turn)
-        line_path = timed_branch(self.robot, self.task, way, None if times is None else np.array([0.0, times]), branch)
+        line_path = timed_branch(self.robot, self.task, way, self._line_times(move, length, turn, len(way)), branch)
         if len(branch.q):
             off, turned = tip_apart(Aim(self.robot, self.task), branch.q, poses_at(way, branch.place - 1.0))
+            off += self._height * (move.kind == "arc")
             followed.off, followed.turned = max(followed.off, off), max(followed.turned, turned)
             jump = np.abs(branch.q[0] - now).max(initial=0.0) > STILL
             if line_path.times is None:
@@ -244,7 +249,27 @@ class MoveFollower:
         if branch.passed:
             followed.passed.append(index)
         if not branch.complete:
-            followed.ended = Ended(move, Cause.BRANCH, branch)
+            followed.ended = Ended(move, Cause.BRANCH, _as_shares(branch, len(way) - 1))
+
+    @property
+    def _height(self) -> float:
+        """By which chords may leave an arc: a tenth of what the tip may [m]."""
+        return 0.1 * self.tolerance[0]
+
+    def _way(self, move: Move, begin: Array, end: Array) -> Array | None:
+        """(K, 4, 4) poses between which the tip goes straight; None for an arc through places on one line."""
+        if move.kind != "arc":
+            return np.stack([begin, end])
+        via = np.array(move.via)
+        via[2] += self.raised
+        return arc_poses(begin, via, end, self._height)
+
+    def _line_times(self, move: Move, length: float, turn: float, count: int) -> Array | None:
+        """(count,) times of the poses of a linear move or an arc, which are equally far apart; None: not known."""
+        lasting = self._line_seconds(move, length, turn)
+        if lasting is None:
+            return None
+        return np.linspace(0.0, lasting, count)
 
     def _line_seconds(self, move: Move, length: float, turn: float) -> float | None:
         """How long a linear move takes; None where the program does not say.
@@ -350,6 +375,11 @@ class MoveFollower:
         if np.prod([len(turns) for turns in options]) > _MOST_TURNS:
             return q[None]
         return np.array(list(product(*options)))
+
+
+def _as_shares(branch: Followed, chords: int) -> Followed:
+    """A branch along the chords of an arc with its places from 1 to 2, as those of a line."""
+    return replace(branch, place=1.0 + (branch.place - 1.0) / chords, reached=1.0 + (branch.reached - 1.0) / chords)
 
 
 def _fits(q: Array, posture: Posture) -> bool:

@@ -42,7 +42,7 @@ from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve, Index, Place, curve
 from rankdrop.path.read.makers import shoulder_height
 from rankdrop.path.read.program_file import read_program
-from rankdrop.path.read.program_record import BREAKS, Move, Program, Skipped, is_program
+from rankdrop.path.read.program_record import BREAKS, Kind, Move, Program, Skipped, is_program
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.model import Array, Robot, with_tool
 from rankdrop.sections import Section
@@ -59,7 +59,7 @@ class MoveCheck:
     Attributes:
         line: of the program, from 1.
         text: of that line.
-        kind: "joint" or "line".
+        kind: "joint", "line" or "arc".
         verdict: the worst of it; None where it is only where a part begins, so that nothing leads to it.
         distance: to the nearest singularity known [rad; slides by the length scale]; inf where none is known.
         family, name: of it.
@@ -71,7 +71,7 @@ class MoveCheck:
 
     line: int
     text: str
-    kind: Literal["joint", "line"]
+    kind: Kind
     verdict: Verdict | None
     distance: float
     family: str
@@ -219,7 +219,7 @@ class Met:
 
     line: int
     text: str
-    kind: Literal["joint", "line"]
+    kind: Kind
     stretch: Stretch
 
 

@@ -145,7 +145,7 @@ def _slower(part: Part, check: PathCheck) -> Iterator[LineRemedy]:
 def _local_change(part: Part, check: PathCheck, analysis: Analysis | None, how: RemedyOptions) -> Iterator[LineRemedy]:
     """The least local change of a part that crosses singularities on its straight lines."""
     met = [stretch for stretch in check.stretches if stretch.verdict != FREE]
-    lines = [stretch for stretch in met if part.moves[part.move_at(stretch.closest.place)].kind == "line"]
+    lines = [stretch for stretch in met if part.moves[part.move_at(stretch.closest.place)].kind != "joint"]
     if check.clear or not lines:
         return
     mending = mend_path(check, analysis=analysis, kinds=(BUMP, DETOUR), options=how)

@@ -28,6 +28,7 @@ from rankdrop.path.read.krl_values import (
     frame_of,
     is_read_assignment,
     numbers_of_fdat,
+    place_of,
     settings_of,
     target_of,
     tool_data,
@@ -35,6 +36,7 @@ from rankdrop.path.read.krl_values import (
 )
 from rankdrop.path.read.program_record import (
     BREAKS,
+    Kind,
     Language,
     Listing,
     Names,
@@ -59,11 +61,11 @@ _RELATIVE: dict[str, Literal["joint", "line"]] = {
     "PTP_REL": "joint", "SPTP_REL": "joint", "LIN_REL": "line", "SLIN_REL": "line",
 }  # fmt: skip
 _OTHER_MOVES = {
-    **dict.fromkeys(("CIRC", "SCIRC"), Reason.CIRCLE),
     "SPL": Reason.SPLINE,
     **dict.fromkeys(("CIRC_REL", "SPL_REL", "SCIRC_REL"), Reason.RELATIVE),
     **dict.fromkeys(("ASYPTP", "MOVE_EMI"), Reason.OTHER_MOVE),
 }  # fmt: skip
+_ARCS = ("CIRC", "SCIRC")
 _BLOCKS = ("SPLINE", "PTP_SPLINE", "ENDSPLINE")
 _FLOW = {
     **dict.fromkeys(("IF", "ELSE", "ENDIF", "SWITCH", "CASE", "DEFAULT", "ENDSWITCH", "GOTO", "RETURN"), Reason.BRANCH),
@@ -72,11 +74,13 @@ _FLOW = {
 _QUIET = {"END", "ENDFCT", "DECL", "GLOBAL", "EXT", "EXTFCT", "SIGNAL", "ENUM", "STRUC", "ENDDAT", "DEFDAT", "CONST",
           "INT", "REAL", "BOOL", "CHAR", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME"}  # fmt: skip
 _SETTINGS = {"$ACC", "$ACC_AXIS", "$APO", "$BWDSTART", "$ADVANCE", "INI", "PDAT_ACT", "LDAT_ACT", "BAS"}
-_BEGINS = {*_MOVES, *_RELATIVE, *_OTHER_MOVES, *_BLOCKS, *_FLOW, *_QUIET, "DEF", "DEFFCT", "DEFDAT", "WAIT", "HALT",
-           "INTERRUPT", "TRIGGER"}  # fmt: skip
+_BEGINS = {*_MOVES, *_ARCS, *_RELATIVE, *_OTHER_MOVES, *_BLOCKS, *_FLOW, *_QUIET, "DEF", "DEFFCT", "DEFDAT", "WAIT",
+           "HALT", "INTERRUPT", "TRIGGER"}  # fmt: skip
 """Words that begin a statement and stand in no bracket."""
 _WHERE_IT_IS = ("$AXIS_ACT", "$POS_ACT", "$AXIS_ACT_MEAS")
 _WORD = re.compile(r"\s*([A-Za-z_$][\w$]*)")
+_UNUSUAL_TURN = re.compile(r"\bORI_TYPE?\s*(?:=\s*)?#(?:CONSTANT|JOINT)|\bCIRC_TYPE?\s*(?:=\s*)?#PATH", re.IGNORECASE)
+_CIRCULAR_ANGLE = re.compile(r"\s*,\s*CA\b", re.IGNORECASE)
 _IN_CALL = re.compile(r"SVEL_(?:CP|JOINT)\(\s*([^,)]*).*", re.IGNORECASE)
 _DEGREE = radians(1.0)
 _BLENDS = ("C_PTP", "C_DIS", "C_VEL", "C_ORI", "C_SPL")
@@ -100,6 +104,7 @@ def read(text: str, name: str, declarations: str = "") -> Program:
     for count, line in lines:
         declare(names, line, f"{name}, line {count}")
     reader = _Reader(name, names, listing)
+    reader.turns_as_usual = _UNUSUAL_TURN.search(text) is None and _UNUSUAL_TURN.search(declarations) is None
     for count, line in lines:
         if not line.lstrip().startswith("&"):
             reader.take(count, line)
@@ -138,7 +143,7 @@ class _Reader:
 
     def __init__(self, name: str, names: Names, listing: Listing) -> None:
         self.name, self.names, self.listing = name, names, listing
-        self.state, self.routines = _State(), 0
+        self.state, self.routines, self.turns_as_usual = _State(), 0, True
         self.last: Target | None = None  # of the move before, its pose in the base frame of the arm; None: not known
         self.frames: tuple[Array | None, str] = (None, "")  # the base and the tool in which it is programmed
 
@@ -154,6 +159,8 @@ class _Reader:
                 self._skip(count, line, Reason.ROUTINE)
         elif word in _MOVES:
             self._move(count, line, word, rest)
+        elif word in _ARCS:
+            self._arc(count, line, rest)
         elif word in _RELATIVE:
             self._relative_move(count, line, word, rest)
         elif word in _BLOCKS:
@@ -214,6 +221,20 @@ class _Reader:
             target = Reason.SPLINE
         self._keep(count, line, _MOVES[word], in_base(target, base), after, base)
 
+    def _arc(self, count: int, line: str, rest: str) -> None:
+        """CIRC via, target: by default the tool turns about one axis from where it is to the target."""
+        where = f"{self.name}, line {count}"
+        via, after = place_of(rest, self.names, where)
+        target, behind = target_of(after.removeprefix(",").strip(), self.names, where)
+        base = self._base_of(count, line, behind)
+        if target is Reason.INCOMPLETE:
+            target = completed(after.removeprefix(",").strip(), self._last_in(base), base, where)
+        if via is None or not after.startswith(",") or _CIRCULAR_ANGLE.match(behind) or not self.turns_as_usual:
+            target = Reason.CIRCLE
+        if via is not None and base is not None:
+            via = base[:3, :3] @ via + base[:3, 3]
+        self._keep(count, line, "arc", in_base(target, base), behind, base, via)
+
     def _relative_move(self, count: int, line: str, word: str, rest: str) -> None:
         """A move from the target before it."""
         base = self._base_of(count, line, rest)
@@ -241,13 +262,13 @@ class _Reader:
         return self.last
 
     def _keep(
-        self, count: int, line: str, kind: Literal["joint", "line"], target: Target | Reason, after: str,
-        base: Array | None,
+        self, count: int, line: str, kind: Kind, target: Target | Reason, after: str, base: Array | None,
+        via: Array | None = None,
     ) -> None:  # fmt: skip
         """Keep a move, with what stands behind its target."""
         speed = self.state.speed_of(kind, after, self.names)
         blend = any(word in after.upper() for word in _BLENDS)
-        self.listing.move(count, line, kind, target, speed, blend=blend)
+        self.listing.move(count, line, kind, target, speed, blend=blend, via=via)
         self.last, self.frames = None, (base, self.state.tool)
         if isinstance(target, Target):
             self.last = target
@@ -378,7 +399,7 @@ class _State:
         speed = {"joint": self.joint}.get(kind, self.line)
         for key, value in settings_of(after).items():
             plain = _without_spaces(_IN_CALL.sub(r"\1", value).split("C_")[0])
-            if kind == "line" and key in ("$VEL.CP", "$VEL"):
+            if kind != "joint" and key in ("$VEL.CP", "$VEL"):
                 speed = replace(speed, linear=positive(names.number(plain)))
             elif kind == "joint" and key.startswith("$VEL_AXIS"):
                 speed = Speed(share=positive(names.number(plain), 0.01))

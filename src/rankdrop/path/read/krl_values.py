@@ -121,6 +121,21 @@ def target_of(rest: str, names: Names, where: str) -> tuple[Target | Reason, str
     return names.target(_element_name(element, names)), after
 
 
+def place_of(rest: str, names: Names, where: str) -> tuple[Array | None, str]:
+    """The place (3,) [m] that a text begins with, in its base frame, and what follows it; None: not known.
+
+    The place of an arc between its ends may lack the angles.
+    """
+    target, after = target_of(rest, names, where)
+    if isinstance(target, Target) and target.pose is not None:
+        return target.pose[:3, 3], after
+    bracket = split_bracket(rest, "{")
+    values = components(rest)
+    if bracket is None or values is None or not all(key in values for key in PLACE):
+        return None, after
+    return 1e-3 * np.array([values[key] for key in PLACE]), bracket[1].strip()
+
+
 def _element_name(element: re.Match[str], names: Names) -> str:
     """P[1] as it is kept; the name of the whole array where an element was changed that is not known."""
     array = element[1].upper()

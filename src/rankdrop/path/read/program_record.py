@@ -81,6 +81,10 @@ BREAKS = MOVES | {Reason.ROUTINE, Reason.BRANCH}
 """Reasons after which nobody knows from this file where the arm is."""
 
 
+Kind = Literal["joint", "line", "arc"]
+"""How a move goes."""
+
+
 @dataclass(frozen=True)
 class Speed:
     """What a program states of the speed of a move; None: nothing.
@@ -137,25 +141,28 @@ class Move:
     Attributes:
         line: number in the file, from 1.
         text: of the line, its beginning.
-        kind: "joint": joints go in proportion; "line": the tip goes straight and turns about one axis.
+        kind: "joint": joints go in proportion; "line": the tip goes straight and turns about one axis; "arc": it goes
+            on a circle, and turns as on a line.
         target: where it ends.
         speed: what is stated.
         blend: the corner at its end is rounded by the controller.
         tool: (4, 4) the tool frame at the flange in which it is programmed [m]; None: not known.
+        via: (3,) the place of an arc between its ends, in the frame of the program [m]; None for other moves.
     """
 
     line: int
     text: str
-    kind: Literal["joint", "line"]
+    kind: Kind
     target: Target
     speed: Speed = Speed()
     blend: bool = False
     tool: Array | None = None
+    via: Array | None = None
 
     @property
     def needs_tool(self) -> bool:
         """Where the arm goes depends on the tool: it ends at a pose, or the tip goes straight."""
-        return self.target.pose is not None or self.kind == "line"
+        return self.target.pose is not None or self.kind != "joint"
 
 
 @dataclass(frozen=True)
@@ -209,7 +216,8 @@ class Program:
 @dataclass
 class Listing:
     """Moves and skipped lines while a program is read; `where` is the file, `tool` the tool frame of the next move,
-    `stated` the lines that state one, `label` what stands in front of a line: its number in the program.
+    `stated` the lines that state one, `label` what stands in front of a line: its number in the program, `last` the
+    target of the move before, None where that was not read.
     """
 
     where: str
@@ -218,12 +226,15 @@ class Listing:
     tool: Array | None = field(default_factory=lambda: np.eye(4))
     stated: list[Move | Skipped] = field(default_factory=list)
     label: str = ""
+    last: Target | None = None
 
     def set_tool(self, line: int, text: str, tool: Array | None) -> None:
         """Take the tool frame (4, 4) of the moves that follow; None: a tool that is not known.
 
         The line is kept until it is clear that one tool is that of all moves.
         """
+        if tool is None or self.tool is None or not np.array_equal(tool, self.tool):
+            self.last = None  # where the arm is is a target of another tool
         self.tool = tool
         if tool is not None and np.array_equal(tool, np.eye(4)):
             return
@@ -253,11 +264,13 @@ class Listing:
 
     def skip(self, line: int, text: str, reason: Reason) -> None:
         """Keep a line that was not read."""
+        if reason in BREAKS or reason in (Reason.CALL, Reason.LOOP):
+            self.last = None
         self.items.append(Skipped(line, shorten_line(f"{self.label}{text}"), reason))
 
     def move(
-        self, line: int, text: str, kind: Literal["joint", "line"], target: Target | Reason, speed: Speed, *,
-        blend: bool,
+        self, line: int, text: str, kind: Kind, target: Target | Reason, speed: Speed, *, blend: bool,
+        via: Array | None = None,
     ) -> None:  # fmt: skip
         """Keep a move, or why its target was not read.
 
@@ -267,11 +280,12 @@ class Listing:
         if isinstance(target, Reason):
             self.skip(line, text, target)
             return
+        self.last = target
         self.moves += 1
         if self.moves > MOST_MOVES:
             raise TrajectoryError("the program has too many moves", where=f"{self.where}, line {line}",
                                   allowed=f"at most {MOST_MOVES:,}")  # fmt: skip
-        self.items.append(Move(line, shorten_line(f"{self.label}{text}"), kind, target, speed, blend, self.tool))
+        self.items.append(Move(line, shorten_line(f"{self.label}{text}"), kind, target, speed, blend, self.tool, via))
 
 
 @dataclass

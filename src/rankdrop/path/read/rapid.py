@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from math import radians
-from typing import Literal
+from math import pi, radians
 
+import numpy as np
+
+from rankdrop.path.read.arc import arc_angle
 from rankdrop.path.read.program_record import (
     MILLIMETRE,
+    Kind,
     Language,
     Listing,
     Names,
@@ -29,8 +32,11 @@ from rankdrop.path.read.program_record import (
     without_comment,
 )
 from rankdrop.path.read.rapid_values import WORD, goal_of, literal, split_switches, tool_frame, work_object
+from rankdrop.robot.model import Array
 
-_MOVES: dict[str, Literal["joint", "line"]] = {"MOVEJ": "joint", "MOVEABSJ": "joint", "MOVEL": "line"}
+_MOVES: dict[str, Kind] = {"MOVEJ": "joint", "MOVEABSJ": "joint", "MOVEL": "line", "MOVEC": "arc"}
+_LONGEST_ARC = pi  # the tool is turned about the axis of a longer one the other way round
+_SAME_TURN = 1e-4  # entries of rotations that are one
 _SUFFIXED = ("DO", "AO", "GO", "SYNC")
 _FLOW = {
     **dict.fromkeys(("IF", "ELSE", "ELSEIF", "ENDIF", "TEST", "CASE", "DEFAULT", "ENDTEST", "GOTO", "RETURN", "ERROR"),
@@ -81,14 +87,12 @@ def read(text: str, name: str) -> Program:
             if statement.startswith("%"):  # a routine by its name in a text
                 listing.skip(count, statement, Reason.CALL)
             continue
-        move = _move_of(word)
         if word in _ROUTINES:
             routines += 1
             if routines > 1:
                 listing.skip(count, statement, Reason.ROUTINE)
-        elif move is not None:
-            _move(listing, names, count, statement, rest, absolute=move == "MOVEABSJ", kind=_MOVES[move],
-                  shifted=shifted)  # fmt: skip
+        elif _move_of(word) is not None:
+            _any_move(listing, names, count, statement, word, rest, shifted=shifted)
         else:
             if word in _DISPLACEMENTS:
                 shifted = _DISPLACEMENTS[word]
@@ -121,8 +125,6 @@ def _why_skipped(word: str, statement: str) -> Reason | None:
         return Reason.OTHER
     if word in _FLOW:
         return _FLOW[word]
-    if word.startswith("MOVEC"):
-        return Reason.CIRCLE
     if word.startswith(("MOVE", "TRIGG", "SEARCH", "ARC", "PAINT")):
         return Reason.OTHER_MOVE
     if word in _QUIET:
@@ -136,7 +138,7 @@ def _why_skipped(word: str, statement: str) -> Reason | None:
 
 
 def _move_of(word: str) -> str | None:
-    """MoveJ, MoveL or MoveAbsJ, also with an output (MoveLDO); None for other instructions."""
+    """MoveJ, MoveL, MoveC or MoveAbsJ, also with an output (MoveLDO); None for other instructions."""
     every = [word, *(word.removesuffix(end) for end in _SUFFIXED)]
     return next((instruction for instruction in every if instruction in _MOVES), None)
 
@@ -201,7 +203,7 @@ def _declare(names: Names, text: str, where: str) -> None:
 
 
 def _move(
-    listing: Listing, names: Names, count: int, one: str, rest: str, *, absolute: bool, kind: Literal["joint", "line"],
+    listing: Listing, names: Names, count: int, one: str, rest: str, *, absolute: bool, kind: Kind,
     shifted: bool,
 ) -> None:  # fmt: skip
     """A move: [\\Conc,] target [\\ID], speed [\\V | \\T], zone [\\Z], tool [\\WObj]."""
@@ -223,6 +225,55 @@ def _move(
     listing.move(count, one, kind, target, made, blend=zone[0].lower() != "fine")
 
 
+def _any_move(
+    listing: Listing, names: Names, count: int, one: str, word: str, rest: str, *, shifted: bool
+) -> None:  # fmt: skip
+    """MoveJ, MoveAbsJ, MoveL or MoveC, by the first word."""
+    instruction = _move_of(word) or word
+    if instruction == "MOVEC":
+        _arc(listing, names, count, one, rest, shifted=shifted)
+        return
+    absolute = instruction == "MOVEABSJ"
+    _move(listing, names, count, one, rest, absolute=absolute, kind=_MOVES[instruction], shifted=shifted)
+
+
+def _arc(listing: Listing, names: Names, count: int, one: str, rest: str, *, shifted: bool) -> None:
+    """MoveC via, target, speed, zone, tool: read where the tool keeps its orientation, on half a turn at most.
+
+    How the tool turns on an arc depends on settings; by all of them it does not where it is the same at both ends.
+    """
+    arguments = _arguments(rest)
+    if len(arguments) < 4:
+        listing.skip(count, one, Reason.EXPRESSION)
+        return
+    (between, _), (goal, _), speed, zone, *tools = arguments
+    where = f"{listing.where}, line {count}"
+    tool, keys = tools[0] if tools else ("tool0", {})
+    base = work_object(keys.get("wobj", "wobj0"), names)
+    via, target = (in_base(goal_of(text, names, where), base) for text in (between, goal))
+    listing.set_tool(count, one, tool_frame(tool, names))
+    place = None
+    if isinstance(target, Target):
+        place = _arc_place(listing.last, via, target)
+        if shifted:
+            target = Reason.SHIFTED
+        elif place is None:
+            target = Reason.CIRCLE
+    made = _speed(speed[0], speed[1] | zone[1], names, "arc", where)
+    listing.move(count, one, "arc", target, made, blend=zone[0].lower() != "fine", via=place)
+
+
+def _arc_place(last: Target | None, via: Target | Reason, target: Target) -> Array | None:
+    """The place (3,) of an arc between its ends; None where the tool turns on it, or it is longer than half a turn."""
+    if last is None or last.pose is None or target.pose is None or isinstance(via, Reason) or via.pose is None:
+        return None
+    turned = np.abs(target.pose[:3, :3] - last.pose[:3, :3]).max()
+    angle = arc_angle(last.pose[:3, 3], via.pose[:3, 3], target.pose[:3, 3])
+    if turned > _SAME_TURN or angle is None or angle > _LONGEST_ARC:
+        return None
+    return np.asarray(via.pose[:3, 3])
+
+
 def _arguments(rest: str) -> list[tuple[str, dict[str, str]]]:
     """The arguments of a move with their switches, from the target on: switches alone in front of it are left out."""
     arguments = [split_switches(part) for part in parts_of(rest) if part]
@@ -231,7 +282,7 @@ def _arguments(rest: str) -> list[tuple[str, dict[str, str]]]:
     return arguments
 
 
-def _speed(text: str, keys: dict[str, str], names: Names, kind: str, where: str) -> Speed:
+def _speed(text: str, keys: dict[str, str], names: Names, kind: Kind, where: str) -> Speed:
     """The speed of a move: v100, [100, 500, 5000, 1000], a declared name; \\V and \\T in its place.
 
     A joint move is given the speed of its tip, which does not say how fast its joints turn.

@@ -1,4 +1,4 @@
-"""URScript (.script): movej, movel and movep to joint lists [rad] or poses p[x, y, z, rx, ry, rz].
+"""URScript (.script): movej, movel, movep, movec to joint lists [rad] or poses p[x, y, z, rx, ry, rz].
 
 A statement goes on over the next lines while a bracket is open. Lengths in metres; rx, ry, rz is the rotation vector:
 its direction is the axis, its length the angle in radians.
@@ -9,11 +9,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from math import radians
-from typing import Literal
 
 import numpy as np
 
 from rankdrop.path.read.program_record import (
+    Kind,
     Language,
     Listing,
     Names,
@@ -40,21 +40,22 @@ from rankdrop.poses.inverse import rotation
 from rankdrop.robot.files import LARGEST_ANGLE
 from rankdrop.robot.model import Array
 
-_MOVES: dict[str, Literal["joint", "line"]] = {"movej": "joint", "movel": "line", "movep": "line"}
-_ORDER = {"movej": ("a", "v", "t", "r"), "movel": ("a", "v", "t", "r"), "movep": ("a", "v", "r")}
+_MOVES: dict[str, Kind] = {"movej": "joint", "movel": "line", "movep": "line", "movec": "arc"}
+_ORDER = {"movej": ("a", "v", "t", "r"), "movel": ("a", "v", "t", "r"), "movep": ("a", "v", "r"),
+          "movec": ("a", "v", "r", "mode")}  # fmt: skip
 _OTHER = ("servoj", "servoc", "speedj", "speedl", "force_mode", "freedrive_mode", "teach_mode", "path_offset_enable",
           "conveyor_pulse_decode", "optimovej", "optimovel")  # fmt: skip
 _FLOW = {**dict.fromkeys(("if", "elif", "else", "return"), Reason.BRANCH),
          **dict.fromkeys(("while", "for", "break", "continue"), Reason.LOOP)}  # fmt: skip
-_BEGINS = ("def", "sec", "thread", "end", "global", "local", *_MOVES, "movec", *_FLOW)
+_BEGINS = ("def", "sec", "thread", "end", "global", "local", *_MOVES, *_FLOW)
 """Words that begin a statement and stand in no bracket."""
 _QUIET = ("end", "textmsg", "sleep", "sync", "stopj", "stopl")
-_SKIPPED = {"movec": Reason.CIRCLE, **dict.fromkeys(_OTHER, Reason.OTHER_MOVE), **_FLOW}
+_SKIPPED = {**dict.fromkeys(_OTHER, Reason.OTHER_MOVE), **_FLOW}
 _BUILT_IN = ("set_", "popup", "write_", "rtde_", "modbus_", "socket_", "request_", "halt", "pause", "zero_ftsensor",
              "reset_", "step_back", "enter_critical", "exit_critical")  # fmt: skip
 """Beginnings of functions of the language that do not move the arm."""
 _FUNCTION = re.compile(r"(pose_trans|get_inverse_kin)\s*(?=\()")
-_KEY = re.compile(r"\s*(?:x|qnear)\s*=")
+_TARGET_KEY = re.compile(r"\s*(?:q|x|qnear|pose|pose_via|pose_to)\s*=\s*")
 _D2R = re.compile(r"\bd2r\(([^()]{1,60})\)")
 _DEEPEST = 4  # functions inside functions
 _ARGUMENTS = 3  # that are read: a third one makes the function one that is not known
@@ -214,7 +215,7 @@ def _of_function(function: str, text: str, names: Names, where: str, depth: int)
     bracket = split_bracket(text)
     if bracket is None or bracket[1].strip():
         return Reason.EXPRESSION
-    targets = [_target(_KEY.sub("", part), names, where, depth) for part in parts_of(bracket[0])[:_ARGUMENTS]]
+    targets = [_target(_without_key(part), names, where, depth) for part in parts_of(bracket[0])[:_ARGUMENTS]]
     known = [target for target in targets if isinstance(target, Target)]
     if len(known) < len(targets):
         return next(target for target in targets if isinstance(target, Reason))
@@ -241,27 +242,55 @@ def _inverse(targets: list[Target]) -> Target | Reason:
 
 
 def _move(listing: Listing, names: Names, count: int, line: str, word: str, rest: str) -> None:
-    """movej(target, a = 1.4, v = 1.05, t = 0, r = 0), its settings in this order or by name."""
+    """movej(target, a = 1.4, v = 1.05, t = 0, r = 0), its settings in this order or by name; movec(via, target, …)."""
     bracket = split_bracket(rest)
     if bracket is None:
         listing.skip(count, line, Reason.EXPRESSION)
         return
     goal, *arguments = parts_of(bracket[0])
+    where = f"{listing.where}, line {count}"
+    via: Array | None = None
+    if word == "movec":
+        via = _place(_target(_without_key(goal), names, where))
+        goal, *arguments = arguments or [""]
+    keys = _settings(word, arguments, names)
+    target = _target(_without_key(goal), names, where)
+    if word == "movec" and (via is None or keys.get("mode", 0.0) != 0.0):
+        target = Reason.CIRCLE
+    rounded = keys.get("r", 0.0) != 0.0
+    listing.move(count, line, _MOVES[word], target, _speed_of(word, keys), blend=rounded, via=via)
+
+
+def _settings(word: str, arguments: list[str], names: Names) -> dict[str, float | None]:
+    """The settings of a move by name, in the order of the language or by name; None: not known."""
     settings: dict[str, str] = {}
     for place, argument in enumerate(arguments):
         key, mark, value = argument.partition("=")
         if mark:
-            name = key.strip()
+            settings[key.strip()] = value.strip()
         else:
-            name = (*_ORDER[word], "", "", "", "")[min(place, 3)]
-        settings[name] = value.strip() if mark else argument
-    keys = {key: names.number(value) for key, value in settings.items()}
-    if goal.startswith(("q=", "pose=", "q =", "pose =")):
-        goal = goal.partition("=")[2].strip()
-    else:
-        goal = goal
+            settings[(*_ORDER[word], "", "", "", "")[min(place, 3)]] = argument
+    return {key: names.number(value) for key, value in settings.items()}
+
+
+def _speed_of(word: str, keys: dict[str, float | None]) -> Speed:
+    """The speed of a move: of the joint that leads, or of the tip."""
     time, rate = positive(keys.get("t")), positive(keys.get("v"))
-    speed = Speed(time=time, joint=rate if word == "movej" else None, linear=None if word == "movej" else rate)
-    rounded = "r" in settings and keys["r"] != 0.0
-    listing.move(count, line, _MOVES[word], _target(goal, names, f"{listing.where}, line {count}"), speed,
-                 blend=rounded)  # fmt: skip
+    if word == "movej":
+        return Speed(time=time, joint=rate)
+    return Speed(time=time, linear=rate)
+
+
+def _without_key(goal: str) -> str:
+    """A target without the name of its argument: q=, pose=, pose_via=, qnear=."""
+    key = _TARGET_KEY.match(goal)
+    if key is None:
+        return goal
+    return goal[key.end() :]
+
+
+def _place(target: Target | Reason) -> Array | None:
+    """The place (3,) of a pose [m]; None for all else."""
+    if isinstance(target, Target) and target.pose is not None:
+        return target.pose[:3, 3]
+    return None

@@ -21,10 +21,10 @@ CONDITIONAL, NESTED = 22, 6
 """In the whole package, for each thousand statements: conditional expressions, comprehensions inside others."""
 
 BOUNDS: dict[str, tuple[int, int, int, int]] = {
-    ".": (33, 2, 4, 0), "algebra": (27, 41, 16, 0), "aspects": (10, 7, 0, 0), "cli": (76, 2, 11, 0),
-    "cover": (28, 3, 6, 0), "designs": (31, 5, 2, 0), "distance": (19, 1, 0, 0), "exact": (83, 97, 34, 0),
+    ".": (32, 2, 4, 0), "algebra": (27, 41, 16, 0), "aspects": (10, 7, 0, 0), "cli": (76, 2, 11, 0),
+    "cover": (28, 3, 6, 0), "designs": (31, 5, 2, 0), "distance": (19, 1, 0, 0), "exact": (83, 96, 34, 0),
     "families": (76, 27, 10, 0), "formula": (54, 20, 9, 0), "jobs": (3, 0, 1, 0), "local": (45, 10, 7, 0),
-    "path": (143, 11, 19, 0), "poses": (14, 1, 1, 0), "proof": (43, 18, 20, 0), "report": (65, 7, 7, 0),
+    "path": (138, 11, 19, 0), "poses": (14, 1, 1, 0), "proof": (43, 18, 20, 0), "report": (65, 7, 7, 0),
     "results": (19, 5, 4, 0), "robot": (81, 5, 12, 0), "schema": (11, 0, 0, 0), "text": (176, 15, 7, 0),
     "verbs": (18, 0, 0, 0), "viewer": (37, 4, 2, 0),
 }  # fmt: skip
@@ -33,6 +33,8 @@ BOUNDS: dict[str, tuple[int, int, int, int]] = {
 
 ASSIGNED_ONE = 5
 """Files that assign the name `one`, which says nothing of what it is: a family, a row, a stretch."""
+EMPTY_NAMES, EMPTY = frozenset({"own", "made", "told", "some", "again", "here"}), 175
+"""Further names that say nothing, and how often one of them is assigned or is the name of a parameter."""
 
 
 def functions(tree: ast.AST) -> Iterator[Function]:
@@ -100,6 +102,17 @@ def test_things_are_called_what_they_are() -> None:
     assert len(files) <= ASSIGNED_ONE
 
 
+def is_empty_name(node: ast.AST) -> bool:
+    """Whether it gives one of `EMPTY_NAMES` to something, or to a parameter."""
+    if isinstance(node, ast.arg):
+        return node.arg in EMPTY_NAMES
+    return isinstance(node, ast.Name) and node.id in EMPTY_NAMES and isinstance(node.ctx, ast.Store)
+
+
+def test_names_that_say_nothing_get_rarer() -> None:
+    assert sum(is_empty_name(node) for path in FILES for node in nodes(path)) <= EMPTY
+
+
 def test_the_package_as_a_whole() -> None:
     whole = counted()[1]
     assert whole["conditional"] <= CONDITIONAL * whole["statements"] / 1000
@@ -125,3 +138,8 @@ def test_a_comprehension_around_another_is_nested() -> None:
 )
 def test_a_name_that_is_assigned_is_seen(text: str, number: int) -> None:
     assert sum(map(assigns_one, ast.walk(ast.parse(text)))) == number
+
+
+@pytest.mark.parametrize(("text", "number"), [("def f(made): return made", 1), ("told = [own for own in a]", 2)])
+def test_a_name_that_says_nothing_is_seen(text: str, number: int) -> None:
+    assert sum(map(is_empty_name, ast.walk(ast.parse(text)))) == number

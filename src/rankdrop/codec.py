@@ -104,14 +104,14 @@ def table(name: str, about: str = "", /, *, of: type | None = None, **entries: A
     if of is not None:
         columns = {**_columns_of(of, columns), **columns}
     columns = {key: column for key, column in columns.items() if column[0] is not None}
-    made = msgspec.defstruct(
+    record = msgspec.defstruct(
         name, [_field(key, *column) for key, column in columns.items()], kw_only=True, rename=_json_name,
         namespace={"__doc__": about or None},
     )  # fmt: skip
-    _GETTERS[made] = {key: column[2] for key, column in columns.items() if len(column) > 2}
+    _GETTERS[record] = {key: column[2] for key, column in columns.items() if len(column) > 2}
     if of is not None:
-        _TABLES.setdefault(of, made)
-    return made
+        _TABLES.setdefault(of, record)
+    return record
 
 
 _GETTERS: dict[type, dict[str, Callable[[Any], Any]]] = {}
@@ -185,11 +185,11 @@ def _json_type(kind: Any) -> Any:
 def meanings(record: type) -> dict[str, str]:
     """Field -> what its class's docstring says of it under "Attributes:"."""
     block = re.split(r"\n\s*\n", (record.__doc__ or "").partition("Attributes:\n")[2])[0]
-    told: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for part in re.split(r"\n {4,8}(?=\w+(?:, \w+)*:)", f"\n{block}")[1:]:
         names, _, about = part.partition(":")
-        told |= dict.fromkeys(names.split(", "), " ".join(about.split()))
-    return told
+        texts |= dict.fromkeys(names.split(", "), " ".join(about.split()))
+    return texts
 
 
 def encode(kind: type[Struct], record: Any) -> dict[str, Any]:
@@ -412,8 +412,8 @@ def table_of(kind: str) -> type[Struct]:
     if kind not in _ROOM:
         raise OptionError("there is no such schema", got=repr(kind), allowed=", ".join(NAMES))
     name = f"{kind.upper().replace('-', '_')}_FILE"
-    made: type[Struct] = getattr(import_module(f"rankdrop.schema.{_ROOM[kind]}"), name)
-    return made
+    record: type[Struct] = getattr(import_module(f"rankdrop.schema.{_ROOM[kind]}"), name)
+    return record
 
 
 def load_schema(name: str) -> dict[str, Any]:

@@ -59,10 +59,10 @@ def _once(make: Callable[[Robot], _Made]) -> Callable[[Robot], _Made]:
 
     @wraps(make)
     def cached_for_robot(robot: Robot) -> _Made:
-        made = known.get(robot)
-        if made is None:
-            made = known[robot] = make(robot)
-        return made
+        result = known.get(robot)
+        if result is None:
+            result = known[robot] = make(robot)
+        return result
 
     return cached_for_robot
 
@@ -216,13 +216,14 @@ def scale_lengths(robot: Robot, power: int) -> Robot:
         """Its mimic, which has the unit of the joint over that of its leader."""
         if joint.mimic is None:
             return joint
-        own, leader = (power * (kind is JointKind.PRISMATIC) for kind in (joint.kind, kinds[joint.mimic.leader]))
-        multiplier, offset = shift_decimal(joint.mimic.multiplier, own - leader), shift_decimal(joint.mimic.offset, own)
+        follower, leader = (power * (kind is JointKind.PRISMATIC) for kind in (joint.kind, kinds[joint.mimic.leader]))
+        multiplier = shift_decimal(joint.mimic.multiplier, follower - leader)
+        offset = shift_decimal(joint.mimic.offset, follower)
         return replace(joint, mimic=Mimic(joint.mimic.leader, multiplier, offset))
 
-    made = _with_lengths(robot, lambda length: shift_decimal(length, power))
+    scaled = _with_lengths(robot, lambda length: shift_decimal(length, power))
     lengths = tuple((letter, shift_decimal(value, power)) for letter, value in robot.lengths)
-    return replace(made, joints=tuple(map(scale_mimic, made.joints)), lengths=lengths)
+    return replace(scaled, joints=tuple(map(scale_mimic, scaled.joints)), lengths=lengths)
 
 
 def _with_lengths(robot: Robot, change: Callable[[Any], Any]) -> Robot:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 
 import pytest
 from jsonschema import Draft202012Validator
 from scripts import tool
 
 from rankdrop import sweep
-from rankdrop.aspects.arm import count_of_arm, summary_of
 from rankdrop.designs import compare
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.aspect_summary import CUSPIDAL, NOT_ASKED, NOT_CUSPIDAL, NOT_FOUND, AspectSummary
@@ -21,22 +20,12 @@ from rankdrop.task import resolve_task
 from rankdrop.verbs.analyze import analyze
 
 TOOL = tool("make_aspects")
-QUICK = ("planar2r", "ur5e", "iiwa14")
-ANEW = [pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in robot_names()]
 
 
 def test_the_table_has_every_arm_and_is_written_by_the_tool() -> None:
     assert tuple(sorted(catalogue_aspects())) == tuple(sorted(robot_names()))
     table = {name: asdict(one) for name, one in catalogue_aspects().items()}
     assert TOOL.read_table() == table
-
-
-@pytest.mark.slow_at("iiwa14", "ur5e")
-@pytest.mark.parametrize("name", ANEW)
-def test_a_stored_number_is_counted_again(name: str) -> None:
-    arm = open_robot(name)
-    count, _ = count_of_arm(arm, resolve_task(None, arm))
-    assert replace(catalogue_aspects()[name], posture_change=None) == summary_of(count)
 
 
 @pytest.mark.slow

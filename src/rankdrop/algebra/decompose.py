@@ -207,8 +207,8 @@ def _solved_on(piece: ZeroSet, f: Polynomial, place: int, others: list[Polynomia
 
 def _at_pins(piece: ZeroSet, conditions: list[Polynomial]) -> list[Polynomial]:
     """Conditions with the joints that a set pins at their angles; those that say nothing there are left out."""
-    here = [piece.ring.form(f).at(piece.pins).f for f in conditions]
-    return [f for f in here if f != 0]
+    restricted = [piece.ring.form(f).at(piece.pins).f for f in conditions]
+    return [f for f in restricted if f != 0]
 
 
 def _lower_by_pairs(
@@ -377,8 +377,8 @@ def _tops(ring: Ring, base: list[Polynomial], system: list[Polynomial], count: i
     held, tops = used_by(base), list[Polynomial]()
     waiting = leave_out(sorted(system, key=len), base)
     while len(tops) < count:
-        own = [(h, {p for p in variables_in(h) if p < ring.moving} - held) for h in waiting]
-        top = next(((h, new) for h, new in own if len(new) == 1), None)
+        new_places = [(h, {p for p in variables_in(h) if p < ring.moving} - held) for h in waiting]
+        top = next(((h, new) for h, new in new_places if len(new) == 1), None)
         if top is None:
             break
         tops.append(top[0])
@@ -420,9 +420,9 @@ def _free_on_top(
     for number, top in enumerate(tops):
         before = [*base, *tops[:number]]
         known = used_by(before)
-        own = next(place for place in variables_in(top) if place < ring.moving and place not in known)
+        variable = next(place for place in variables_in(top) if place < ring.moving and place not in known)
         others = [ring.form(f) for f in (*before, *tops[number + 1 :], *besides)]
-        pieces += decompose(ring, pins, [*others, *ring.form(top).coefficients(own)], most, work)
+        pieces += decompose(ring, pins, [*others, *ring.form(top).coefficients(variable)], most, work)
     return pieces
 
 
@@ -621,10 +621,10 @@ def _on_top(zero_set: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet] | Non
     """
     ring = zero_set.ring
     bound = used_by(zero_set.rest)
-    own = [place for place in variables_in(h) if place < ring.moving and place not in bound]
-    if not own:
+    unbound = [place for place in variables_in(h) if place < ring.moving and place not in bound]
+    if not unbound:
         return None
-    place = min(own, key=lambda k: int(h.degrees()[k]))
+    place = min(unbound, key=lambda k: int(h.degrees()[k]))
     parts = coefficients(h, place)
     system = [*(ring.form(f) for f in (*zero_set.equations, *zero_set.known)), *ring.form(h).coefficients(place)]
     flat = decompose(ring, zero_set.pins, system, zero_set.codimension + 1 - len(zero_set.pins), work)

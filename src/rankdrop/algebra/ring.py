@@ -152,17 +152,17 @@ class Ring:
         # s before c in lexicographic order: division by s² + c² − 1 leaves s at most once
         names = [f"{x}{j}" for j in self.revolute for x in "sc"] + tail
         self.trig = module.fmpq_mpoly_ctx.get(names, module.Ordering.lex)
-        made = dict(zip(names, self.trig.gens(), strict=True))
-        self.s = {j: made[f"s{j}"] for j in self.revolute}
-        self.c = {j: made[f"c{j}"] for j in self.revolute}
-        self.q = {j: made[f"q{j}"] for j in self.prismatic}
-        self.letter = {name: made[name] for name in self.letters}
+        generators = dict(zip(names, self.trig.gens(), strict=True))
+        self.s = {j: generators[f"s{j}"] for j in self.revolute}
+        self.c = {j: generators[f"c{j}"] for j in self.revolute}
+        self.q = {j: generators[f"q{j}"] for j in self.prismatic}
+        self.letter = {name: generators[name] for name in self.letters}
         self.names = tuple([f"t{j}" for j in self.revolute] + tail)
         self.half = module.fmpq_mpoly_ctx.get(self.names, module.Ordering.lex)
-        made = dict(zip(self.names, self.half.gens(), strict=True))
-        self.t = {j: made[f"t{j}"] for j in self.revolute}
-        self.q_half = {j: made[f"q{j}"] for j in self.prismatic}
-        self.letter_half = {name: made[name] for name in self.letters}
+        generators = dict(zip(self.names, self.half.gens(), strict=True))
+        self.t = {j: generators[f"t{j}"] for j in self.revolute}
+        self.q_half = {j: generators[f"q{j}"] for j in self.prismatic}
+        self.letter_half = {name: generators[name] for name in self.letters}
         self.images, self.known = Memory(), Memory()
         self.zero, self.one = self.trig.constant(0), self.trig.constant(1)
         self._circle = [self.s[j] ** 2 + self.c[j] ** 2 - 1 for j in self.revolute]
@@ -414,8 +414,8 @@ class Form:
     @property
     def at_pi(self) -> tuple[tuple[int, int], ...]:
         """(joint, multiplicity) of the factors cos(θ_j/2)."""
-        own = zip(self.ring.revolute, self.degrees, self.f.degrees(), strict=False)
-        return tuple((j, most - int(degree)) for j, most, degree in own if most > degree)
+        of_joints = zip(self.ring.revolute, self.degrees, self.f.degrees(), strict=False)
+        return tuple((j, most - int(degree)) for j, most, degree in of_joints if most > degree)
 
     def at(self, pins: Mapping[int, str]) -> Form:
         """The form with some joints at simple angles; at π that is the coefficient of t^D."""
@@ -456,10 +456,10 @@ class Form:
             digits = int(self.f.coeffs()[0].p).bit_length()
         else:
             digits = 0
-        here = 100 + 15 * len(self.f) * (1 + (digits / _BITS) ** 2)
+        cost = 100 + 15 * len(self.f) * (1 + (digits / _BITS) ** 2)
         if roots_in(self.f):
-            return _OVER_ROOTS * here
-        return here
+            return _OVER_ROOTS * cost
+        return cost
 
     def _factors_found(self) -> Factors:
         ring, f = self.ring, self.f

@@ -83,8 +83,8 @@ class ZeroSet:
     @classmethod
     def where_atom(cls, ring: Ring, atom: Atom) -> ZeroSet:
         """The configurations at which one atom holds."""
-        own = () if atom.is_pin else (atom.f,)
-        return cls(ring, {atom.joint: atom.value} if atom.is_pin else {}, rest=own, equations=own)
+        equations = () if atom.is_pin else (atom.f,)
+        return cls(ring, {atom.joint: atom.value} if atom.is_pin else {}, rest=equations, equations=equations)
 
     @cached_property
     def codimension(self) -> int:
@@ -150,8 +150,8 @@ class ZeroSet:
         names = {id(f): {self.ring.names[k] for k in self._moving(f)} for f in self.rest}
         waiting, last, implied = sorted(self.rest, key=len), list[tuple[Polynomial, str]](), list[Polynomial]()
         while waiting:
-            own = [(f, names[id(f)].difference(*(names[id(g)] for g in waiting if g is not f))) for f in waiting]
-            free = [(f, sorted(mine)) for f, mine in own if mine]
+            alone = [(f, names[id(f)].difference(*(names[id(g)] for g in waiting if g is not f))) for f in waiting]
+            free = [(f, sorted(mine)) for f, mine in alone if mine]
             if free:
                 f, mine = rng.choice(free)
                 last.append((f, rng.choice(mine)))
@@ -194,10 +194,10 @@ class ZeroSet:
         if place >= len(self.rest):
             yield values
             return
-        own = self._new_variable(self._unsolved_in_order, place)
-        if own is None:
+        variable = self._new_variable(self._unsolved_in_order, place)
+        if variable is None:
             return
-        name = self.ring.names[own]
+        name = self.ring.names[variable]
         for root in roots(univariate(self.ring, self._unsolved_in_order[place], name, values), values.prime):
             yield from self._towers(values.replace_values({name: root}), place + 1)
 
@@ -290,10 +290,10 @@ class ZeroSet:
             None where three conditions have zeros on a slice that are not isolated: then a set is larger than thought.
         """
         ring, first = self.ring, self._unsolved_in_order[: self._base]
-        own = [{*self._moving(f)} for f in first]
+        moving_of = [{*self._moving(f)} for f in first]
         points: list[Point] = []
-        for moving in combinations(sorted(set.union(*own)), len(first)):
-            if not _has_matching(own, moving):
+        for moving in combinations(sorted(set.union(*moving_of)), len(first)):
+            if not _has_matching(moving_of, moving):
                 continue
             names = [ring.names[place] for place in moving]
             for prime in primes:
@@ -308,9 +308,9 @@ class ZeroSet:
 
     def _above(self, values: Point) -> Iterator[Point]:
         """The points of the set at which the first conditions are solved."""
-        for here in self._towers(values, self._base):
-            if self._fill_in(here):
-                point = complete(self.ring, here, self.pins)
+        for solved in self._towers(values, self._base):
+            if self._fill_in(solved):
+                point = complete(self.ring, solved, self.pins)
             else:
                 point = None
             if point is not None and self._chosen(point):

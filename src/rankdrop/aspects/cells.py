@@ -109,7 +109,7 @@ class Shadow:
         zero = Interval(np.zeros(count), np.zeros(count))
         bounds = {}
         for joint in self.joints:
-            a_j, b_j, c_j = (some.get(joint, zero) for some in slopes)
+            a_j, b_j, c_j = (by_joint.get(joint, zero) for by_joint in slopes)
             with np.errstate(invalid="ignore"):
                 root = (b * b_j + c * c_j) * inverse
             unknown = ~np.isfinite(root.low) | ~np.isfinite(root.high)
@@ -309,8 +309,8 @@ def _classify_cells(conditions: Sequence[Condition], grid: Grid) -> Parts:
     inside &= ~outside
     labels = clusters(~outside.reshape(grid.shape), grid.wraps).ravel()
     at_least = len(np.unique(labels[inside]))
-    own = clusters(inside.reshape(grid.shape), grid.wraps)
-    at_most = len(np.unique(own[own >= 0]))
+    cluster_labels = clusters(inside.reshape(grid.shape), grid.wraps)
+    at_most = len(np.unique(cluster_labels[cluster_labels >= 0]))
     undecided = np.flatnonzero(~inside & ~outside)
     proven = all(_no_maximum(conditions, grid, places).all() for places in _chunks(undecided))
     return Parts(at_least, at_most, proven)
@@ -366,25 +366,25 @@ def _sum_gradients(
 ) -> dict[int, Array]:
     """The sum of the middles of the gradients of active conditions."""
     direction = {joint: np.zeros(len(active[0])) for joint in joints}
-    for some, here in zip(slopes, active, strict=True):
-        for joint, slope in some.items():
+    for by_joint, mask in zip(slopes, active, strict=True):
+        for joint, slope in by_joint.items():
             with np.errstate(invalid="ignore"):
                 middle = 0.5 * (slope.low + slope.high)
-            direction[joint] += np.where(here & np.isfinite(middle), middle, 0.0)
+            direction[joint] += np.where(mask & np.isfinite(middle), middle, 0.0)
     return direction
 
 
 def _all_grow(slopes: Sequence[Mapping[int, Interval]], active: Sequence[Mask], direction: Mapping[int, Array]) -> Mask:
     """For each cell: whether every active condition grows along a direction."""
     grows = np.ones(len(active[0]), dtype=bool)
-    for some, here in zip(slopes, active, strict=True):
-        along = np.zeros(len(here))
-        for joint, slope in some.items():
+    for by_joint, mask in zip(slopes, active, strict=True):
+        along = np.zeros(len(mask))
+        for joint, slope in by_joint.items():
             d = direction[joint]
             with np.errstate(invalid="ignore"):
                 least = np.where(d > 0, d * slope.low, np.where(d < 0, d * slope.high, 0.0))
             along = along + least
-        grows &= ~here | (along > 0)
+        grows &= ~mask | (along > 0)
     return grows
 
 

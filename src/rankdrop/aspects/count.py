@@ -145,9 +145,9 @@ def walls_of(chain: Chain, work: Work) -> Signs | None:
     for drop in tree.drops:
         if drop.piece.codimension == 1:
             pins = [chain.ring.pin(joint, value) for joint, value in drop.piece.pins.items()]
-            own = [*pins, *map(chain.ring.atom, drop.piece.equations)]
-            assert len(own) == 1  # an irreducible set of codimension 1 is the zeros of one polynomial
-            atoms += own
+            wall = [*pins, *map(chain.ring.atom, drop.piece.equations)]
+            assert len(wall) == 1  # an irreducible set of codimension 1 is the zeros of one polynomial
+            atoms += wall
     return Signs(chain, signed_factors(chain.ring, atoms))
 
 
@@ -197,8 +197,8 @@ def count_in_box(signs: Signs, box: Box, work: Work | None) -> AspectCount:
     for vector in product((1, -1), repeat=len(signed)):
         parts = ONE
         for number, group in enumerate(peeling.groups):
-            own = tuple(vector[i] for i in group)
-            key = number, own
+            group_signs = tuple(vector[i] for i in group)
+            key = number, group_signs
             if key not in known:
                 conditions = [peeling.condition(i, vector[i]) for i in group]
                 known[key] = count_parts(conditions, work, box)
@@ -247,8 +247,8 @@ def polynomial_of(factor: SignedFactor) -> Polynomial:
             else:
                 f = f * ring.half_of(atom)
         else:
-            own = atom.f.degrees()
-            degrees = [degree + int(own[k]) for k, degree in enumerate(degrees)]
+            atom_degrees = atom.f.degrees()
+            degrees = [degree + int(atom_degrees[k]) for k, degree in enumerate(degrees)]
             f = ring.product(f, atom.f)
     polynomial = ring.to_trig(f, degrees)
     assert polynomial is not None  # all degrees are even
@@ -408,14 +408,14 @@ def sharing(joints: Mapping[int, set[int]]) -> list[tuple[int, ...]]:
         joints: index of each factor -> the joints it depends on.
     """
     groups: list[tuple[set[int], list[int]]] = []
-    for i, own in joints.items():
-        together, members = set(own), [i]
+    for i, used in joints.items():
+        together, members = set(used), [i]
         apart = []
-        for others, some in groups:
+        for others, other_members in groups:
             if others & together:
-                together, members = together | others, some + members
+                together, members = together | others, other_members + members
             else:
-                apart.append((others, some))
+                apart.append((others, other_members))
         groups = [*apart, (together, members)]
     return [tuple(sorted(members)) for _, members in groups]
 
@@ -437,8 +437,8 @@ def linear_parts(ring: Ring, p: Polynomial, joint: int) -> _Linear | None:
             return None
         part = {(0, 0): a, (0, 1): b, (1, 0): c}[degree]
         part[tuple(0 if k in (sine, cosine) else int(e) for k, e in enumerate(powers))] = value
-    made = p.context()
-    return _Linear(*(made.from_dict(part) for part in (a, b, c)))
+    context = p.context()
+    return _Linear(*(context.from_dict(part) for part in (a, b, c)))
 
 
 def slide_part(ring: Ring, p: Polynomial, joint: int) -> Polynomial | None:
@@ -456,8 +456,8 @@ def slide_at(ring: Ring, p: Polynomial, joint: int, value: float) -> Polynomial 
     if int(p.degrees()[place]) != 1:
         return None
     slope = p.derivative(place)
-    made = p.context()
-    rest = made.from_dict({powers: number for powers, number in p.to_dict().items() if not int(powers[place])})
+    context = p.context()
+    rest = context.from_dict({powers: number for powers, number in p.to_dict().items() if not int(powers[place])})
     return rest + slope * ring.constant(Fraction(value))
 
 

@@ -85,7 +85,7 @@ def aspect_maps(count: AspectCount, signs: Signs | None) -> tuple[AspectMap, ...
     signs = _drawable(count, signs)
     ring, polynomials = signs.chain.ring, [polynomial_of(factor) for factor in signs.factors]
     joints = {i: joints_of(ring, polynomial) for i, polynomial in enumerate(polynomials)}
-    if any(own & set(ring.prismatic) for own in joints.values()):
+    if any(used & set(ring.prismatic) for used in joints.values()):
         raise OptionError("a condition depends on a slide: aspects are drawn in angles", where="aspects")
     waves = [wave_of_factor(ring, signs.chain.numbers, [polynomial])[0] for polynomial in polynomials]
     groups, shifts = sharing(joints), np.asarray(signs.chain.shifts, dtype=np.float64)
@@ -116,28 +116,28 @@ def _map_of(
     cells = np.zeros(shape, dtype=np.int64)
     regions: list[Region] = []
     for signs in product((1, -1), repeat=len(group)):
-        here = np.all([positive[k] == (sign > 0) for k, sign in enumerate(signs)], axis=0)
-        if not here.any():
+        inside = np.all([positive[k] == (sign > 0) for k, sign in enumerate(signs)], axis=0)
+        if not inside.any():
             continue
         parts = _parts(count, group, signs, whole=whole)
         apart: list[NDArray[np.bool_]] = []
         if not slices:
-            apart = _clusters(here, parts)
+            apart = _clusters(inside, parts)
         for number, mask in enumerate(apart, start=1):
             cells[mask] = len(regions)
             regions.append(Region(signs, number, 1))
         if not apart:
-            cells[here] = len(regions)
+            cells[inside] = len(regions)
             regions.append(Region(signs, 0, parts))
     return AspectMap(group, drawn, held, slices, cells, tuple(regions))
 
 
-def _clusters(here: NDArray[np.bool_], parts: int) -> list[NDArray[np.bool_]]:
+def _clusters(inside: NDArray[np.bool_], parts: int) -> list[NDArray[np.bool_]]:
     """The clusters of the cells of one sign vector where these are several, as many as regions are counted."""
     if parts < 2:
         return []
-    labels = clusters(here, [True] * here.ndim)
-    regions = [labels == label for label in np.unique(labels[here])]
+    labels = clusters(inside, [True] * inside.ndim)
+    regions = [labels == label for label in np.unique(labels[inside])]
     if len(regions) == parts:
         return regions
     return []

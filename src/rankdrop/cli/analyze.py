@@ -92,27 +92,27 @@ def analyze(
     from rankdrop import analyze as run
 
     begun = monotonic()
-    model, task, made = open_ideal(robot, arm, intended=True)
+    model, task, idealised = open_ideal(robot, arm, intended=True)
     options = _for_arm(options, model)
     analysis = run(model, task, options, progress=report)
-    alone = made is not None and arm.ideal is None and not made.tolerance.angle
-    if made is not None and alone:
-        own = run(made.real, task, options, progress=report)
+    alone = idealised is not None and arm.ideal is None and not idealised.tolerance.angle
+    if idealised is not None and alone:
+        as_written = run(idealised.real, task, options, progress=report)
     else:
-        own = None
-    nearby, *about_ideal = ideal_sections(made, analysis.task, analysis.families, options.seed)
+        as_written = None
+    nearby, *about_ideal = ideal_sections(idealised, analysis.task, analysis.families, options.seed)
     seconds = monotonic() - begun
 
     def record() -> dict[str, Any]:
-        if made is None:
+        if idealised is None:
             return analysis.to_dict()
-        verdict = of_ideal(analysis.verdict, made).to_dict()
-        return analysis.to_dict() | verdict | {"ideal": made.to_dict(analysis.task, nearby)}
+        verdict = of_ideal(analysis.verdict, idealised).to_dict()
+        return analysis.to_dict() | verdict | {"ideal": idealised.to_dict(analysis.task, nearby)}
 
     def blocks() -> Iterable[Block]:
         if output.full or output.all:
-            return _blocks(analysis, task, made, about_ideal, own, seconds=seconds, every=output.all)
-        return _brief(analysis, task, made, own, seconds=seconds)
+            return _blocks(analysis, task, idealised, about_ideal, as_written, seconds=seconds, every=output.all)
+        return _brief(analysis, task, idealised, as_written, seconds=seconds)
 
     return Done(
         blocks,
@@ -142,46 +142,46 @@ def _speed_and_aspects(analysis: results.Analysis) -> Iterator[Block]:
 
 
 def _brief(
-    analysis: results.Analysis, task: Task, made: results.Idealised | None, own: results.Analysis | None, *,
+    analysis: results.Analysis, task: Task, idealised: results.Idealised | None, as_written: results.Analysis | None, *,
     seconds: float,
 ) -> list[Block]:  # fmt: skip
     """The answer, one row per family, and what the largest families lose, in at most 40 lines."""
-    near = near_line(analysis.robot, made).get("near", "")
+    near = near_line(analysis.robot, idealised).get("near", "")
     about = [text.arm_line(analysis.robot, task, analysis.generic_rank, limits=analysis.settings.limits)]
     about += [f"Near: {near}"] if near else []
-    if made is not None and not made.changes:
-        about += [f"{made.moved}."]
+    if idealised is not None and not idealised.changes:
+        about += [f"{idealised.moved}."]
     blocks: list[Block] = [
-        answer_lines(analysis.answer, of_ideal(analysis.verdict, made), subject(analysis.robot, made)),
+        answer_lines(analysis.answer, of_ideal(analysis.verdict, idealised), subject(analysis.robot, idealised)),
         [*about, *(Text(note, style="bold yellow") for note in analysis.notes)],
     ]
     table = text.analysis_table(analysis)
     lost = text.lost_section(analysis.robot, analysis.task, analysis.generic_rank, analysis.families)
     blocks += [table] if table.rows else []
     blocks += [lost] if lost is not None else []
-    if own is not None:
-        blocks.append([f"The arm with the file's own numbers ({OWN}): {own.answer}"])
+    if as_written is not None:
+        blocks.append([f"The arm with the file's own numbers ({OWN}): {as_written.answer}"])
     blocks += _speed_and_aspects(analysis)
     blocks.append([text.more_line(seconds)])
     return fit_to_console(blocks, optional=[lost] if lost is not None else [], cut=[table] if table.rows else [])
 
 
 def _blocks(
-    analysis: results.Analysis, task: Task, made: results.Idealised | None, about_ideal: Sequence[Sequence[Section]],
-    own: results.Analysis | None, *, seconds: float, every: bool,
+    analysis: results.Analysis, task: Task, idealised: results.Idealised | None,
+    about_ideal: Sequence[Sequence[Section]], as_written: results.Analysis | None, *, seconds: float, every: bool,
 ) -> Iterator[Block]:  # fmt: skip
     console, settings, (moved, there) = screen(), analysis.settings, about_ideal
-    answer = answer_lines(analysis.answer, of_ideal(analysis.verdict, made), subject(analysis.robot, made))
+    answer = answer_lines(analysis.answer, of_ideal(analysis.verdict, idealised), subject(analysis.robot, idealised))
     starts = starts_line(f"{settings.starts:,} per corank", settings.seed, limits=settings.limits)
     yield answer
-    yield arm_section(analysis.robot, task, analysis.generic_rank, starts | near_line(analysis.robot, made))
+    yield arm_section(analysis.robot, task, analysis.generic_rank, starts | near_line(analysis.robot, idealised))
     yield from ([Text(note, style="bold yellow")] for note in analysis.notes)
     yield from moved
     yield from (corank_section(console, analysis, summary, every=every) for summary in analysis.coranks)
     yield from there
-    if own is not None:
+    if as_written is not None:
         yield [Text(f"The arm with the file's own numbers ({OWN})", style="bold")]
-        yield from (corank_section(console, own, summary, every=every) for summary in own.coranks)
+        yield from (corank_section(console, as_written, summary, every=every) for summary in as_written.coranks)
     if analysis.near is not None and analysis.families:
         yield text.near_overview(analysis.near, analysis.families)
     yield from _speed_and_aspects(analysis)

@@ -96,7 +96,7 @@ def explain(
         return _of_pose(robot, pose, arm, tool, options, output)
 
     near = model_tolerance(output.model_tolerance)
-    model, task, made = open_ideal(robot, arm, tool)
+    model, task, idealised = open_ideal(robot, arm, tool)
     place = _place(q, model, tool)
     analysis, tolerances = None, DEFAULT
     if output.analysis is not None:
@@ -108,7 +108,7 @@ def explain(
     options = _for_parts(options, output.only)
     _refuse_analysis_of_ideal_arm(model, analysis)
     explanation = run(model, place, task, options, analysis=analysis, tolerances=tolerances)
-    return _of_configuration(explanation, made, near, options, output)
+    return _of_configuration(explanation, idealised, near, options, output)
 
 
 def _refuse_analysis_of_ideal_arm(model: arms.Robot, analysis: results.Analysis | None) -> None:
@@ -145,27 +145,30 @@ def _place(q: str | None, model: arms.Robot, tool: ToolOptions) -> list[float]:
 
 
 def _of_configuration(
-    explanation: results.Explanation, made: results.Idealised | None, near: covers.ModelTolerance | None,
+    explanation: results.Explanation, idealised: results.Idealised | None, near: covers.ModelTolerance | None,
     options: ExplainOptions, output: Parts,
 ) -> Done:  # fmt: skip
     """The explanation; with options also the ideal arm here, the certificate and the Lie procedure."""
-    here = proven = procedure = None
-    if made is not None:
-        here = verbs.ideal_vs_actual_at(made, explanation)
+    ideal_here = proven = procedure = None
+    if idealised is not None:
+        ideal_here = verbs.ideal_vs_actual_at(idealised, explanation)
     if output.certificate is not None or near is not None:
         proven = of_place(explanation, near, options.evaluations)
     if output.lie:
         procedure = local.report(local.OrderedScrewSet.of(explanation.robot, explanation.q), options.seed)
 
     def blocks() -> list[Block]:
-        shown: list[Block] = [*_sections(explanation, made, here, output)]
+        shown: list[Block] = [*_sections(explanation, idealised, ideal_here, output)]
         if proven is not None and output.only == "nearest":
             shown.append(Section("certificate", in_words(proven)))
         if procedure is not None:
             shown.append([text.procedure_text(procedure)])
         return shown
 
-    files = {"json": lambda: _record(explanation, made, here, procedure, output.only), "certificate": lambda: proven}
+    files = {
+        "json": lambda: _record(explanation, idealised, ideal_here, procedure, output.only),
+        "certificate": lambda: proven,
+    }
     if stopped_early(explanation):
         return Done(blocks, files, last=partial(say, STOPPED), code=exits.INTERRUPTED)
     return Done(blocks, files, code=_code(explanation, output.only))
@@ -204,7 +207,8 @@ def stopped_early(explanation: results.Explanation) -> bool:
 
 
 def _sections(
-    explanation: results.Explanation, made: results.Idealised | None, here: results.Here | None, output: Parts
+    explanation: results.Explanation, idealised: results.Idealised | None, ideal_here: results.Here | None,
+    output: Parts,
 ) -> Iterable[Block]:
     if output.only == "nearest":
         if output.full:
@@ -216,24 +220,25 @@ def _sections(
         return explanation.sections(parts=("summary", "escape", *rest), full=output.full)
     more = explanation.sections(parts=("more",), full=output.full)
     first, *sections = (*explanation.sections(full=output.full), *more)
-    if made is not None and here is not None:
-        sections[:0] = [text.here_section(made, here), *([text.moved_section(made)] if output.full else [])]
-    sections += [Section("", "", (line,)) for line in near_line(explanation.robot, made).values()]
+    if idealised is not None and ideal_here is not None:
+        moved = [text.moved_section(idealised)] if output.full else []
+        sections[:0] = [text.here_section(idealised, ideal_here), *moved]
+    sections += [Section("", "", (line,)) for line in near_line(explanation.robot, idealised).values()]
     return [first, *sections]
 
 
 def _record(
-    explanation: results.Explanation, made: results.Idealised | None, here: results.Here | None, procedure: Any,
-    only: str | None,
+    explanation: results.Explanation, idealised: results.Idealised | None, ideal_here: results.Here | None,
+    procedure: Any, only: str | None,
 ) -> dict[str, Any]:
     from rankdrop.codec import plain, record_of
 
     if only is not None:
         return record_of(only, explanation) | ({"lie": plain(procedure)} if only == "escape" else {})
-    if made is None or here is None:
+    if idealised is None or ideal_here is None:
         nearby = {}
     else:
-        nearby = {"ideal": {**made.to_dict(explanation.task), "here": plain(here)}}
+        nearby = {"ideal": {**idealised.to_dict(explanation.task), "here": plain(ideal_here)}}
     return explanation.to_dict() | nearby
 
 

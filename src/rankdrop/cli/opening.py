@@ -240,17 +240,17 @@ def open_ideal(
         given = arms.intended_tolerance(robot)
     if given is None:
         return robot, task, None
-    made = verbs.idealised(robot, given)
-    return made.ideal, task, made
+    idealised = verbs.idealised(robot, given)
+    return idealised.ideal, task, idealised
 
 
-def subject(robot: arms.Robot, made: results.Idealised | None) -> str:
+def subject(robot: arms.Robot, idealised: results.Idealised | None) -> str:
     """The first words of an output: whether it is about the ideal arm or the arm as written; "" where no ideal arm is
     near.
     """
-    if made is not None and made.changes:
-        return f"Ideal arm within {made.tolerance.text} (--ideal {OFF}: the arm as written): "
-    if made is None:
+    if idealised is not None and idealised.changes:
+        return f"Ideal arm within {idealised.tolerance.text} (--ideal {OFF}: the arm as written): "
+    if idealised is None:
         near = arms.near_ideal(robot)
     else:
         near = None
@@ -259,9 +259,9 @@ def subject(robot: arms.Robot, made: results.Idealised | None) -> str:
     return f"Arm as written (--ideal {near.tolerance.text}: the ideal arm near it): "
 
 
-def near_line(robot: arms.Robot, made: results.Idealised | None) -> dict[str, str]:
+def near_line(robot: arms.Robot, idealised: results.Idealised | None) -> dict[str, str]:
     """The label and the line that says which ideal arm is near and what to type; empty where none is, or it was."""
-    if made is None:
+    if idealised is None:
         near = arms.near_ideal(robot)
     else:
         near = None
@@ -271,21 +271,21 @@ def near_line(robot: arms.Robot, made: results.Idealised | None) -> dict[str, st
 
 
 def ideal_sections(
-    made: results.Idealised | None, task: Task, families: Sequence[Family], seed: int
+    idealised: results.Idealised | None, task: Task, families: Sequence[Family], seed: int
 ) -> tuple[Sequence[results.Nearby], tuple[Section, ...], tuple[Section, ...]]:
     """What the arm itself does on the families of the ideal one, and in words what was moved, and this.
 
     Nothing where the arm is not an ideal one.
     """
-    if made is None:
+    if idealised is None:
         return (), (), ()
-    there = verbs.nearby(made, task, families, seed=seed)
-    return there, (text_of.moved_section(made),), ((text_of.there_section(there),) if there else ())
+    there = verbs.nearby(idealised, task, families, seed=seed)
+    return there, (text_of.moved_section(idealised),), ((text_of.there_section(there),) if there else ())
 
 
-def of_ideal(verdict: Verdict, made: results.Idealised | None) -> Verdict:
+def of_ideal(verdict: Verdict, idealised: results.Idealised | None) -> Verdict:
     """A verdict that says that it is about the ideal arm, where it is."""
-    if made is None or not made.changes:
+    if idealised is None or not idealised.changes:
         return verdict
-    about = f"All this is said of the ideal arm within {made.tolerance.text}, not of the arm itself."
+    about = f"All this is said of the ideal arm within {idealised.tolerance.text}, not of the arm itself."
     return replace(verdict, sentence=f"{verdict.sentence} {about}")

@@ -153,14 +153,14 @@ class Covering:
 
         number = np.ravel_multi_index(tuple(at(shape.top).T), shape.cells(shape.top))
         open_ = tree.roots[number]
-        made = open_ & tree.finished[number]
+        finished = open_ & tree.finished[number]
         row = (np.cumsum(tree.roots & tree.finished) - 1)[number]
         for level, masks in enumerate(tree.masks, start=shape.top + 1):
             child = np.zeros(len(x), dtype=np.int64)
             for j, halved in enumerate(shape.halved(level)):
                 child = child << 1 | (at(level)[:, j] & halved)
             first = np.concatenate([[0], np.cumsum(counts(masks))])
-            row = np.where(made, row, 0)
+            row = np.where(finished, row, 0)
             if len(masks):
                 mask = masks[row]
             else:
@@ -168,8 +168,8 @@ class Covering:
             bit = np.left_shift(1, child.astype(shape.kind), dtype=shape.kind)
             there = (mask & bit) != 0
             row = first[row] + counts((mask & (bit - 1)).astype(shape.kind))
-            open_ &= ~made | there
-            made &= there
+            open_ &= ~finished | there
+            finished &= there
         return np.asarray(open_ | ~inside)
 
     def _places(self, q: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -583,10 +583,10 @@ def closer(
         left = ~boxes.free(parts, shape.levels + halvings)
         parts, owner = parts[left], owner[left]
         if near is not None:
-            told = near(parts, halvings)
-            there = np.flatnonzero(told >= 0)[::-1]  # of several the first is the last to be written
-            by[owner[there]] = told[there]
-            parts, owner = parts[told < 0], owner[told < 0]
+            families = near(parts, halvings)
+            there = np.flatnonzero(families >= 0)[::-1]  # of several the first is the last to be written
+            by[owner[there]] = families[there]
+            parts, owner = parts[families < 0], owner[families < 0]
     verdicts = np.where(by >= 0, 3, 0).astype(np.int8)
     left = np.unique(owner)
     verdicts[left] = np.where(proven[left], 1, 2)

@@ -93,8 +93,8 @@ def with_lengths_of(robot: Robot, task: Task, nominal: Conditions | None) -> tup
     same = set(chain.letters) == set(first.letters) and np.array_equal(chain.shifts, first.shifts)
     if not same or [list(map(str, x)) for x in chain.columns] != [list(map(str, x)) for x in first.columns]:
         return None
-    own = [derived_in_units(family, robot, chain.numbers) for family in nominal.families]
-    return tuple(replace(family, exact=None) for family in own)  # what else is known exactly is of the nominal arm
+    derived = [derived_in_units(family, robot, chain.numbers) for family in nominal.families]
+    return tuple(replace(family, exact=None) for family in derived)  # what else is known exactly is of the nominal arm
 
 
 def families_of(
@@ -113,10 +113,10 @@ def families_of(
     Returns:
         An analysis whose smallest near misses are not sought.
     """
-    own, inner = in_units(robot), task_in_units(task, robot)
-    rank = generic_rank(own, inner)
+    scaled, inner = in_units(robot), task_in_units(task, robot)
+    rank = generic_rank(scaled, inner)
     known = with_lengths_of(robot, task, nominal)
-    sampling = _Sampling(own, inner, starts, fresh, limits, seed)
+    sampling = _Sampling(scaled, inner, starts, fresh, limits, seed)
     coranks: list[CorankFamilies] = []
     while len(coranks) < rank and (not coranks or coranks[-1].summary.converged):
         coranks.append(_settle_families(sampling, len(coranks) + 1, known))
@@ -148,8 +148,8 @@ def _settle_families(sampling: _Sampling, corank: int, known: Sequence[Family] |
     """Families of one corank: with the nominal conditions, or fitted where these leave something open."""
     tries: list[tuple[int, Sequence[Family] | None]] = [(1, None)]
     if known is not None:
-        here = [family for family in known if family.corank == corank]
-        tries = [(1, here), (MORE[0], here)]
+        of_corank = [family for family in known if family.corank == corank]
+        tries = [(1, of_corank), (MORE[0], of_corank)]
     for times, given in [*tries, *((times, None) for times in MORE)]:
         families_of_corank = _sample_families(sampling, corank, times, given)
         if holds(families_of_corank.summary, families_of_corank.families):

@@ -239,8 +239,8 @@ class _Proof:
         missing = np.linalg.norm(self.aim.error(poses_at(places, self.rpy), q), axis=1)  # lengths by the length scale
         _, _, _, sigma, u, v, _ = enclose(robot, reach, q, np.zeros_like(q))
         lines = u[:, [row < ROWS_OF_POSITION for row in reach.rows]].swapaxes(1, 2)  # (P, r, 3)
-        here = pose(robot, q)[:, :3, :3].swapaxes(1, 2)
-        straight = (np.abs(lines @ here) @ half[:, :, None])[:, :, 0] / reach.length
+        axes_of_tool = pose(robot, q)[:, :3, :3].swapaxes(1, 2)
+        straight = (np.abs(lines @ axes_of_tool) @ half[:, :, None])[:, :, 0] / reach.length
         far = np.linalg.norm(half, axis=1)[:, None] / reach.length
         longest = np.linalg.norm(lines, axis=2) * far
 
@@ -380,12 +380,12 @@ class _Proof:
             span = (np.abs(slope) @ half[:, :, None])[:, :, 0]
             out = (np.abs(error) > (span + rest) * _OUTWARDS + 10 * CLOSE).any(axis=1)
             # row k: G_kk δ_k = −shift_k − Σ_{l≠k} G_kl δ_l − …, |δ_l| ≤ h_l
-            own = np.einsum("mkk->mk", product)
-            others = (np.abs(product) @ half[:, :, None])[:, :, 0] - np.abs(own) * half
-            safe = np.where(own > 0.1, own, 1.0)
+            diagonal = np.einsum("mkk->mk", product)
+            others = (np.abs(product) @ half[:, :, None])[:, :, 0] - np.abs(diagonal) * half
+            safe = np.where(diagonal > 0.1, diagonal, 1.0)
             middle, wide = -shift / safe, (others + loose) * _OUTWARDS / safe + 10 * CLOSE
             low, high = np.maximum(-half, middle - wide), np.minimum(half, middle + wide)
-            low, high = np.where(own > 0.1, low, -half), np.where(own > 0.1, high, half)
+            low, high = np.where(diagonal > 0.1, low, -half), np.where(diagonal > 0.1, high, half)
             out |= (low > high).any(axis=1)
             keep = ~out
             narrower = bool(((high - low)[keep] < 1.4 * half[keep]).any())
@@ -423,7 +423,7 @@ class _Proof:
         error, slope, rest = (np.concatenate(parts_of_kind, axis=1) for parts_of_kind in zip(*parts, strict=True))
         return error, slope, rest * _OUTWARDS + _ROUNDING
 
-    def _directions(self, here: Array, goal: Array) -> list[tuple[Array, Array]]:
+    def _directions(self, rotations: Array, goal: Array) -> list[tuple[Array, Array]]:
         """Directions (M, 3) of the tool that the task fixes, each with what it is off; none is left out wrongly.
 
         Where one heading alone is asked for, none is used.
@@ -432,7 +432,7 @@ class _Proof:
         axes = [0, 1, 2] if len(turns) == 3 else []
         if len(turns) == 2 and self.aim.with_tip and self.aim.free is not None:
             axes = [self.aim.free]
-        return [(here[:, :, axis] - goal[:, axis], here[:, :, axis]) for axis in axes]
+        return [(rotations[:, :, axis] - goal[:, axis], rotations[:, :, axis]) for axis in axes]
 
     def _levers(self, setting: Setting, centre: Array, half: Array) -> Array:
         """(M, N) how far the point moves for a unit of each joint, at most, in boxes; divided by the length scale."""

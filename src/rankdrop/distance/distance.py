@@ -201,17 +201,17 @@ def family_distances(
     centre = one_configuration(robot, q)
     problem = Problem(in_metres(robot), task_in_metres(task, robot), tolerances=tolerances, limits=limits)
     at, walls = into_metres(robot, centre)[None], walls_of(problem)
-    own = [family_in_metres(family, robot) for family in families]
-    points = [_candidates(family, problem, at, walls, seed)[0] for family in own]
-    if any(len(some) for some in points):
+    families_in_metres = [family_in_metres(family, robot) for family in families]
+    points = [_candidates(family, problem, at, walls, seed)[0] for family in families_in_metres]
+    if any(len(candidates) for candidates in points):
         sigma = problem.sigma(np.concatenate(points))
     else:
         sigma = np.zeros((0, problem.generic_rank))
     records, before = [], 0
-    for family, mine, some in zip(families, own, points, strict=True):
-        values = sigma[before : before + len(some), problem.generic_rank - family.corank]
-        before += len(some)
-        foot, distance, residual, most = _nearest_of(mine, problem, at[0], some, values, tolerances.singular)
+    for family, mine, candidates in zip(families, families_in_metres, points, strict=True):
+        values = sigma[before : before + len(candidates), problem.generic_rank - family.corank]
+        before += len(candidates)
+        foot, distance, residual, most = _nearest_of(mine, problem, at[0], candidates, values, tolerances.singular)
         if foot is None:
             place, way = (), ()
         else:
@@ -397,14 +397,14 @@ class SetDistance:
 
     def _onto_set(self, starts: Sequence[Array]) -> list[Array]:
         """For each of some lists of starts (S, n) the points (P, n) of the set that they are driven to."""
-        every, ends = np.concatenate(starts), np.cumsum([len(some) for some in starts])
+        every, ends = np.concatenate(starts), np.cumsum([len(rows) for rows in starts])
         if self._limits is not None:
             every = np.clip(every, *self.box)
         q, _, outcome, *_, interrupted = _core.search(self._chain, self._view, every, self._onto, threads=1)
         if interrupted:
             raise KeyboardInterrupt
         there = np.split(outcome == 0, ends[:-1])
-        return [some[good] for some, good in zip(np.split(q, ends[:-1]), there, strict=True)]
+        return [rows[good] for rows, good in zip(np.split(q, ends[:-1]), there, strict=True)]
 
     def _walk_along_set(self, centres: Array, points: Sequence[Array]) -> tuple[Array, Array]:
         """Nearest ends of walks along the set from its points (P, n) for each centre (N, n): nan where there is none.
@@ -413,12 +413,12 @@ class SetDistance:
             (N, n) the ends, (N,) how far they are; inf where there is none.
         """
         feet, least = np.full(centres.shape, np.nan), np.full(len(centres), np.inf)
-        counts = np.array([len(some) for some in points], dtype=np.int64)
+        counts = np.array([len(rows) for rows in points], dtype=np.int64)
         if not counts.any():
             return feet, least
         near = self.brought_near(np.concatenate(points), np.repeat(centres, counts, axis=0))
         starts = np.split(near, np.cumsum(counts)[:-1])
-        walks = [self._walks(centre, some) for centre, some in zip(centres, starts, strict=True)]
+        walks = [self._walks(centre, rows) for centre, rows in zip(centres, starts, strict=True)]
         q, reached = np.concatenate([walk[0] for walk in walks]), np.concatenate([walk[1] for walk in walks])
         there = np.isfinite(reached) & self.problem.singular(q)
         far = np.where(there, self.problem.length(q - np.repeat(centres, counts, axis=0)), np.inf)

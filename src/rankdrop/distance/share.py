@@ -152,18 +152,18 @@ def near_shares(
     if not 1 <= samples <= 10_000_000:
         raise OptionError("samples is outside the range", got=samples, allowed="1 … 10000000")
     robot, limits = problem.robot, problem.limits
-    own, inside = in_units(robot), task_in_units(problem.task, robot)
-    q = sample(own, inside, samples, seed, limits=limits)
-    scale, rng = joint_scale(own, inside), np.random.default_rng([seed, 1])
+    scaled, inside = in_units(robot), task_in_units(problem.task, robot)
+    q = sample(scaled, inside, samples, seed, limits=limits)
+    scale, rng = joint_scale(scaled, inside), np.random.default_rng([seed, 1])
     met, every = [], np.zeros(samples, dtype=np.bool_)
     named = [family for family in families if family.named and family.equations]
     for done, family in enumerate(named):
         if progress is not None:
             progress(done, len(named))
         moved = family_in_units(family, robot)
-        here = near_family(moved, q, within, scale, robot.periodic, partial(_reaches_zero, moved, scale, rng))
-        every |= here
-        met.append(NearShare(family.id, int(here.sum()), samples, bool(family.coupled)))
+        near = near_family(moved, q, within, scale, robot.periodic, partial(_reaches_zero, moved, scale, rng))
+        every |= near
+        met.append(NearShare(family.id, int(near.sum()), samples, bool(family.coupled)))
     if progress is not None:
         progress(len(named), len(named))
     unsure = len(named) < len(families) or any(share.bound for share in met)
@@ -197,8 +197,8 @@ def slow_share(
         '7.4 %'
     """
     robot, task = problem.robot, problem.task
-    own, inside = in_units(robot), task_in_units(task, robot)
-    q = out_of_units(robot, sample(own, inside, samples, seed, limits=True))
+    scaled, inside = in_units(robot), task_in_units(task, robot)
+    q = out_of_units(robot, sample(scaled, inside, samples, seed, limits=True))
     slow, bound = np.zeros(samples, dtype=np.bool_), False
     for first in range(0, samples, _BLOCK):
         kinds = slowest_motions(robot, q[first : first + _BLOCK], task)
@@ -255,8 +255,8 @@ def _reaches_zero(family: Family, scale: Array, rng: np.random.Generator, _rows:
             away = rng.normal(size=(len(rows), len(moves)))
             away *= (reach / np.maximum(np.linalg.norm(away, axis=1), 1e-300))[:, None]
             x[:, moves] += away * rng.random((len(rows), 1)) * scale[moves]
-        some = may[rows]
-        rows, centre, reach, x = rows[some], centre[some], reach[some], x[some]
+        possible = may[rows]
+        rows, centre, reach, x = rows[possible], centre[possible], reach[possible], x[possible]
         if not len(rows):
             continue
         def step(x: Array, active: NDArray[np.intp], centre: Array = centre) -> Array:

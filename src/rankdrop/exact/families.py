@@ -477,21 +477,22 @@ def families(
             if drop.rank == rank:
                 by_discriminants.setdefault(reality.discriminants, []).append(drop.piece)
         rows = flat_map(merge, by_discriminants.values())
-        here: list[Family] = []
+        of_corank: list[Family] = []
         for row in rows:
-            work.show("families described", len(result) + len(here), len(result) + len(rows))
+            work.show("families described", len(result) + len(of_corank), len(result) + len(rows))
             realities = [seen[id(piece)] for piece in row.pieces]
             parts = [real.points for real in realities]
             bound = tuple(sorted({j for f in row.equations for j in Condition(chain.ring, f).joints}))
-            told = _describe_family(chain, generic_rank, corank, parts, row.pins, bound)
+            description = _describe_family(chain, generic_rank, corank, parts, row.pins, bound)
             tried = (piece.points(work.rng, _CHECKED) or piece.samples[:_CHECKED] for piece in row.pieces)
             check = rank_agreement(chain, chain_of.from_iterable(tried), rank)
-            here.append(_family(chain, corank, row, realities[0].discriminants, told, check))
-        here.sort(key=_place)
-        names = distinct_names([family.called for family in here], [partial(_marks, family) for family in here])
+            of_corank.append(_family(chain, corank, row, realities[0].discriminants, description, check))
+        of_corank.sort(key=_place)
+        called = [family.called for family in of_corank]
+        names = distinct_names(called, [partial(_marks, family) for family in of_corank])
         result += [
             replace(family, id=f"k{corank}.f{number}", called=name)
-            for number, (family, name) in enumerate(zip(here, names, strict=True), 1)
+            for number, (family, name) in enumerate(zip(of_corank, names, strict=True), 1)
         ]
     return result
 
@@ -515,11 +516,11 @@ def _family(
     corank: int,
     row: Row,
     discriminants: tuple[str, ...],
-    told: tuple[FamilyName, tuple[LostFreedom, ...], tuple[float, ...]],
+    description: tuple[FamilyName, tuple[LostFreedom, ...], tuple[float, ...]],
     check: Check,
 ) -> Family:
     """One row of sets as a family, its number and final name still to come."""
-    name, lost, witness = told
+    name, lost, witness = description
     pins = tuple(pin_of(chain.ring, *pin) for pin in sorted(row.pins.items()))
     polynomials = tuple(Condition(chain.ring, f) for f in sorted(row.equations, key=len))
     coupled = tuple(sorted(set(flat_map(lambda condition: condition.joints, polynomials))))

@@ -179,18 +179,18 @@ def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | Non
     general = _Comparison(chain, parsed, pieces, {}, work)
     special = bool(chain.letters) and any(general.sizes)
     if special:
-        own = _Comparison(chain, parsed, pieces, chain.letters, work)
+        at_lengths = _Comparison(chain, parsed, pieces, chain.letters, work)
     else:
-        own = general
-    same = own.sizes == general.sizes
-    told = general if same else own  # with letters where they say the same
-    missing, unreal = told.show_differences(told.missing, singular=True)
-    extra, more = told.show_differences(told.extra, singular=False)
+        at_lengths = general
+    same = at_lengths.sizes == general.sizes
+    reported = general if same else at_lengths  # with letters where they say the same
+    missing, unreal = reported.show_differences(reported.missing, singular=True)
+    extra, more = reported.show_differences(reported.extra, singular=False)
     special_lengths: list[tuple[str, str]] = []
     for condition in parsed:
         special_lengths += [(str(factor), condition.text) for factor in condition.letters]
-    undecided = (*work.unresolved, *map(words, own.unknown))
-    real = any(next(round_points(piece, chain), None) is not None for piece in own.users)
+    undecided = (*work.unresolved, *map(words, at_lengths.unknown))
+    real = any(next(round_points(piece, chain), None) is not None for piece in at_lengths.users)
     verdict = {(0, 0): "exact", (1, 0): "too small", (0, 1): "too large", (1, 1): "both"}[bool(missing), bool(extra)]
     if chain.letters:
         any_lengths = verdict == "exact" and same
@@ -236,8 +236,8 @@ class _Comparison:
         for joint, value in piece.pins.items():
             pieces = flat_map(partial(components_with_pin, joint=joint, value=value, work=self.work), pieces)
         for f in piece.equations:
-            own = replace(self.ring.form(f), f=f.subs(self.values))
-            cut = partial(self.cut, condition=Parsed(own))
+            form = replace(self.ring.form(f), f=f.subs(self.values))
+            cut = partial(self.cut, condition=Parsed(form))
             pieces = flat_map(cut, pieces)
         return [piece for piece in independent(pieces) if piece.samples and rank_on(self.columns, piece) < self.full]
 

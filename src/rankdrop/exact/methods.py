@@ -244,8 +244,8 @@ def _wrist_conditions(
     builder: Derivation, atom: Atom, arm: Columns, turns: Columns, wrist: Columns
 ) -> list[Conjunction]:
     """Where rank [J₂₁ N, J₂₂] < 3 with the middle joint at an angle where the wrist's axes are dependent."""
-    here = ZeroSet.where_atom(builder.ring, atom)
-    arm, turns, wrist = (columns_on(here, block) for block in (arm, turns, wrist))
+    at_angle = ZeroSet.where_atom(builder.ring, atom)
+    arm, turns, wrist = (columns_on(at_angle, block) for block in (arm, turns, wrist))
     beside = [_weighted_rotations(builder, turns, null) for null in _null_space(builder, arm)]
     minors = [minor for minor in builder.minors([*beside, *wrist], 3) if minor != 0]
     builder.sizes["wrist minors"] += len(minors)
@@ -324,12 +324,13 @@ def _zeros(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> 
     simple = [atoms for atoms in known if any(atom.is_pin for atom in atoms)]
     if not simple:
         return [condition.equal for condition in conjunctions(map(equality_of, known))]
-    here, cases = conditions_on(piece), list[tuple[Equality, ...]]()
+    of_piece, cases = conditions_on(piece), list[tuple[Equality, ...]]()
     first = min(simple, key=_simplest)
     for atom in sorted(first, key=lambda atom: atom.key):
         for part in meet(piece, atom, {}):
-            own = tuple(condition for condition in conditions_on(part) if condition not in here)
-            cases += [(*own, *more) for more in _zeros(builder, part, [part.ring.at(x, part.pins) for x in screw])]
+            new_conditions = tuple(condition for condition in conditions_on(part) if condition not in of_piece)
+            more = _zeros(builder, part, [part.ring.at(x, part.pins) for x in screw])
+            cases += [(*new_conditions, *conditions) for conditions in more]
     return cases
 
 
@@ -390,15 +391,15 @@ def reciprocity(builder: Derivation) -> None:
         reciprocal_screws(builder)
         return
     builder.sizes |= {"cases": 0, "choices": 0, "terms": 0}
-    made: set[tuple[int, ...]] = set()
+    used_columns: set[tuple[int, ...]] = set()
     choices: dict[Pins, list[_Choice]] = {}
-    builder.case_by_case(lambda case: _one_case(builder, case, made, choices))
+    builder.case_by_case(lambda case: _one_case(builder, case, used_columns, choices))
     if builder.sizes["choices"] > 1:
-        builder.note("choices", further=builder.sizes["choices"] - 1, different=len(made))
+        builder.note("choices", further=builder.sizes["choices"] - 1, different=len(used_columns))
 
 
 def _one_case(
-    builder: Derivation, case: ZeroSet, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
+    builder: Derivation, case: ZeroSet, used_columns: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
 ) -> list[ZeroSet]:
     """Conditions of one case where the screw chosen there does not vanish; the cases where it does."""
     columns, pins = columns_on(case, builder.columns), tuple(sorted(case.pins.items()))
@@ -408,7 +409,7 @@ def _one_case(
     for choice in choices[pins]:
         known = _vanishing(builder, case, choice[1])
         if known:
-            made.add(choice[0])
+            used_columns.add(choice[0])
             return _by_choice(builder, case, columns, choice, known)
     builder.conditions.append(condition_within(case, Conjunction(())))  # every screw vanishes in all of this case
     return []

@@ -66,15 +66,15 @@ def reciprocal_screws(builder: Derivation) -> None:
     """
     builder.sizes |= {"cases": 0, "choices": 0, "minors": 0, "terms": 0}
     known: dict[Pins, list[_Minor]] = {}
-    made: set[tuple[int, ...]] = set()
-    builder.case_by_case(lambda case: _one_case(builder, case, known, made))
-    builder.sizes["choices"] = len(made)
+    used_joints: set[tuple[int, ...]] = set()
+    builder.case_by_case(lambda case: _one_case(builder, case, known, used_joints))
+    builder.sizes["choices"] = len(used_joints)
     if builder.sizes["cases"] > 1:
-        builder.note("cases", further=builder.sizes["cases"] - 1, different=len(made))
+        builder.note("cases", further=builder.sizes["cases"] - 1, different=len(used_joints))
 
 
 def _one_case(
-    builder: Derivation, case: ZeroSet, known: dict[Pins, list[_Minor]], made: set[tuple[int, ...]]
+    builder: Derivation, case: ZeroSet, known: dict[Pins, list[_Minor]], used_joints: set[tuple[int, ...]]
 ) -> list[ZeroSet]:
     """Conditions of one case where the minor chosen there does not vanish; the cases where it does."""
     columns, pins = columns_on(case, builder.columns), tuple(sorted(case.pins.items()))
@@ -88,7 +88,7 @@ def _one_case(
         builder.conditions.append(condition_within(case, Conjunction(())))
         return []
     minor, factors = chosen
-    made.add(minor.joints)
+    used_joints.add(minor.joints)
     screws = _screws(builder, columns, minor)
     builder.sizes["terms"] = max(builder.sizes["terms"], max(map(_terms, screws)))
     if len(case.pins) <= TOLD and not case.equations:
@@ -102,16 +102,16 @@ def _terms(screw: Screw) -> int:
 
 
 def _products_vanish(
-    builder: Derivation, here: ZeroSet, columns: Columns, minor: _Minor, screws: Sequence[Screw]
+    builder: Derivation, piece_of_case: ZeroSet, columns: Columns, minor: _Minor, screws: Sequence[Screw]
 ) -> list[Conjunction]:
     """Conditions that the remaining joints are reciprocal to every screw."""
     others = [column for j, column in enumerate(columns) if j not in minor.joints]
     zeros = []
     for screw, column in product(screws, others):
-        atoms = builder.factors(here, _reciprocal_product(builder, screw, column))
+        atoms = builder.factors(piece_of_case, _reciprocal_product(builder, screw, column))
         if atoms is not None:
             zeros.append(equality_of(atoms))
-    return [condition_within(here, piece) for piece in conjunctions(zeros) if not _impossible(piece)]
+    return [condition_within(piece_of_case, piece) for piece in conjunctions(zeros) if not _impossible(piece)]
 
 
 def _minors(builder: Derivation, columns: Columns) -> list[_Minor]:

@@ -109,11 +109,11 @@ def signed_factors(ring: Ring, atoms: Sequence[Atom]) -> tuple[SignedFactor, ...
 def _even_products(ring: Ring, atoms: Sequence[Atom]) -> list[tuple[int, ...]]:
     """Places of atoms whose product has a sign: a basis of all such products, few atoms in each."""
     odd = [_odd(ring, atom) for atom in atoms]
-    chosen = (some for size in range(1, len(atoms) + 1) for some in combinations(range(len(atoms)), size))
-    even = [some for some in chosen if not reduce(xor, (odd[i] for i in some))]
-    even.sort(key=lambda some: (len(some), not simple_pair([atoms[i] for i in some]), some))
+    chosen = (indices for size in range(1, len(atoms) + 1) for indices in combinations(range(len(atoms)), size))
+    even = [indices for indices in chosen if not reduce(xor, (odd[i] for i in indices))]
+    even.sort(key=lambda indices: (len(indices), not simple_pair([atoms[i] for i in indices]), indices))
     basis = _not_needed(atoms)
-    return [some for some in even if _independent(basis, sum(1 << i for i in some))]
+    return [indices for indices in even if _independent(basis, sum(1 << i for i in indices))]
 
 
 def simple_pair(atoms: Sequence[Atom]) -> bool:

@@ -80,8 +80,8 @@ class Stratum:
             >>> [dict(piece.pins) for piece in Stratum.whole(ring).meet(Equality((), ring.s[2])).pieces]
             [{2: '0'}, {2: 'pi'}]
         """
-        here = flat_map(lambda piece: _holding(piece, condition, self.assumed), self.pieces)
-        parts = {(part.key, frozenset(part.nonzero)): part for part in here}
+        holding = flat_map(lambda piece: _holding(piece, condition, self.assumed), self.pieces)
+        parts = {(part.key, frozenset(part.nonzero)): part for part in holding}
         return replace(self, pieces=_largest([*parts.values()]), equalities=(*self.equalities, condition.whole))
 
     def avoid(self, condition: Equality) -> Stratum:
@@ -115,8 +115,8 @@ class Stratum:
         """Whether the pieces pin the same joints, in every combination of their angles, and pairs are `TOGETHER`."""
         values = self.pins.values()
         every = [dict(zip(self.pins, choice, strict=True)) for choice in product(*values)]
-        here = self.combinations
-        return len(every) == len(here) and all(atom in here for atom in every) and all(
+        present = self.combinations
+        return len(every) == len(present) and all(atom in present for atom in every) and all(
             len(angles) == 1 or angles in TOGETHER for angles in values
         )  # fmt: skip
 
@@ -168,8 +168,8 @@ def atoms_on(piece: ZeroSet, condition: Equality, assumed: Assumed | None = None
     if condition.atoms:
         parts = [_restrict_atom(piece, atom, assumed) for atom in condition.atoms]
     else:
-        here = piece.ring.at(condition.whole, piece.pins)
-        parts = [None if here == 0 else _substitute_solutions(piece, piece.ring.to_half(here), assumed)]
+        restricted = piece.ring.at(condition.whole, piece.pins)
+        parts = [None if restricted == 0 else _substitute_solutions(piece, piece.ring.to_half(restricted), assumed)]
     for part in parts:
         if part is None:
             return None
@@ -226,9 +226,9 @@ def _restrict_atom(piece: ZeroSet, atom: Atom, assumed: Assumed | None = None) -
         if not pins and not any(degrees[solved.place] for solved in piece.solved):
             return (atom,)
         return _substitute_solutions(piece, ring.form(atom.f).at(pins), assumed)
-    here = piece.pins.get(atom.joint)
-    if here is not None:
-        return None if here == atom.value else ()
+    pinned = piece.pins.get(atom.joint)
+    if pinned is not None:
+        return None if pinned == atom.value else ()
     if any(solved.place == ring.index[f"t{atom.joint}"] for solved in piece.solved):
         return ()
     return (atom,)
@@ -363,15 +363,15 @@ def factor_on_stratum(stratum: Stratum, p: Polynomial) -> Product | None:
     every: list[Factors] = []
     lists: list[list[Atom]] = []  # those that may hold
     for there in stratum.combinations:
-        here = ring.at(p, there)
-        if here != 0:
-            atoms = _open_atoms(stratum, there, here)
+        restricted = ring.at(p, there)
+        if restricted != 0:
+            atoms = _open_atoms(stratum, there, restricted)
         else:
             atoms = None
         if atoms is None:
             return None
         lists.append(atoms)
-        every.append(ring.factor(here))
+        every.append(ring.factor(restricted))
     shared = _in_all(lists)
     rests = [[atom for atom in atoms if atom not in shared] for atoms in lists]
     pins = [atom for atom in _in_all([[atom for atom, _ in product.atoms] for product in every]) if atom.is_pin]
@@ -437,8 +437,8 @@ def _combine(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Seq
 def _unsquare(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Polynomial:
     """A trigonometric polynomial with the zeros of some atoms and, rather than their squares, of a few spare ones."""
     for count in range(len(spare) + 1):
-        for some in combinations(spare, count):
-            every = [*atoms, *some]
+        for chosen in combinations(spare, count):
+            every = [*atoms, *chosen]
             if any(atom.value == "pi" for atom in every):
                 continue
             root = ring.to_trig(prod(map(ring.half_of, every), start=ring.half.constant(1)))

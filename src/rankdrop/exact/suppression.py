@@ -163,11 +163,11 @@ def find(
             if not others:
                 return Dependence(screw, (), None), None
             work.check()
-            proof, here = independent(chain, k, stratum, others, work)
+            proof, blocking = independent(chain, k, stratum, others, work)
             if proof is not None:
                 return Dependence(screw, others, proof), None
-            if here is not None and (obstacle is None or here.weight < obstacle.weight):
-                obstacle = here
+            if blocking is not None and (obstacle is None or blocking.weight < obstacle.weight):
+                obstacle = blocking
         if obstacle is not None and obstacle.light:
             break
     return None, obstacle
@@ -204,9 +204,9 @@ def independent(
         return Proof("gram", frame, (), (gram,)), None
     minors.sort(key=lambda minor: _weight(minor[2]))
     for size in (2, 3):
-        for some in combinations(minors[:TOGETHER_AT_MOST], size):
-            if all(_no_common(atoms) for atoms in zip(*(zeros for *_, zeros in some), strict=True)):
-                rows, polynomials, _ = zip(*some, strict=True)
+        for tried in combinations(minors[:TOGETHER_AT_MOST], size):
+            if all(_no_common(atoms) for atoms in zip(*(zeros for *_, zeros in tried), strict=True)):
+                rows, polynomials, _ = zip(*tried, strict=True)
                 return Proof("minors", frame, rows, polynomials), None
     _, minor, zeros = minors[0]
     return None, Obstacle(_weight(zeros), all(atom.is_pin for atom in entries(zeros)), minor)
@@ -501,9 +501,9 @@ class _Derivation:
         """After some first cases, a case for each factor = 0 with the earlier ones ≠ 0."""
         rest, cases = case.stratum, list(first)
         for f in factors:
-            here, rest = self.drop_empty_pieces(rest.meet(f)), rest.avoid(f)
-            if here.pieces:
-                cases.append(self.finish(_next_inside(case, here, cases)))
+            vanishing, rest = self.drop_empty_pieces(rest.meet(f)), rest.avoid(f)
+            if vanishing.pieces:
+                cases.append(self.finish(_next_inside(case, vanishing, cases)))
         return replace(case, cases=tuple(cases))
 
     def finish(self, case: Case) -> Case:

@@ -83,14 +83,14 @@ def barren(
     rng = random.Random(_SEED)
     turned = _random_turn(ring, rng)
     known = _Known(ring)
-    own = {name: work.lengths.get(name, Fraction(rng.randrange(1, _LENGTH)))
+    values = {name: work.lengths.get(name, Fraction(rng.randrange(1, _LENGTH)))
            for name in ring.letters if name not in ROOTS}  # fmt: skip
-    lengths = {name: flint().fmpq(x.numerator, x.denominator) for name, x in own.items()}
+    lengths = {name: flint().fmpq(x.numerator, x.denominator) for name, x in values.items()}
     for f in conditions:
         known.add(turned(Form(ring, f.subs(lengths), ring.form(f).degrees)))
-    here = each_entry(lambda x: ring.at(x.subs(lengths) if x != 0 else x, pins), columns)
+    at_pins = each_entry(lambda x: ring.at(x.subs(lengths) if x != 0 else x, pins), columns)
     until = work_spent() + _LIMIT
-    for minor in islice(_nearby_minors(ring, here, order), _MINORS):
+    for minor in islice(_nearby_minors(ring, at_pins, order), _MINORS):
         work.check()
         known.add(turned(ring.to_half(minor)))
         if known.barren:
@@ -439,10 +439,10 @@ def _explore(
             too_long.append((piece, stop))
             continue
         for part in parts:
-            here = rank_on(columns, part)
-            if here < order:
-                drop = Drop(part, here)
-                if not any(part.lies_inside(other.piece) for other in drops if other.rank == here):
+            piece_rank = rank_on(columns, part)
+            if piece_rank < order:
+                drop = Drop(part, piece_rank)
+                if not any(part.lies_inside(other.piece) for other in drops if other.rank == piece_rank):
                     drops.append(drop)
             # the same set only: two sets might each leave their intersection to the other
             elif part.codimension < bound and not any(
@@ -476,9 +476,9 @@ def _lower_for_these_lengths(
     lower = [drop.piece for drop in drops if drop.rank < order]
     for piece in ended:
         work.check()
-        own = replace(piece, lengths=tuple(work.lengths.items()))
-        for point, here in zip(own.samples, _ranks(columns, own), strict=True):
-            if here < order and not any(piece.holds_at([point]) for piece in lower):
+        at_lengths = replace(piece, lengths=tuple(work.lengths.items()))
+        for point, point_rank in zip(at_lengths.samples, _ranks(columns, at_lengths), strict=True):
+            if point_rank < order and not any(piece.holds_at([point]) for piece in lower):
                 return True
     return False
 
@@ -614,12 +614,12 @@ def _chosen(columns: list[list[Polynomial]], piece: ZeroSet, order: int, work: W
 def _minors(columns: list[list[Polynomial]], piece: ZeroSet, order: int) -> Iterator[Polynomial]:
     """Minors of the given order that are not zero on all of a set, those with short entries first."""
     ring = piece.ring
-    here = each_entry(lambda x: ring.at(x, piece.pins), columns)
-    lengths = each_entry(len, here)
+    at_pins = each_entry(lambda x: ring.at(x, piece.pins), columns)
+    lengths = each_entry(len, at_pins)
     known = residues(ring, columns, piece.samples)
     for columns_used, rows_used in by_length(lengths, order):
         if any(rank(submatrix(m, columns_used, rows_used), prime) == order for m, prime in known):
-            yield ring.determinant(submatrix(here, columns_used, rows_used))
+            yield ring.determinant(submatrix(at_pins, columns_used, rows_used))
 
 
 def by_length(lengths: list[list[int]], order: int) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:

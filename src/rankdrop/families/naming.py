@@ -137,11 +137,11 @@ def _with_open_joints(
         conditions = tuple(_variable(robot, j) for j in varying)
     else:
         conditions = ()
-    told = tuple(
+    listed = tuple(
         JointValues(_variable(robot, j), tuple(_as_given(robot, j, x) for x in joint_values))
         for j, joint_values in few.items() if j in uncovered or not all(map(is_right, joint_values))
     )  # fmt: skip
-    return replace(name, bound=conditions, values=told)
+    return replace(name, bound=conditions, values=listed)
 
 
 def _values(column: Array, *, turns: bool) -> list[float]:
@@ -235,13 +235,13 @@ def _compose(facts: Sequence[Fact], tight: bool, corank: int) -> FamilyName:
 
 def _details(facts: Sequence[Fact]) -> tuple[Detail, ...]:
     """The facts as a name lists them; the first in full, later relations in brief."""
-    own = [(fact, fact.detail) for fact in facts if fact.detail is not None]
-    parallel = _parallel_to_bundles(facts, [fact for fact, _ in own])
-    if len(own) < len(facts):
-        own = [(fact, detail) for fact, detail in own if not _said_by_elbow(fact)]
-    details = [detail for fact, detail in own if fact.roles]
-    details += [*_aligned_details(facts), *parallel, *(detail for fact, detail in own if not fact.roles)]
-    relations = _relations(facts, {fact.joints for fact, _ in own})
+    detailed = [(fact, fact.detail) for fact in facts if fact.detail is not None]
+    parallel = _parallel_to_bundles(facts, [fact for fact, _ in detailed])
+    if len(detailed) < len(facts):
+        detailed = [(fact, detail) for fact, detail in detailed if not _said_by_elbow(fact)]
+    details = [detail for fact, detail in detailed if fact.roles]
+    details += [*_aligned_details(facts), *parallel, *(detail for fact, detail in detailed if not fact.roles)]
+    relations = _relations(facts, {fact.joints for fact, _ in detailed})
     if relations and not details:
         first = relations.pop(0)
         details.append(Detail(first.geometry, (first.joints,)))
@@ -261,18 +261,18 @@ def _aligned_details(facts: Sequence[Fact]) -> list[Detail]:
     return []
 
 
-def _relations(facts: Sequence[Fact], told: set[tuple[int, ...]]) -> list[Fact]:
+def _relations(facts: Sequence[Fact], named: set[tuple[int, ...]]) -> list[Fact]:
     """What is parallel, then what is perpendicular, but for joints of which more is told."""
     kinds = (Geometry.PARALLEL, Geometry.PERPENDICULAR)
-    others = [fact for fact in facts if fact.geometry in kinds and fact.joints not in told]
+    others = [fact for fact in facts if fact.geometry in kinds and fact.joints not in named]
     return sorted(others, key=lambda fact: kinds.index(fact.geometry))
 
 
-def _parallel_to_bundles(facts: Sequence[Fact], own: Sequence[Fact]) -> list[Detail]:
+def _parallel_to_bundles(facts: Sequence[Fact], detailed: Sequence[Fact]) -> list[Detail]:
     """Axes parallel to a bundle, bundle by bundle, but for what other facts tell."""
     firsts: dict[tuple[int, ...], list[int]] = {}
     for first, *bundle in (fact.joints for fact in facts if fact.geometry is Geometry.AGAINST):
-        if not any({first, *bundle} <= set(other.joints) for other in own):
+        if not any({first, *bundle} <= set(other.joints) for other in detailed):
             firsts.setdefault(tuple(bundle), []).append(first)
     return [Detail(Geometry.AGAINST, (tuple(first), bundle)) for bundle, first in firsts.items()]
 
@@ -338,13 +338,13 @@ def _shorter(name: FamilyName) -> Iterator[FamilyName]:
     costs = _costs_of_details(name)
     many = _closing_words(name)
     choices = []
-    for kept, told in product(_subsets(costs, bool(name.parts)), range(many + 1)):
+    for kept, shown in product(_subsets(costs, bool(name.parts)), range(many + 1)):
         left_out = sum(cost for place, cost in enumerate(costs) if place not in kept)
-        values_left_out = _VALUE * (many - told)
+        values_left_out = _VALUE * (many - shown)
         for shorter, spent in _SPELLINGS:
-            choices.append((left_out + values_left_out + spent, kept, told, shorter))
-    for _, kept, told, shorter in sorted(choices, key=lambda choice: choice[0]):
-        yield _shortened_to(name, kept, told, shorter)
+            choices.append((left_out + values_left_out + spent, kept, shown, shorter))
+    for _, kept, shown, shorter in sorted(choices, key=lambda choice: choice[0]):
+        yield _shortened_to(name, kept, shown, shorter)
 
 
 def _costs_of_details(name: FamilyName) -> list[int]:

@@ -188,8 +188,8 @@ class Search:
         lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")]
         if self.method != "lm":
             return float(self.sigma[lowest[0], self.rank])
-        own = replace(self.problem, robot=in_units(self.robot), task=task_in_units(self.task, self.robot))
-        q, sigma = descend_to_minimum(own, into_units(self.robot, self.q[lowest[:LOWEST]]))
+        scaled = replace(self.problem, robot=in_units(self.robot), task=task_in_units(self.task, self.robot))
+        q, sigma = descend_to_minimum(scaled, into_units(self.robot, self.q[lowest[:LOWEST]]))
         order = np.argsort(sigma[:, self.rank], kind="stable")
         order = order[sigma[order, self.rank] > self.tolerances.singular]  # others were on a saddle on the way to zero
         q, sigma = q[order], sigma[order]
@@ -199,11 +199,11 @@ class Search:
             return float(f"{sigma[0, self.rank]:.{_DIGITS}g}")
         _, members = np.unique(np.round(sigma, _SAME), axis=0, return_index=True)
         q = q[np.sort(members)]  # often all of them are one minimum, met again and again
-        quick = brought_down(own, q, iterations=60, effort=3)
+        quick = brought_down(scaled, q, iterations=60, effort=3)
         best = quick.q[np.argsort(quick.value, kind="stable")]
         for first in range(0, len(best), _FINISHED):
-            some = best[first : first + _FINISHED]
-            brought = brought_down(own, some, effort=6)
+            batch = best[first : first + _FINISHED]
+            brought = brought_down(scaled, batch, effort=6)
             least = brought.value
             if len(self.converged):  # some lead on to zero: they were minima of the sum of squares alone
                 least = least[least > np.maximum(AM_THRESHOLD, brought.slope)]
@@ -308,11 +308,11 @@ def refine(
     how = SearchOptions.of(options, given)
     resolved = resolve_task(task, robot)
     rows, _ = configurations(robot, q0)
-    here = robot.exponent is not None
+    scaled = robot.exponent is not None
     problem = _problem(robot, resolved, corank, how, tolerances)
-    rows = rows if here else into_units(robot, rows)
+    rows = rows if scaled else into_units(robot, rows)
     result = _refine_in_unit(problem, rows, how, history=history, progress=progress, first=first)
-    if here:
+    if scaled:
         return result
     return _out_of_units(result, robot, resolved)
 
@@ -522,10 +522,10 @@ def _assemble(
 
 def descend_to_minimum(problem: Problem, q: Array) -> tuple[Array, Array]:
     """Where the descents from (N, n) configurations end, known as well as `Tolerances.stationary` says, and σ there."""
-    told = problem.tolerances
+    tolerances = problem.tolerances
     settings = _core.SearchSettings(
-        method=0, rank=problem.rank, iterations=MOST, singular=told.singular, target=told.target,
-        stationary=told.stationary, seed=0, scale=problem.scale,
+        method=0, rank=problem.rank, iterations=MOST, singular=tolerances.singular, target=tolerances.target,
+        stationary=tolerances.stationary, seed=0, scale=problem.scale,
         limits=None if problem.walls is None else np.stack(problem.walls), tie=TIE, kicks=0,
     )  # fmt: skip
     robot = problem.robot

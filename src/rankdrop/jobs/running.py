@@ -73,8 +73,8 @@ class Job:
     @property
     def line(self) -> str:
         """What tells the job from another one: its kind, plan and chunks, and the version of rankdrop."""
-        told = {"kind": self.kind, "work": self.work, "plan": self.plan, "chunks": self.chunks, "version": VERSION}
-        return json.dumps(told, sort_keys=True, ensure_ascii=False, allow_nan=False)
+        identity = {"kind": self.kind, "work": self.work, "plan": self.plan, "chunks": self.chunks, "version": VERSION}
+        return json.dumps(identity, sort_keys=True, ensure_ascii=False, allow_nan=False)
 
     @property
     def sha256(self) -> str:
@@ -89,8 +89,8 @@ def perform(work: str, plan: Plan, chunk: int) -> bytes:
         RankdropError: as the function of the job raises it.
     """
     module, _, name = work.partition(":")
-    made: bytes = getattr(import_module(module), name)(plan, chunk)
-    return made
+    result: bytes = getattr(import_module(module), name)(plan, chunk)
+    return result
 
 
 def error_to_dict(error: RankdropError) -> dict[str, Any]:
@@ -510,9 +510,9 @@ class _Worker:
 
     def _ask(self, chunk: int) -> tuple[str, bytes]:
         process = self._process or self._begin()
-        told, answer = _pipes(process)
-        told.write(f"{chunk}\n".encode())
-        told.flush()
+        stdin, answer = _pipes(process)
+        stdin.write(f"{chunk}\n".encode())
+        stdin.flush()
         kind, _, length = answer.readline().decode("ascii").partition(" ")
         content = answer.read(int(length))
         if len(content) < int(length):
@@ -527,8 +527,8 @@ class _Worker:
             [sys.executable, "-P", "-m", "rankdrop.jobs.running"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
             env=environment,
         )  # fmt: skip
-        told, _ = _pipes(self._process)
-        told.write(json.dumps({"work": self._job.work, "plan": self._job.plan}).encode() + b"\n")
+        stdin, _ = _pipes(self._process)
+        stdin.write(json.dumps({"work": self._job.work, "plan": self._job.plan}).encode() + b"\n")
         return self._process
 
     def stop(self) -> None:

@@ -420,10 +420,10 @@ def lost_without(robot: Robot, q: ArrayLike, task: Task, coranks: Mapping[int, i
         every = np.concatenate([blocked.reshape(-1, 6), always])
         seen = seen_in_frames(every, links, task.frame, frames, length)  # (F, J p + N, 6)
         many = len(joints) * blocked.shape[1]
-        own = seen[:, :many].reshape(len(frames), len(joints), -1, 6).swapaxes(0, 1)  # (J, F, p, 6)
+        blocked_seen = seen[:, :many].reshape(len(frames), len(joints), -1, 6).swapaxes(0, 1)  # (J, F, p, 6)
         around = np.broadcast_to(seen[:, many:], (len(joints), len(frames), len(always), 6))
         together = len(joints) * len(frames)
-        basis = _readable(own.reshape(together, -1, 6), around.reshape(together, len(always), 6), corank)
+        basis = _readable(blocked_seen.reshape(together, -1, 6), around.reshape(together, len(always), 6), corank)
         directions = basis.reshape(len(joints), len(frames), corank, 6)
         for joint, seen_by_frame in zip(joints, directions, strict=True):
             by_joint[joint] = _simplest_frame(robot, seen_by_frame, frames)
@@ -505,8 +505,8 @@ def lost_over_family(
     bases = []
     for q in np.asarray(points, dtype=np.float64):
         blocked, always = _blocked_wrenches(robot, one_configuration(robot, q), task, corank)
-        own = _readable(blocked[None], always[None], corank)[0]
-        seen = seen_in_frames(own, link_poses(robot, q), task.frame, frames, counted_as_radian(robot))
+        wrenches = _readable(blocked[None], always[None], corank)[0]
+        seen = seen_in_frames(wrenches, link_poses(robot, q), task.frame, frames, counted_as_radian(robot))
         bases.append(_orthonormal(seen))
     if not bases:
         return None
@@ -517,14 +517,16 @@ def lost_over_family(
     return _simplest_frame(robot, readable_bases(bases[0][still]).swapaxes(1, 2), [frames[i] for i in still.tolist()])
 
 
-def every_frame(own: Frame, joints: int) -> list[Frame]:
+def every_frame(task_frame: Frame, joints: int) -> list[Frame]:
     """The task's frame, then all axes with the task's point, then all axes with the origin of every link."""
     links = [BASE, TIP, *range(joints, 0, -1)]
-    frames = [own, *(replace(own, axes=axes) for axes in links), *(Frame(i, i) for i in links)]
+    frames = [task_frame, *(replace(task_frame, axes=axes) for axes in links), *(Frame(i, i) for i in links)]
     return frames + [Frame(axes, origin) for origin in links for axes in links if axes != origin]
 
 
-def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: Sequence[Frame], length: float = 1.0) -> Array:
+def seen_in_frames(
+    wrenches: Array, links: Array, task_frame: Frame, frames: Sequence[Frame], length: float = 1.0
+) -> Array:
     """Wrenches of the task's frame rewritten in other frames of the chain, at one configuration.
 
     Args:
@@ -537,7 +539,7 @@ def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: Sequence[F
     Returns:
         (F, k, 6).
     """
-    joints, every = len(links) - 2, [own, *frames]
+    joints, every = len(links) - 2, [task_frame, *frames]
     axes = links[[link_index(frame.axes, joints, "axes") for frame in every], :3, :3]
     carriers = links[[link_index(frame.origin, joints, "point") for frame in every]]
     points = (carriers[:, :3, :3] @ np.array([frame.point for frame in every])[..., None])[..., 0] + carriers[:, :3, 3]
@@ -618,7 +620,8 @@ def _orthonormal(rows: Array) -> Array:
 
 
 @lru_cache(maxsize=64)
-def _candidates(own: Frame, joints: int) -> tuple[Frame, ...]:
+def _candidates(task_frame: Frame, joints: int) -> tuple[Frame, ...]:
     links = range(joints, 0, -1)  # from the tip down: a point near the tip says more
     there = (Frame(axes, origin) for origin in links for axes in (BASE, TIP))
-    return (own, *(replace(own, axes=axes) for axes in (BASE, TIP, *links)), *there, *(Frame(i, i) for i in links))
+    turned = (replace(task_frame, axes=axes) for axes in (BASE, TIP, *links))
+    return (task_frame, *turned, *there, *(Frame(i, i) for i in links))

@@ -287,10 +287,12 @@ def _step_off(problem: Problem, q: Array, seed: int) -> Array:
     return np.asarray(steps[int(np.argmax(least))])
 
 
-def _sheets(walk: _Walk, here: Configuration, starts: Array, known: Array | None, seed: int) -> Iterator[Elsewhere]:
+def _sheets(
+    walk: _Walk, configuration: Configuration, starts: Array, known: Array | None, seed: int
+) -> Iterator[Elsewhere]:
     """The sheets that starts (N, n) lead to, but for that of the known place and those through a singular q."""
-    problem, told = walk.problem, np.array([] if known is None else [known]).reshape(-1, walk.problem.n)
-    if here.measured.corank:
+    problem, known_places = walk.problem, np.array([] if known is None else [known]).reshape(-1, walk.problem.n)
+    if configuration.measured.corank:
         least = _THROUGH * _GENERIC
         found_ends = walk.run(starts)[0]  # Newton's steps from afar lead to the sheet of q, which is so near
     else:
@@ -299,15 +301,15 @@ def _sheets(walk: _Walk, here: Configuration, starts: Array, known: Array | None
     ends = walk.distinct(found_ends)
     far = problem.length(ends - walk.centre)
     for end in ends[far > least][:_LOOKED_AT]:
-        if not walk.is_new(end, told) or not walk.is_minimum(end, seed):
+        if not walk.is_new(end, known_places) or not walk.is_minimum(end, seed):
             continue
         finest = walk.finest(end[None])
         if finest is not None:
             lost = problem.rank + 1 - int((problem.sigma(finest[0]) > problem.tolerances.singular).sum())
-            foot = walk.foot_from(here.metric.q, finest[0])
-            distance = float(problem.length(foot - here.metric.q))
-            yield Elsewhere(distance, tuple(out_of_metres(here.robot, finest[0]).tolist()), lost)
-            told = np.concatenate([told, finest[0][None]])
+            foot = walk.foot_from(configuration.metric.q, finest[0])
+            distance = float(problem.length(foot - configuration.metric.q))
+            yield Elsewhere(distance, tuple(out_of_metres(configuration.robot, finest[0]).tolist()), lost)
+            known_places = np.concatenate([known_places, finest[0][None]])
 
 
 def check_joints(problem: Problem) -> None:
@@ -468,8 +470,8 @@ class _Walk:
         near = near[far[near] < _NEAR * distances.min(initial=np.inf)]
         if not len(near):
             return ends, distances, lost
-        again, again_far = self.run(lost[near])
-        return np.concatenate([ends, again]), np.concatenate([distances, again_far]), lost
+        ends_of_lost, again_far = self.run(lost[near])
+        return np.concatenate([ends, ends_of_lost]), np.concatenate([distances, again_far]), lost
 
     def _confirm_nearest(self, ends: _Ends, known: float, starts: Array) -> _Ends:
         """With walks from few starts, which settle the nearest where it was known or half of them agree."""
@@ -572,10 +574,10 @@ class _Walk:
         for share in _BACK if way.any() else ():
             other = _Walk(Configuration(self.problem, read_only(q + share * way)), self.box)
             moved = float(self.problem.length(other.centre - walk.centre))
-            again, _, _ = other._walk_along(foot[None], _NEARLY, polish=False)
-            if not self.problem.singular(again)[0] or abs(other.distance(again[0]) - walk.distance(foot)) > moved:
+            ended, _, _ = other._walk_along(foot[None], _NEARLY, polish=False)
+            if not self.problem.singular(ended)[0] or abs(other.distance(ended[0]) - walk.distance(foot)) > moved:
                 break
-            walk, foot = other, again[0]
+            walk, foot = other, ended[0]
         return foot
 
     def is_minimum(self, end: Array, seed: int) -> bool:

@@ -152,11 +152,11 @@ def matrix_of(pose: ArrayLike) -> Array:
         raise ConfigurationError("the pose is not finite", where="pose", got=given.tolist(), allowed=forms)
     if given.shape == (7,):
         x, y, z, w = _unit_quaternion(given[3:])
-        made = np.eye(4)
-        made[:3, 3] = given[:3]
+        matrix = np.eye(4)
+        matrix[:3, 3] = given[:3]
         k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-        made[:3, :3] += 2 * w * k + 2 * k @ k
-        return made
+        matrix[:3, :3] += 2 * w * k + 2 * k @ k
+        return matrix
     if given.ndim == 1:
         return from_xyz_rpy(given[:3].tolist(), given[3:].tolist() or [0.0, 0.0, 0.0])
     turn = given[:3, :3]
@@ -164,9 +164,9 @@ def matrix_of(pose: ArrayLike) -> Array:
     if off > 1e-6 or np.linalg.det(turn) < 0.0 or np.abs(given[3] - (0, 0, 0, 1)).max() > 1e-12:
         raise ConfigurationError("the pose is no rotation with a translation", where="pose", got=given.tolist(),
                                  allowed="[R p; 0 0 0 1]")  # fmt: skip
-    made = given.copy()
-    made[:3, :3] = nearest_rotation(turn)
-    return made
+    matrix = given.copy()
+    matrix[:3, :3] = nearest_rotation(turn)
+    return matrix
 
 
 @takes(InverseOptions)
@@ -288,7 +288,7 @@ def _judge_solutions(search: SolutionSearch, q: Array) -> tuple[Branch, ...]:
         families, source = known_families(robot, task, None, DEFAULT)
     else:
         families, source = ((), "")
-    made: list[Branch] = []
+    branches: list[Branch] = []
     for row in range(len(q)):
         verdict = "singular"
         if sigma[row] > SINGULAR:
@@ -299,11 +299,11 @@ def _judge_solutions(search: SolutionSearch, q: Array) -> tuple[Branch, ...]:
                 verdict = "near"
             if row < _JUDGED:
                 verdict = str(Explanation(configuration_at(robot, q[row], task), families, source, how).verdict)
-        made.append(Branch(q[row], verdict, float(sigma[row]), postures[row], parts[row],
+        branches.append(Branch(q[row], verdict, float(sigma[row]), postures[row], parts[row],
                            joints_beyond(robot, q[row]), search.residual(q[row : row + 1])))  # fmt: skip
     home = np.clip(np.zeros(robot.n), robot.lower, robot.upper)
 
     def order(branch: Branch) -> tuple[bool, float]:
         return bool(branch.beyond), round(float(np.linalg.norm((branch.q - home) / search.scale)), 6)
 
-    return tuple(sorted(made, key=order))
+    return tuple(sorted(branches, key=order))

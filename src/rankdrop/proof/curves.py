@@ -79,17 +79,17 @@ def compare_rows(claim: Claim, path: AskedPath) -> None:
     if path.interpolate is not None and DEGREES[path.interpolate] != degree:
         raise Unproven(f"{_OTHER} a curve of degree {degree}: {path.interpolate} interpolation has degree "
                        f"{DEGREES[path.interpolate]}")  # fmt: skip
-    made = control_points(path, degree)
-    if made is None:
+    expected = control_points(path, degree)
+    if expected is None:
         raise Unproven(f"{_OTHER} a curve of degree {degree}, which the rows of the file do not give: times, "
                        "velocities or accelerations are missing")  # fmt: skip
-    if made.shape != points.shape:
+    if expected.shape != points.shape:
         raise Unproven(f"{_OTHER} a path through other rows than those of the file: {len(points)} control points, not "
-                       f"{len(made)}")  # fmt: skip
-    off = ~(np.abs(made - points) <= _EQUAL * (1.0 + np.abs(made)))
+                       f"{len(expected)}")  # fmt: skip
+    off = ~(np.abs(expected - points) <= _EQUAL * (1.0 + np.abs(expected)))
     if off.any():
         place, joint = np.argwhere(off)[0].tolist()
-        stated, wanted = float(points[place, joint]), float(made[place, joint])
+        stated, wanted = float(points[place, joint]), float(expected[place, joint])
         raise Unproven(f"{_OTHER} a path through other rows than those of the file: control point {place + 1}, joint "
                        f"{joint + 1} is {stated!r}, not {wanted!r}")  # fmt: skip
 
@@ -329,11 +329,11 @@ class ToolPath:
         """Share of the way from pose k to the next at which the tip is nearest."""
         way, axis, length = self._poses[k + 1][:3, 3] - self._poses[k][:3, 3], self._axes[k], self._claim.length
         way = np.where(np.isin(range(3), self._moves), way, 0.0)
-        made, whole = float(way @ (seen[1] - self._poses[k][:3, 3])) / length**2, float(way @ way) / length**2
+        along, whole = float(way @ (seen[1] - self._poses[k][:3, 3])) / length**2, float(way @ way) / length**2
         if self._turns and len(self._entries) == 9:
-            own = _log(seen[0] @ self._poses[k][:3, :3].T)
-            made, whole = made + float(axis @ own), whole + float(axis @ axis)
-        return made / whole if whole > 0.0 else 0.0
+            turned = _log(seen[0] @ self._poses[k][:3, :3].T)
+            along, whole = along + float(axis @ turned), whole + float(axis @ axis)
+        return along / whole if whole > 0.0 else 0.0
 
 
 def _moves_and_turns(claim: Claim) -> tuple[list[int], list[int]]:

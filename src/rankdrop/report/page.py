@@ -79,8 +79,8 @@ def whole_page(
         scripts, styles: files of `assets`, in order.
         version: of rankdrop, for the foot.
     """
-    told = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    told = told.replace("<", "\\u003c")  # no name in it can end the script
+    encoded = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    encoded = encoded.replace("<", "\\u003c")  # no name in it can end the script
     script, style = ("\n".join(asset(name) for name in names) for names in (scripts, styles))
     return (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
@@ -89,7 +89,7 @@ def whole_page(
         f"<style>{style}</style></head><body>{body}"
         f"<footer>rankdrop {escape(version)}. This page stands alone: it loads nothing from "
         "anywhere.</footer>"
-        f'<script type="application/json" id="data">{told}</script>'
+        f'<script type="application/json" id="data">{encoded}</script>'
         f"<script>\n(() => {{\n{script}\n}})();\n</script></body></html>"
     )
 
@@ -138,8 +138,8 @@ def _notes(content: Content) -> str:
     """Source of the numbers, notes of the analysis and of the arm."""
     analysis, robot = content.analysis, content.analysis.robot
     source = robot.source.reference or robot.source.origin
-    told = f'<details class="small"><summary>source of the numbers</summary>{escape(source)}</details>'
-    notes = told if source else ""
+    numbers = f'<details class="small"><summary>source of the numbers</summary>{escape(source)}</details>'
+    notes = numbers if source else ""
     notes += "".join(f"<p class='bad'>{escape(note)}</p>" for note in analysis.notes)
     if content.beside:
         near = None

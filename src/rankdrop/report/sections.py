@@ -61,7 +61,8 @@ def exact_section(content: Content) -> str:
     shown = [_exact_family(family) for family in content.analysis.families if family.exact is not None]
     if joined is not None and shown:
         letters = letters_text(joined.letters)
-        told = _paragraphs(["The families are derived exactly." + escape(f" Lengths: {letters}." if letters else "")])
+        lengths = escape(f" Lengths: {letters}." if letters else "")
+        summary = _paragraphs([f"The families are derived exactly.{lengths}"])
         contradicted = [f"Disagreement: {_cut(str(contradiction))}" for contradiction in joined.disagreements]
         after = _paragraphs(contradicted, "bad")
     elif derived is None:
@@ -69,8 +70,8 @@ def exact_section(content: Content) -> str:
     else:
         shown = [_exact_family(family) for family in derived.families]
         after = _open_ends(derived)
-        told = _paragraphs(_derivation(derived))
-    return f'{head}{told}<div class="exacts">{"".join(shown)}</div>{after}</section>'
+        summary = _paragraphs(_derivation(derived))
+    return f'{head}{summary}<div class="exacts">{"".join(shown)}</div>{after}</section>'
 
 
 def _paragraphs(texts: Iterable[str], css: str = "") -> str:
@@ -111,11 +112,12 @@ def _open_ends(derived: Conditions) -> str:
         unfinished.append(f"… and {len(derived.left) - _LINES} more.")
     if derived.complete:  # a point on none of the families says nothing about an unfinished derivation
         unfinished += [f"Disagreement: {_cut(str(contradiction))}" for contradiction in derived.disagreements]
-    told = _paragraphs(unfinished, "bad") + _paragraphs((escape(str(remark)) for remark in derived.remarks), "small")
+    remarks = _paragraphs((escape(str(remark)) for remark in derived.remarks), "small")
+    open_ends = _paragraphs(unfinished, "bad") + remarks
     if not derived.not_real:
-        return told
+        return open_ends
     unreal = _paragraphs((escape(str(unreal_set)) for unreal_set in derived.not_real), "small")
-    return f"{told}<details><summary>{len(derived.not_real)} sets without a real point</summary>{unreal}</details>"
+    return f"{open_ends}<details><summary>{len(derived.not_real)} sets without a real point</summary>{unreal}</details>"
 
 
 def _cut(text: str) -> str:
@@ -255,9 +257,9 @@ def slice_section(content: Content) -> str:
         for plane in content.slices
     )
     if not figures:
-        told = '<section id="slices"><h2>Joint space</h2><p>No family with conditions to draw.</p></section>'
+        section = '<section id="slices"><h2>Joint space</h2><p>No family with conditions to draw.</p></section>'
         if content.analysis.families:
-            return told
+            return section
         return ""
     rank = content.analysis.generic_rank
     return (
@@ -412,7 +414,7 @@ def verification_section(content: Content) -> str:
 def checks(content: Content) -> Iterator[str]:
     """One sentence for each check; the residuals are evaluated anew while the report is made."""
     analysis = content.analysis
-    settings, again = analysis.settings, analysis.residual()
+    settings, left = analysis.settings, analysis.residual()
     if settings.limits:
         where = "within the joint limits"
     else:
@@ -421,8 +423,8 @@ def checks(content: Content) -> Iterator[str]:
     if analysis.families:
         yield sampled(analysis)
         yield (
-            f"Evaluated again for this report: at the witnesses the equations leave {again.equation:.1e} at most, the "
-            f"singular values that have to vanish {again.sigma:.1e} at most."
+            f"Evaluated again for this report: at the witnesses the equations leave {left.equation:.1e} at most, the "
+            f"singular values that have to vanish {left.sigma:.1e} at most."
         )
     if missed := unseen(analysis):
         yield missed

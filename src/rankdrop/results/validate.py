@@ -147,8 +147,8 @@ def check_analysis(analysis: _Analysed, record: dict[str, Any]) -> None:
 
 
 def _check_id(family: Family, before: Sequence[str], where: str) -> None:
-    own = family.id not in before and family.id.startswith(f"k{family.corank}.")
-    require((own, "the id is that of another family", f"{where}.id", family.id, None))
+    fits = family.id not in before and family.id.startswith(f"k{family.corank}.")
+    require((fits, "the id is that of another family", f"{where}.id", family.id, None))
 
 
 def _check_robot(robot: Robot, record: dict[str, Any]) -> None:
@@ -315,25 +315,25 @@ def _check_pin(robot: Robot, family: Family, pin: Pin, where: str, tolerance: fl
         (pin.joint == joint.name, "the joint has another name", f"{where}.joint", pin.joint, joint.name),
         (near, "the witness is at none of the values", f"{where}.values", at_witness, None),
     )
-    own = [equation for equation in family.equations if equation.joints == (pin.number,)]
+    equations = [equation for equation in family.equations if equation.joints == (pin.number,)]
     for value in pin.values:
         q = np.array(family.witness)
         q[pin.number - 1] = value
-        satisfied = all(abs(float(equation(q))) <= tolerance for equation in own)
+        satisfied = all(abs(float(equation(q))) <= tolerance for equation in equations)
         require((satisfied, "the value does not satisfy the equations", f"{where}.values", value, None))
 
 
 def _check_speeds(analysis: _Analysed, ids: Sequence[str]) -> None:
     """Distances that keep a speed are of families of the analysis, around a posture of its arm."""
-    told = analysis.speeds
-    if told is None:
+    speeds = analysis.speeds
+    if speeds is None:
         return
-    named = [*(speed.family for speed in told.distances), *told.others]
+    named = [*(speed.family for speed in speeds.distances), *speeds.others]
     require(
         (set(named) <= set(ids), "a distance is of no family of the analysis", "$.speeds", ", ".join(named),
          ", ".join(ids)),
-        (len(told.around) == analysis.robot.n, "the posture has another number of joints", "$.speeds.around",
-         len(told.around), analysis.robot.n),
+        (len(speeds.around) == analysis.robot.n, "the posture has another number of joints", "$.speeds.around",
+         len(speeds.around), analysis.robot.n),
     )  # fmt: skip
 
 

@@ -544,13 +544,13 @@ def _pose_squared(pose: Array, unit: float, angle: float, length: float = 0.0) -
 
 def _screw_squared(joint: Joint, before: _Frame, after: _Frame, unit: float, angle: float) -> Array:
     """The screw in the frame of whichever link's origin is nearer to the axis, made exact there, back in the base."""
-    own = [_line_in(joint, old) for old, _, _ in (after, before)]
-    if norm(own[0][1]) <= norm(own[1][1]) + NOTHING * unit:
+    lines = [_line_in(joint, old) for old, _, _ in (after, before)]
+    if norm(lines[0][1]) <= norm(lines[1][1]) + NOTHING * unit:
         use = 0
     else:
         use = 1
     _, frame, far = (after, before)[use]
-    direction, point = own[use]
+    direction, point = lines[use]
     axis = times(frame[:3, :3], exact_direction(direction, 0.0 if far else angle))
     return screw_of(joint.kind, axis, times(frame[:3, :3], tidy(point, unit)) + frame[:3, 3], joint.pitch)
 
@@ -569,11 +569,11 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     unit = _unit(robot)
     lines = axis_lines(robot, length=length)
     normals = common_normals(robot, lines, angle=angle, length=length)
-    made = [_exact(section, unit, angle, length) for section in section_numbers(lines, normals)]
-    made = _cancel_offsets(made, [joint.slides for joint in robot.joints], length)
+    sections = [_exact(section, unit, angle, length) for section in section_numbers(lines, normals)]
+    sections = _cancel_offsets(sections, [joint.slides for joint in robot.joints], length)
     pose = _pose_squared(frame_at(normals[0][0], lines[0][0], normals[0][2]), unit, angle)
     joints = []
-    for i, (joint, numbers) in enumerate(zip(robot.joints, made, strict=True)):
+    for i, (joint, numbers) in enumerate(zip(robot.joints, sections, strict=True)):
         pose = times(pose, rotation("z", numbers.phase), translation(0.0, 0.0, numbers.d))
         after = frame_at(normals[i + 1][0], lines[i][0], normals[i + 1][1])
         frame = times(pose, _pose_squared(times(inverse(after), joint.frame), unit, angle, length))
@@ -594,9 +594,9 @@ def _exact(given: Numbers, unit: float, angle: float, length: float) -> Numbers:
     return Numbers(phase, d, a, exact_angle(given.twist, angle))
 
 
-def _cancel_offsets(made: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
+def _cancel_offsets(sections: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
     """Offsets along parallel axes add up; where they cancel but for `length`, they cancel exactly."""
-    remaining = list(made)
+    remaining = list(sections)
     for run in parallel_runs(remaining):
         if run[0] == 0 or run[-1] == len(remaining) - 1 or any(slides[k] for k in run):
             continue  # no normal before the first axis and after the last; the offset of a slide is a variable

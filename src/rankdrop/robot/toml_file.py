@@ -248,9 +248,9 @@ def _screw_columns(joints: list[dict[str, Any]], order: str | None, place: Place
             parts = _from_axis(joint, where)
         name = joint_name(joint, i + 1, where)
         for number, (kind, screw, ending) in enumerate(parts):
-            own = {"screws": screw, "kinds": kind, "names": name + ending}
-            own |= limits(_part(joint, number, len(parts), where), kind, where)
-            for key, value in own.items():
+            entries = {"screws": screw, "kinds": kind, "names": name + ending}
+            entries |= limits(_part(joint, number, len(parts), where), kind, where)
+            for key, value in entries.items():
                 columns[key].append(value)
     return columns
 
@@ -335,7 +335,7 @@ def _part(joint: dict[str, Any], part: int, count: int, where: Where) -> dict[st
     """The limits of one simple joint of a compound one, which gives them as lists."""
     if count == 1:
         return joint
-    own: dict[str, Any] = {}
+    limits_of_part: dict[str, Any] = {}
     for key in ("lower", "upper", "velocity"):
         if key in joint:
             if not isinstance(joint[key], list) or len(joint[key]) != count:
@@ -343,8 +343,8 @@ def _part(joint: dict[str, Any], part: int, count: int, where: Where) -> dict[st
                     f"{key} of a compound joint is a list", where=where(key), got=repr(joint[key]),
                     allowed=f"{count} values, one per simple joint",
                 )
-            own[key] = joint[key][part]
-    return own
+            limits_of_part[key] = joint[key][part]
+    return limits_of_part
 
 
 def _pose(table: Any, where: Where, angles: Angles) -> Array:

@@ -191,9 +191,9 @@ def compared_sentence(names: Sequence[str], task: str, best: Mapping[str, Sequen
         >>> compared_sentence(["ur5", "gp7"], "pose", {"largest σ": ["ur5"]})
         'ur5 has the largest σ, for task pose.'
     """
-    told = [f"{listing(arms)} {'has' if len(arms) == 1 else 'have'} the {measure}"
+    advantages = [f"{listing(arms)} {'has' if len(arms) == 1 else 'have'} the {measure}"
             for measure, arms in best.items() if 0 < len(arms) < len(names)]  # fmt: skip
-    differences = "; ".join(told) or f"{listing(names)} do not differ within the error"
+    differences = "; ".join(advantages) or f"{listing(names)} do not differ within the error"
     return f"{differences}, for task {task}."
 
 
@@ -295,11 +295,11 @@ def slow_poses_note(speed: float, width: float) -> str:
 
 def speed_section(analysis: Any) -> Section | None:
     """From which distance of a family the tool keeps a speed: one line per family, and where it is proven."""
-    told = analysis.speeds
-    if told is None:
+    speeds = analysis.speeds
+    if speeds is None:
         return None
     names = {family.id: family_label(analysis.robot, analysis.task, family) for family in analysis.families}
-    pace = f"{1000 * told.tool_speed:.4g} mm/s"
+    pace = f"{1000 * speeds.tool_speed:.4g} mm/s"
     if analysis.slow is None:
         lines: tuple[str, ...] = ()
     else:
@@ -312,31 +312,31 @@ def speed_section(analysis: Any) -> Section | None:
             _proven_distance(distance),
             _slower(distance),
         )
-        for distance in told.distances
+        for distance in speeds.distances
     ]
     return Section(
         f"Speed {pace}", "how far the arm has to stay from each family",
         columns=("", "family", "joints", f"keeps {pace} from", "slower found"), rows=tuple(rows), lines=lines,
-        texts=(0, 1, 2, 3, 4), notes=tuple(_speed_notes(analysis.robot, told, names)),
+        texts=(0, 1, 2, 3, 4), notes=tuple(_speed_notes(analysis.robot, speeds, names)),
     )  # fmt: skip
 
 
-def _speed_notes(robot: Robot, told: Any, names: Mapping[str, str]) -> Iterator[str]:
+def _speed_notes(robot: Robot, speeds: Any, names: Mapping[str, str]) -> Iterator[str]:
     """For which motions and configurations the distances hold, and of which families there are none."""
-    middle = degrees_text(told.around, (joint.unit for joint in robot.variables))
+    middle = degrees_text(speeds.around, (joint.unit for joint in robot.variables))
     yield "every straight motion of the tool, in any direction and without turning, at the joints' rate limits"
     yield (
-        f"proven by intervals for every configuration inside the joint limits and within {degrees(told.span):.3g}° of "
-        f"{middle} in each joint"
+        "proven by intervals for every configuration inside the joint limits and within "
+        f"{degrees(speeds.span):.3g}° of {middle} in each joint"
     )
-    if told.free:
-        free = ", ".join(map(str, told.free))
-        yield f"joint{'s' if len(told.free) > 1 else ''} {free}: any value, the speed does not depend on it"
-    if any(distance.spent for distance in told.distances):
+    if speeds.free:
+        free = ", ".join(map(str, speeds.free))
+        yield f"joint{'s' if len(speeds.free) > 1 else ''} {free}: any value, the speed does not depend on it"
+    if any(distance.spent for distance in speeds.distances):
         yield "≤: the boxes allowed were spent, a smaller distance may hold"
-    yield from _measure_notes(told.distances)
-    if told.others:
-        others = ", ".join(f"{names.get(other, '')} ({other})" for other in told.others)
+    yield from _measure_notes(speeds.distances)
+    if speeds.others:
+        others = ", ".join(f"{names.get(other, '')} ({other})" for other in speeds.others)
         yield f"{others}: nothing proven, as no single distance measures several conditions on joints, or slides"
 
 

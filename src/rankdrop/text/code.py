@@ -310,22 +310,22 @@ class Code:
 
     def _latex_meanings(self, formulas: Iterable[str]) -> list[str]:
         """The lengths, the angles that are shifted, and, where the formulas have them, what s and c stand for."""
-        told = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
-        told += [rf"\theta_{{{j}}} = q_{{{j}}} {_shift_latex(shift)}" for j, shift in self._joint_shifts()]
+        meanings = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
+        meanings += [rf"\theta_{{{j}}} = q_{{{j}}} {_shift_latex(shift)}" for j, shift in self._joint_shifts()]
         if any(re.search(r"\b[sc]_", formula) for formula in formulas):
-            told += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
-        return told
+            meanings += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
+        return meanings
 
     def _latex_rows(self) -> tuple[list[str], list[str]]:
         """(rows of the table, conditions that are too long for it)."""
         rows: list[str] = []
         long: list[str] = []
         for family in self.families:
-            told = [f"${condition.latex()}$" for condition in _conditions_of(family)]
-            if sum(map(len, told)) > _LONG_CELL:
-                long.append(rf"\par\smallskip\noindent {family.id}: {'; '.join(told)}\par")
-                told = ["see below"]
-            shown = r"; \newline ".join(told)
+            formulas = [f"${condition.latex()}$" for condition in _conditions_of(family)]
+            if sum(map(len, formulas)) > _LONG_CELL:
+                long.append(rf"\par\smallskip\noindent {family.id}: {'; '.join(formulas)}\par")
+                formulas = ["see below"]
+            shown = r"; \newline ".join(formulas)
             cells = (family.id, rf"\raggedright {as_text(family.name)}", str(family.corank), rf"\raggedright {shown}")
             rows.append(" & ".join(cells) + r" \tabularnewline")
         return rows, long

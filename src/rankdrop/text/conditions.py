@@ -278,8 +278,8 @@ def _family(family: Family, robot: Robot) -> Iterator[str]:
     lines, exact = [*condition_lines(family)], exact_of(family)
     shifted = {pin.joint for pin in exact.pins if exact.shifts[pin.joint - 1]}
     if shifted:
-        own = [pin for pin in family.pinned if pin.number in shifted]
-        values = (f"q{pin.number} = {values_in_degrees(robot, pin.number, pin.values)}" for pin in own)
+        shifted_pins = [pin for pin in family.pinned if pin.number in shifted]
+        values = (f"q{pin.number} = {values_in_degrees(robot, pin.number, pin.values)}" for pin in shifted_pins)
         lines.append(f"the joint's own value: {'; '.join(values)}")
     if exact.reality:
         lines += [f"{exact.reality}; here it is"]
@@ -352,14 +352,14 @@ def _underived_lines(texts: Sequence[str], *, special: bool) -> Iterator[str]:
 
 def _holds(assumption: Assumption, conditions: Any) -> str:
     if assumption.holds:
-        here = "true here"
+        truth = "true here"
     else:
-        here = "NOT true here"
+        truth = "NOT true here"
     equal = assumption.equal
     if equal is None or not {equal.length, equal.other} <= set(conditions.letters):
-        return here
+        return truth
     values = (conditions.letters[equal.length], equal.sign * conditions.letters[equal.other])
-    return f"{here}: {_number(values[0])} {'≠' if assumption.holds else '='} {_number(values[1])}"
+    return f"{truth}: {_number(values[0])} {'≠' if assumption.holds else '='} {_number(values[1])}"
 
 
 def special_sentence(assumption: Assumption) -> str:

@@ -202,16 +202,16 @@ def _families(designs: Any) -> Iterator[Section]:
     common = structures[0]
     rows = []
     for number, structure in enumerate(structures[:SHOWN], 1):
-        told = "\n".join(structure.keys)
+        keys = "\n".join(structure.keys)
         if number > 1:
-            told = _difference(common, structure)
+            keys = _difference(common, structure)
         ends = zip(designs.parameters, structure.ranges, strict=True)
         where = ", ".join(f"{p.name} {parameter_text(low, p)} … {parameter_text(high, p)}" for p, (low, high) in ends)
-        rows.append((str(number), f"{len(structure.variants):,}", told, where))
+        rows.append((str(number), f"{len(structure.variants):,}", keys, where))
     more = _not_shown(len(structures) - SHOWN, "more")
-    told = "the commonest first; the others by what they have more (+) and less (−)"
+    about = "the commonest first; the others by what they have more (+) and less (−)"
     columns = ("", "variants", "families", "within")
-    yield Section("Sets of families", told, columns=columns, rows=tuple(rows), texts=(2, 3), after=more)
+    yield Section("Sets of families", about, columns=columns, rows=tuple(rows), texts=(2, 3), after=more)
     if designs.changes:
         yield _changes_section(designs)
     if designs.exact:
@@ -242,7 +242,7 @@ def _changes_section(designs: Any) -> Section:
 
 
 def _brackets_words(designs: Any, places: Sequence[Any]) -> str:
-    told = []
+    bracketed = []
     for parameter in designs.parameters:
         mine = [place for place in places if place.parameter == parameter.name]
         brackets = sorted({(min(p.low, p.high), max(p.low, p.high)) for p in mine})
@@ -252,22 +252,22 @@ def _brackets_words(designs: Any, places: Sequence[Any]) -> str:
             )
             if len(brackets) > 3:
                 words += " …"
-            told.append(f"{parameter.name}: {words}")
-    if not told and places:
-        told = [f"variants {places[0].first + 1} and {places[0].second + 1}"]
-    return "; ".join(told)
+            bracketed.append(f"{parameter.name}: {words}")
+    if not bracketed and places:
+        bracketed = [f"variants {places[0].first + 1} and {places[0].second + 1}"]
+    return "; ".join(bracketed)
 
 
 def _exact(designs: Any) -> Section:
     rows = []
     for derived in designs.exact:
         letters = ", ".join(f"{name} = {value:.4g}" for name, value in derived["letters"].items()).replace("-", "−")
-        told = [("; ".join(family["conditions"]), family["real"]) for family in derived["families"] if family["real"]]
-        told += [(text, "no") for text in derived["not_real"]]
-        if not told:
+        sets = [("; ".join(family["conditions"]), family["real"]) for family in derived["families"] if family["real"]]
+        sets += [(text, "no") for text in derived["not_real"]]
+        if not sets:
             families = count(len(derived["families"]), "family", "families")
-            told = [(families, "for all lengths of these signs")]
-        for k, (what, real) in enumerate(told):
+            sets = [(families, "for all lengths of these signs")]
+        for k, (what, real) in enumerate(sets):
             head = ("", "")
             if k == 0:
                 head = (str(derived["variant"]), letters)
@@ -495,10 +495,10 @@ def _arm(name: str, about: str, record: Mapping[str, Any]) -> Section:
         lines.append(f"σ over the region is smallest at ({at}) m: {record['region']['sigma']:.4g}".replace("-", "−"))
     for path in record.get("paths", []):
         if path["sigma"] is None:
-            told = f": {path['why']}"
+            detail = f": {path['why']}"
         else:
-            told = f", smallest σ {path['sigma']:.4g}"
-        lines.append(f"{path['name']}: {path['verdict']}{told}")
+            detail = f", smallest σ {path['sigma']:.4g}"
+        lines.append(f"{path['name']}: {path['verdict']}{detail}")
     columns: tuple[str, ...] = ()
     if rows:
         columns = ("corank", "family", "dim", "near")

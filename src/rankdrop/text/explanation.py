@@ -100,13 +100,13 @@ def _never_lines(explanation: Explanation) -> Iterator[str]:
         return
     other = pointing_task(robot, task)
     if other is not None:
-        here = configuration_at(robot, explanation.q, other, explanation.here.tolerances).measured
-        if here.corank:
+        measured = configuration_at(robot, explanation.q, other, explanation.here.tolerances).measured
+        if measured.corank:
             verdict = "singular"
         else:
             verdict = "regular"
         asked = advise("task", other.name)
-        words = POINTING_HERE.format(task=asked, verdict=verdict, rank=here.rank, r=here.generic_rank)
+        words = POINTING_HERE.format(task=asked, verdict=verdict, rank=measured.rank, r=measured.generic_rank)
         yield f"{NEVER_TURNS.format(robot.n)}. {words}."
     elif len(explanation.lost.never) and explanation.cause != Cause.NEVER:
         motions = motions_words(explanation.lost.never.tolist())
@@ -120,10 +120,10 @@ def _position_lines(explanation: Explanation) -> Iterator[str]:
     if robot.n != _FOUR or task.m != _POSE_ROWS:
         return
     place = replace(resolve_task("position", robot, frame=task.frame), length_scale=task.length_scale)
-    here = configuration_at(robot, explanation.q, place, explanation.here.tolerances).measured
-    if here.corank and not explanation.rank.corank:
+    measured = configuration_at(robot, explanation.q, place, explanation.here.tolerances).measured
+    if measured.corank and not explanation.rank.corank:
         asked = advise("task", place.name)
-        yield f"For position alone ({asked}) it is singular here, rank {here.rank} of {here.generic_rank}."
+        yield f"For position alone ({asked}) it is singular here, rank {measured.rank} of {measured.generic_rank}."
 
 
 _FOUR, _POSE_ROWS = 4, 6
@@ -228,12 +228,12 @@ def _list_line(head: str, items: Iterable[str]) -> tuple[str, ...]:
 
 def _family_section(explanation: Explanation, full: bool) -> Iterator[Section]:
     met, notes = explanation.met, tuple[str, ...]()
-    own = [incidence for incidence in met if incidence.family.corank == met[0].family.corank]
+    same_corank = [incidence for incidence in met if incidence.family.corank == met[0].family.corank]
     lines: list[str] = []
-    for incidence in own[: None if full else 2]:
+    for incidence in same_corank[: None if full else 2]:
         lines += _family_lines(explanation, incidence, full)
     if full:
-        lines += _list_line("lies on", (incidence.family.name for incidence in met if incidence not in own))
+        lines += _list_line("lies on", (incidence.family.name for incidence in met if incidence not in same_corank))
         lines += _list_line("here", (relation.words for relation in explanation.relations if not relation.structural))
         structural = (relation.words for relation in explanation.relations if relation.structural)
         notes = _list_line("at every configuration", structural)

@@ -83,15 +83,15 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
     short = [condition for condition in conditions if len(condition.text) <= LONGEST]
     long = [condition for condition in conditions if len(condition.text) > LONGEST]
     pins = ((pin.number, values_in_degrees(robot, pin.number, pin.values)) for pin in family.pinned)
-    told = [f"{joint_symbols(robot)[number - 1]} = {values}" for number, values in pins]
-    told += (condition.text for condition in short)
+    sentences = [f"{joint_symbols(robot)[number - 1]} = {values}" for number, values in pins]
+    sentences += (condition.text for condition in short)
     named = frozenset[str]().union(*(condition.letters for condition in short))
     lengths = [f"{name} = {value:.6g} m".replace("-", "−") for name, value in letters.items() if name in named]
     if lengths:
-        told[-1] += f", {', '.join(lengths)}"
+        sentences[-1] += f", {', '.join(lengths)}"
     if long:
-        told.append(_long_words(long, exact=written is not None))
-    return tuple(told)
+        sentences.append(_long_words(long, exact=written is not None))
+    return tuple(sentences)
 
 
 def local_conditions(family: Family) -> tuple[str, ...]:
@@ -111,12 +111,12 @@ def _local_condition_words(family: Family, local: LocalConditions) -> tuple[str,
         return ("an isolated singular configuration",)
     if not family.named:
         return ("no condition found around it",)
-    told = [_pin_words(pin, family.slides) for pin in family.pinned]
-    told += [_relation_words(multiples, value) for multiples, value in local.relations]
-    told += [f"{equation.pretty()} = 0" for equation in local.residual]
+    conditions = [_pin_words(pin, family.slides) for pin in family.pinned]
+    conditions += [_relation_words(multiples, value) for multiples, value in local.relations]
+    conditions += [f"{equation.pretty()} = 0" for equation in local.residual]
     if not local.complete:
-        told.append(f"coupled: joints {listing([str(number) for number in family.coupled])}")
-    return tuple(told)
+        conditions.append(f"coupled: joints {listing([str(number) for number in family.coupled])}")
+    return tuple(conditions)
 
 
 def _pin_words(pin: Pin, slides: tuple[int, ...]) -> str:

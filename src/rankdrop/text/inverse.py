@@ -111,13 +111,13 @@ def _continua_words(inverse: Any) -> str:
     """The self-motions: "3 self-motion curves (dimension 1): infinitely many solutions"."""
     words = []
     for dimension in sorted({continuum.dimension for continuum in inverse.continua}):
-        some = [continuum for continuum in inverse.continua if continuum.dimension == dimension]
+        continua = [continuum for continuum in inverse.continua if continuum.dimension == dimension]
         kind = _SHAPES.get(dimension, "set")
         if dimension == 1:
-            count = f"{'at least ' if inverse.more else ''}{len(some)} self-motion {plural(kind, len(some))}"
+            count = f"{'at least ' if inverse.more else ''}{len(continua)} self-motion {plural(kind, len(continua))}"
         else:
             count = f"at least one self-motion {kind}"
-        words.append(f"{count} (dimension {dimension}{_all_singular(some)})")
+        words.append(f"{count} (dimension {dimension}{_all_singular(continua)})")
     return f"infinitely many solutions: {' and '.join(words)}"
 
 
@@ -252,9 +252,9 @@ def _cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:
         yield _fixed_point(degrees(value), 2) if deg and joint.unit == "rad" else _fixed_point(value, 4)
 
 
-def _turning(task: Task, wanted: Array, made: Array) -> str:
+def _turning(task: Task, wanted: Array, reached: Array) -> str:
     """About which axis of the base: "yaw", or "turning about (0.10, 0.99, 0.00)"."""
-    vector = _needed_turn(task, wanted[:3, :3], made[:3, :3])
+    vector = _needed_turn(task, wanted[:3, :3], reached[:3, :3])
     axis = vector / max(float(np.linalg.norm(vector)), 1e-300)
     large = np.flatnonzero(np.abs(axis) > _AXIS)
     if len(large) == 1:
@@ -262,27 +262,27 @@ def _turning(task: Task, wanted: Array, made: Array) -> str:
     return f"turning about ({', '.join(_fixed_point(x, 2) for x in axis)})"
 
 
-def _needed_turn(task: Task, wanted: Array, made: Array) -> Array:
+def _needed_turn(task: Task, wanted: Array, reached: Array) -> Array:
     """(3,) along the axis in the base of the least turn from `wanted` to what the task asks of `made` (3, 3).
 
     A task that wants two turns leaves one axis a free. Of the tool: the turn carries R* a to R a. Of the base: it
     carries R* Rᵀ a to a. A task that wants one turn asks for the turn about its axis alone.
     """
     turns = [row - 3 for row in task.rows if row >= 3]
-    whole = rotation_vector(made @ wanted.T)
+    whole = rotation_vector(reached @ wanted.T)
     of_tool = task.frame.axes != BASE
     if len(turns) == 3:
         return whole
     if len(turns) == 1:
         axis = np.eye(3)[turns[0]]
         if of_tool:
-            axis = made @ axis
+            axis = reached @ axis
         return np.asarray(axis * np.sign(axis @ whole))
     (free,) = {0, 1, 2} - set(turns)
     if of_tool:
-        return np.cross(wanted[:, free], made[:, free])
+        return np.cross(wanted[:, free], reached[:, free])
     axis = np.eye(3)[free]
-    return np.cross(wanted @ made.T @ axis, axis)
+    return np.cross(wanted @ reached.T @ axis, axis)
 
 
 def inverse_sections(inverse: Any, *, deg: bool) -> tuple[Section, ...]:

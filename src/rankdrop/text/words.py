@@ -251,11 +251,11 @@ def joint_word(number: int, name: str) -> str:
 
 def listing(words: Iterable[str]) -> str:
     """ "shoulder, elbow and wrist"."""
-    some = list(words)
-    head = ", ".join(some[:-1])
+    listed = list(words)
+    head = ", ".join(listed[:-1])
     if head:
-        return f"{head} and {some[-1]}"
-    return "".join(some)
+        return f"{head} and {listed[-1]}"
+    return "".join(listed)
 
 
 def plural(word: str, count: int) -> str:
@@ -429,11 +429,11 @@ def _self_motion_section(tolerant: Tolerant, self_motions: SelfMotions) -> Secti
     measure = f"σ{tolerant.generic_rank} left" + " / σ1" * tolerant.relative
     units = [joint.unit for joint in tolerant.robot.variables]
     where = " inside the joint limits" * tolerant.limits
-    here = degrees_text(self_motions.q, units)
+    asked = degrees_text(self_motions.q, units)
     best = degrees_text(self_motions.best, units)
     lines = (
         locked_sentence(self_motions),
-        f"Worst failure at this pose: {measure} = {short(self_motions.value)} at {here}, "
+        f"Worst failure at this pose: {measure} = {short(self_motions.value)} at {asked}, "
         f"at best {short(self_motions.best_value)} at {best}, at worst {short(self_motions.least_value)}.",
     )
     rows = tuple(

@@ -223,14 +223,14 @@ def analyze(
     resolved = resolve_task(task, robot, length_scale=length_scale)
     region = _region(robot, resolved, how)
     report = progress or _silent
-    own = in_units(robot), task_in_units(resolved, robot)  # in the unit of length that is the arm's own
-    rank = generic_rank(*own)
+    scaled = in_units(robot), task_in_units(resolved, robot)  # in the unit of length that is the arm's own
+    rank = generic_rank(*scaled)
     derived, derivation, known = _derived_families(robot, resolved, how, report)
     starts = _starts(how, derived)
     tables: list[CorankFamilies] = []
     complete = derivation is None or not derivation.interrupted
     if complete:
-        tables, complete = _finish_tables(_tables(*own, rank, known, how, starts, tolerances, report))
+        tables, complete = _finish_tables(_tables(*scaled, rank, known, how, starts, tolerances, report))
     rows = _list_families(robot, resolved, tables)
     near = None
     if complete:
@@ -422,12 +422,12 @@ def _tables(
         )  # fmt: skip
         if not cloud.complete:
             raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
-        made = families(
+        found = families(
             cloud, known=known.get(corank), seed=how.seed, threads=how.threads,
             progress=partial(report, f"corank {corank}: families"),
         )  # fmt: skip
-        yield made
-        if made.summary.converged == 0 and not any(families_of for at, families_of in known.items() if at > corank):
+        yield found
+        if found.summary.converged == 0 and not any(families_of for at, families_of in known.items() if at > corank):
             return
 
 

@@ -116,8 +116,8 @@ def cover(
     if not finished.complete or not how.explain:
         return Covered(robot, resolved, finished, None)
     if source == "on the spot":
-        made = analyze(robot, resolved, starts=_STARTS, limits=False, threads=how.threads)
-        families, source = made.families, "made here"
+        analysed = analyze(robot, resolved, starts=_STARTS, limits=False, threads=how.threads)
+        families, source = analysed.families, "made here"
     families = tuple(family for family in families if family.corank >= finished.plan.corank)
     account = _account(finished, robot, resolved, families, source, how.threads, tell)
     return Covered(robot, resolved, finished, account)
@@ -149,11 +149,11 @@ def _read_or_make(
     folder = None if out is None else _parts_of(out)
     if _is_quick(plan) and engine.scheduler is None:
         engine = HERE
-    made = covering(robot, task, plan, folder, budget, engine, tell)
-    if made.complete and out is not None and folder is not None:
-        write_covering(out, made)
+    result = covering(robot, task, plan, folder, budget, engine, tell)
+    if result.complete and out is not None and folder is not None:
+        write_covering(out, result)
         shutil.rmtree(folder, ignore_errors=True)
-    return made
+    return result
 
 
 def _finished_covering(out: Path, plan: Plan) -> Covering | None:
@@ -195,8 +195,8 @@ def covering(
             raise BudgetSpent
 
     record = robot_to_dict(robot, task, plan.rank)
-    told = {"robot": record, "length_scale": task.length_scale, "covering": plan.entries()}
-    job = Job("covering", "rankdrop.verbs.covering:part", told, count, shape.trees, ".boxes")
+    job_plan = {"robot": record, "length_scale": task.length_scale, "covering": plan.entries()}
+    job = Job("covering", "rankdrop.verbs.covering:part", job_plan, count, shape.trees, ".boxes")
     try:
         for _ in finish(job, engine, folder=folder, each=each, report=lambda done, total: tell(label, done, total)):
             pass
@@ -218,13 +218,13 @@ def _paid(job: Job, batches: dict[int, Batch], plan: Plan, budget: int) -> dict[
     paid: dict[int, Batch] = {}
     for chunk in range(job.chunks):
         if chunk in batches:
-            made = batches[chunk]
+            batch = batches[chunk]
         else:
-            made = batch_from_bytes(part(job.plan, chunk), plan.shape)
-        budget -= _cost(plan, made)
+            batch = batch_from_bytes(part(job.plan, chunk), plan.shape)
+        budget -= _cost(plan, batch)
         if budget < 0:
             break
-        paid[chunk] = made
+        paid[chunk] = batch
     return paid
 
 

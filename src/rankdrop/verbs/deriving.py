@@ -114,8 +114,8 @@ def derive_conditions(
         )
     first = _unless_interrupted(
         work, left, Phase.METHOD,
-        lambda own: corank_one(
-            chain, asked.method, tree, derived, own, chosen=(basic, asked.frame), highest=asked.coranks
+        lambda phase_work: corank_one(
+            chain, asked.method, tree, derived, phase_work, chosen=(basic, asked.frame), highest=asked.coranks
         ),
         CorankOne("tree", MethodReason(interrupted=True), None, (_not_run(Phase.METHOD),)),
     )  # fmt: skip
@@ -127,7 +127,9 @@ def derive_conditions(
         steps = _unless_interrupted(work, left, Phase.STEPS, lambda _: every_step(chain, first), ())
     determinants: Determinants | None = None
     if asked.steps:
-        determinants = _unless_interrupted(work, left, Phase.DETERMINANT, lambda own: determinants_of(chain, own), None)
+        determinants = _unless_interrupted(
+            work, left, Phase.DETERMINANT, lambda phase_work: determinants_of(chain, phase_work), None
+        )
     unmet: list[UnrealSet] = []
     unmet = _guard(
         Phase.POINTS,
@@ -247,12 +249,12 @@ def _with_equal_lengths(chain: Chain, lowest: int, work: Work) -> _Derived | Non
     special = with_equal_lengths(chain)
     if special is None:
         return None
-    again = work.restarted()
-    with again.share(_LETTERS):
-        tree = rank_tree(special, again, lowest=lowest, unwanted=_turns_out_broken(special, again))
-    if not tree.is_finished or _broken(special, again) or splits(special, tree):
+    restarted = work.restarted()
+    with restarted.share(_LETTERS):
+        tree = rank_tree(special, restarted, lowest=lowest, unwanted=_turns_out_broken(special, restarted))
+    if not tree.is_finished or _broken(special, restarted) or splits(special, tree):
         return None
-    return special, tree, again, (DerivationRemark(RemarkOn.ONE_LETTER, equal=_equal_lengths(chain, special)),)
+    return special, tree, restarted, (DerivationRemark(RemarkOn.ONE_LETTER, equal=_equal_lengths(chain, special)),)
 
 
 def _equal_lengths(chain: Chain, special: Chain) -> tuple[EqualLengths, ...]:
@@ -289,26 +291,26 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> _Derived:
 
 def _without_letters(chain: Chain, lowest: int, broken: Sequence[DerivationRemark], work: Work) -> _Derived:
     """The rank tree with numbers, since conditions with letters do not hold for these lengths."""
-    plain, other, again = _with_numbers(chain, lowest, work)
-    return plain, other, again, tuple(broken)
+    plain, other, restarted = _with_numbers(chain, lowest, work)
+    return plain, other, restarted, tuple(broken)
 
 
 def _with_numbers(chain: Chain, lowest: int, work: Work) -> tuple[Chain, Tree, Work]:
     """The chain with numbers for all lengths, its rank tree, and the work that is left."""
-    plain, again = replace(chain, letters={}, written={}), work.restarted()
-    with again.share(_TREE):
-        return plain, rank_tree(plain, again, lowest=lowest), again
+    plain, restarted = replace(chain, letters={}, written={}), work.restarted()
+    with restarted.share(_TREE):
+        return plain, rank_tree(plain, restarted, lowest=lowest), restarted
 
 
 def _decided_by_numbers(chain: Chain, tree: Tree, lowest: int, *, optional: bool, work: Work) -> _Derived:
     """The rank tree with numbers where it decides more than the one with letters, else the latter."""
-    plain, other, again = _with_numbers(chain, lowest, work)
+    plain, other, restarted = _with_numbers(chain, lowest, work)
     if decided_by_numbers(chain, tree, other):
         return chain, replace(tree, unresolved=[], cases=[]), work, ()  # what letters leave over is not there
-    remark = _why_numbers(tree, other, again, optional=optional)
+    remark = _why_numbers(tree, other, restarted, optional=optional)
     if remark is None:
         return chain, tree, work, ()
-    return plain, other, again, (remark,)
+    return plain, other, restarted, (remark,)
 
 
 def _leaves_over(tree: Tree, *, optional: bool) -> bool:
@@ -318,10 +320,10 @@ def _leaves_over(tree: Tree, *, optional: bool) -> bool:
     return optional
 
 
-def _why_numbers(tree: Tree, other: Tree, again: Work, *, optional: bool) -> DerivationRemark | None:
+def _why_numbers(tree: Tree, other: Tree, restarted: Work, *, optional: bool) -> DerivationRemark | None:
     """Why the tree with numbers, `other`, replaces the one with letters; None where it does not."""
     if not tree.complete and optional:
-        if not other.complete and not again.interrupted:
+        if not other.complete and not restarted.interrupted:
             return None
         return DerivationRemark(RemarkOn.LONGER_WITH_LETTERS)
     if not optional or not other.is_finished:
@@ -414,9 +416,9 @@ def _unless_interrupted(
     """What is made with a share of the work that is left; `otherwise` where it fails or the user has asked to stop."""
     if not work.interrupted:
         work.show(PHASES[phase], 0, 1)
-        own = Work(max(_SHARE * work.remaining, 0.1), work.seed)
+        phase_work = Work(max(_SHARE * work.remaining, 0.1), work.seed)
         try:
-            return _guard(phase, lambda: make(own), otherwise, left)
+            return _guard(phase, lambda: make(phase_work), otherwise, left)
         except KeyboardInterrupt:
             work.interrupt()
     return otherwise
@@ -644,9 +646,9 @@ def _is_settled(
         return last
     corank = tree.generic_rank - rank
     for k in sorted(set(corank[low].tolist())):
-        here = q[low & (corank == k)]
+        points = q[low & (corank == k)]
         known = [_own_equations(chain, family) for family in families if family.corank >= k]
-        _, over = count_explained(Cloud(chain.own, chain.own_task, here, np.full(len(here), k)), known)
+        _, over = count_explained(Cloud(chain.own, chain.own_task, points, np.full(len(points), k)), known)
         if len(over):
             return False
     return bool(low.all()) or last

@@ -248,11 +248,11 @@ class _Uploads(dict[str, Any]):
         self._say = say
 
     def __setitem__(self, key: str, state: Any) -> None:
-        told = [message["total_bytes"] for message in (*self.values(), state)]
+        sizes = [message["total_bytes"] for message in (*self.values(), state)]
         parts = state["part_count"]
-        if not all(isinstance(size, int) and size >= 0 for size in (*told, parts)) or len(told) > MOST_CLIENTS:
+        if not all(isinstance(size, int) and size >= 0 for size in (*sizes, parts)) or len(sizes) > MOST_CLIENTS:
             return
-        if sum(told) > LARGEST_UPLOAD or parts > max(1, state["total_bytes"]):
+        if sum(sizes) > LARGEST_UPLOAD or parts > max(1, state["total_bytes"]):
             self._say(f"the file is too large to be opened; allowed: at most {LARGEST_UPLOAD // 2**20} MB")
             return
         super().__setitem__(key, {**state, "parts": _Parts(state["total_bytes"])})
@@ -372,9 +372,9 @@ def _label(response: Any) -> None:
 
 def _set_security_headers(headers: Any, cookie: str | None) -> None:
     """No other page may frame this one, and nothing is loaded from elsewhere."""
-    own = "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; connect-src 'self' ws: data: blob:; "
+    sources = "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; connect-src 'self' ws: data: blob:; "
     headers.update({"X-Frame-Options": "DENY", "Referrer-Policy": "no-referrer", "Cache-Control": "no-store",
-                    "Content-Security-Policy": f"{own}frame-ancestors 'none'"})  # fmt: skip
+                    "Content-Security-Policy": f"{sources}frame-ancestors 'none'"})  # fmt: skip
     if cookie is not None:
         headers["Set-Cookie"] = cookie
 

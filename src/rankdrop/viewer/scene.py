@@ -59,7 +59,7 @@ def body_of(robot: Robot) -> Body:
     into = [np.linalg.inv(frame) for frame in (np.eye(4), *(joint.frame for joint in robot.joints))]
     points, middles = skeleton(robot)
     ends = [np.zeros(3), *points, robot.home[:3, 3]]
-    own = {joint.name: number for number, joint in enumerate(robot.variables, start=1)}
+    numbers = {joint.name: number for number, joint in enumerate(robot.variables, start=1)}
     links = tuple(
         Bar(link, carry_points(into[link], start), carry_points(into[link], end), thin)
         for link, (start, end) in enumerate(pairwise(ends)) if np.linalg.norm(end - start) > _SHORT * size
@@ -68,7 +68,7 @@ def body_of(robot: Robot) -> Body:
     for number, (joint, point, middle) in enumerate(zip(robot.joints, points, middles, strict=True), start=1):
         slides = joint.kind is JointKind.PRISMATIC
         half = _HALF * thin * (joint.screw[:3] if slides else joint.screw[3:])
-        marks = (number, own[joint.name if joint.mimic is None else joint.mimic.leader])
+        marks = (number, numbers[joint.name if joint.mimic is None else joint.mimic.leader])
         low, high = (carry_points(into[number - slides], middle + way) for way in (-half, half))
         barrels.append(Bar(number - slides, low, high, 1.55 * thin, *marks))
         if slides:
@@ -140,7 +140,7 @@ def arrows(directions: Array, links: Array, task: Task, size: float, share: floa
         share: of the size that an arrow is long.
     """
     axes, point = task_frame(links, task)
-    made, long = [], share * size
+    drawn, long = [], share * size
     for number, direction in enumerate(np.asarray(directions, dtype=np.float64)):
         arrow, axis, turns = arrow_of(direction)
         if axis.any():
@@ -148,8 +148,8 @@ def arrows(directions: Array, links: Array, task: Task, size: float, share: floa
         else:
             ring = np.empty((0, 3))
         segments = np.stack([ring[:-1], ring[1:]], axis=1)
-        made.append(Arrow(point, point + long * (axes @ arrow), turns, number, segments))
-    return tuple(made)
+        drawn.append(Arrow(point, point + long * (axes @ arrow), turns, number, segments))
+    return tuple(drawn)
 
 
 def rods(body: Body, links: Array) -> Array:
@@ -305,7 +305,7 @@ class Live:
         far = self.monitor.distances(q[None])
         nearest, distance = (values[0] for values in far.nearest())
         links = link_poses(self.robot, q)
-        own = float(np.linalg.norm(np.ptp(links[:, :3, 3], axis=0)))
+        extent = float(np.linalg.norm(np.ptp(links[:, :3, 3], axis=0)))
         r = self.generic_rank
         if r:
             lost = lost_directions(self.robot, q, self.task, max(1, seen.corank))
@@ -325,7 +325,7 @@ class Live:
             at_least=float(far.at_least[0]),
             links=links,
             lost=lost,
-            arrows=arrows(lost, links, self.task, self.size, min(LENGTH, _OF_ARM * own / self.size)),
+            arrows=arrows(lost, links, self.task, self.size, min(LENGTH, _OF_ARM * extent / self.size)),
             blamed=blamed,
             outside=tuple(int(i) + 1 for i in np.flatnonzero((q < self._lower) | (q > self._upper))),
         )

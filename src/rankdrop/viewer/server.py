@@ -112,10 +112,10 @@ class Viewer:
         self._tour = TourTab(self.controls)
         origin = robot.source.origin
         if origin and Path(origin).is_file():
-            own = origin
+            arm = origin
         else:
-            own = robot.name
-        command = wishes.command or f"rankdrop view {shlex.quote(own)}"
+            arm = robot.name
+        command = wishes.command or f"rankdrop view {shlex.quote(arm)}"
         self.share = ShareTab(self.controls, self.url.split("?")[0], command, self._another)
         self._add_look(dark=wishes.dark)
         self.session.start()

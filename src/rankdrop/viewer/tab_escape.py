@@ -42,10 +42,10 @@ class EscapeTab:
             usable = way.order is not None and way.within_limits and abs(way.step) > 0
             if usable:
                 unit = explanation.robot.variables[way.number - 1].unit
-                told = f"{motion(way.step, unit)} → σ{r} = {short(way.sigma_after, 2)}"
+                effect = f"{motion(way.step, unit)} → σ{r} = {short(way.sigma_after, 2)}"
             else:
-                told = _why_not(way, lost=bool(out.corank))
-            _label(self.ui.single[way.number - 1], f"joint {way.number} {way.joint}: {told}", usable)
+                effect = _why_not(way, lost=bool(out.corank))
+            _label(self.ui.single[way.number - 1], f"joint {way.number} {way.joint}: {effect}", usable)
         pair, name = out.best_pair, "best two joints"
         if pair is not None:
             name = _direction_label(f"joints {' and '.join(map(str, pair.numbers))}", pair, r)

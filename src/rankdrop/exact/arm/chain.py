@@ -117,9 +117,9 @@ def polynomial_in_units(f: Polynomial, letters: Container[str], power: int) -> P
     lengths = [i for i, name in enumerate(names) if (name in letters and name not in ROOTS) or name[0] == "q"]
     if not power or f == 0 or not any(f.degrees()[i] for i in lengths):
         return f
-    ten, made = flint().fmpq(10), f.context()
+    ten, context = flint().fmpq(10), f.context()
     moved = {e: c * ten ** (power * sum(int(e[i]) for i in lengths)) for e, c in f.to_dict().items()}
-    return primitive(made.from_dict(moved)) * (1 if f.coeffs()[0] > 0 else -1)
+    return primitive(context.from_dict(moved)) * (1 if f.coeffs()[0] > 0 else -1)
 
 
 def clear_pivots(ring: Ring, columns: list[list[Polynomial]]) -> tuple[list[list[Polynomial]], int]:
@@ -132,19 +132,19 @@ def clear_pivots(ring: Ring, columns: list[list[Polynomial]]) -> tuple[list[list
     Of the numbers that could clear a row and a column the one whose own row and column are shortest is taken first:
     what it adds to other entries is shortest.
     """
-    here, lower = [list(column) for column in columns], 0
-    while min(len(here), len(here[0])) > 1 and (place := _pivot(here)) is not None:
+    left, lower = [list(column) for column in columns], 0
+    while min(len(left), len(left[0])) > 1 and (place := _pivot(left)) is not None:
         j, i = place
-        pivot = here.pop(j)
-        row = [column.pop(i) for column in here]
+        pivot = left.pop(j)
+        row = [column.pop(i) for column in left]
         inverse = reciprocal(pivot.pop(i))
-        for column, value in zip(here, row, strict=True):
+        for column, value in zip(left, row, strict=True):
             if value != 0:
                 for k, entry in enumerate(pivot):
                     if entry != 0:
                         column[k] = ring.reduce(column[k] - entry * value * inverse)
         lower += 1
-    return here, lower
+    return left, lower
 
 
 def _pivot(columns: list[list[Polynomial]]) -> tuple[int, int] | None:
@@ -236,8 +236,8 @@ class Chain:
     @cached_property
     def whole_shifts(self) -> Array:
         """(n,) the same for q of the robot, and whole angles θ of its joints [rad, m]."""
-        own = (section for section, joint in zip(self.sections, self.robot.joints, strict=True) if joint.mimic is None)
-        return np.array([section.shift for section in own])
+        free = (section for section, joint in zip(self.sections, self.robot.joints, strict=True) if joint.mimic is None)
+        return np.array([section.shift for section in free])
 
     def theta(self, q: Array) -> Array:
         """(..., n) the variables of the conditions at configurations of the robot, slides in the arm's own unit."""

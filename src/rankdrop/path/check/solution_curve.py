@@ -148,9 +148,9 @@ class _CurveWalk:
 
     def take_point(self, new: _Point) -> bool:
         """Go on to a point, and note a singularity on the way; False where the step jumps to another curve."""
-        here = self.points[-1]
-        if np.sign(new.sigma) != np.sign(here.sigma):
-            crossing = self.find_crossing(here, self.step)
+        before = self.points[-1]
+        if np.sign(new.sigma) != np.sign(before.sigma):
+            crossing = self.find_crossing(before, self.step)
             if crossing is None:
                 return False
             self.crossings.append(crossing)
@@ -173,15 +173,15 @@ class _CurveWalk:
             return None
         return self._point(y, vt[-1] * np.sign(vt[-1, -1]))
 
-    def step_along(self, here: _Point, step: float) -> _Point | None:
+    def step_along(self, start: _Point, step: float) -> _Point | None:
         """The point a step on; None where the step is too long."""
-        guess = here.y + step * here.way
-        y = self.move.on_plane(guess, here.way)
+        guess = start.y + step * start.way
+        y = self.move.on_plane(guess, start.way)
         if y is None:
             return None
-        gone = y - here.y
+        gone = y - start.y
         way = gone / np.linalg.norm(gone)
-        if way @ here.way < _TURNED:  # so the corrector adds 6 % of a step at most
+        if way @ start.way < _TURNED:  # so the corrector adds 6 % of a step at most
             return None
         return self._point(y, way)
 
@@ -195,17 +195,17 @@ class _CurveWalk:
         slope = float(tangent[-1]) * float(np.sign(tangent @ way))
         return _Point(y, way, slope, float(sigma[-1] * np.linalg.slogdet(jacobian)[0]))
 
-    def find_crossing(self, here: _Point, step: float) -> Crossing | None:
+    def find_crossing(self, start: _Point, step: float) -> Crossing | None:
         """The zero of det J within a step; None where it jumps across zero, from one curve to another."""
         low, high = 0.0, step
-        best = here
+        best = start
         for _ in range(_HALVED):
             middle = (low + high) / 2
-            point = self.step_along(here, middle)
+            point = self.step_along(start, middle)
             if point is None:
                 break
             best = min(best, point, key=lambda point: abs(point.sigma))
-            if np.sign(point.sigma) == np.sign(here.sigma):
+            if np.sign(point.sigma) == np.sign(start.sigma):
                 low = middle
             else:
                 high = middle
@@ -254,19 +254,19 @@ class _CurveWalk:
 
     def part_to_end(self, new: _Point) -> CurvePart | None:
         """The part up to the end of the move, next to a point."""
-        here = self.points[-1]
-        gone = new.y - here.y
-        share = min(1.0, (self.room - here.y[-1]) / max(gone[-1], _TINY))
-        guess = (here.y + share * gone)[:-1]
+        before = self.points[-1]
+        gone = new.y - before.y
+        share = min(1.0, (self.room - before.y[-1]) / max(gone[-1], _TINY))
+        guess = (before.y + share * gone)[:-1]
         q = self.move.solution_near(self.room, guess * self.aim.joints)
         most = max(_OFF * float(np.linalg.norm(gone)), _NEAR_END)
         if q is None or np.linalg.norm(q / self.aim.joints - guess) > most:
             return None
-        last = self._point(np.append(q / self.aim.joints, self.room), here.way)
+        last = self._point(np.append(q / self.aim.joints, self.room), before.way)
         if last is None:
             return None
-        if np.sign(last.sigma) != np.sign(here.sigma) and abs(last.sigma) > _SINGULAR:
-            crossing = self.find_crossing(here, float(np.linalg.norm(last.y - here.y)))
+        if np.sign(last.sigma) != np.sign(before.sigma) and abs(last.sigma) > _SINGULAR:
+            crossing = self.find_crossing(before, float(np.linalg.norm(last.y - before.y)))
             if crossing is None:
                 return None
             self.crossings.append(crossing)

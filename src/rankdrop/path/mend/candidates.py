@@ -215,13 +215,13 @@ class ToolPath:
             accelerations = None
         return Trajectory("", times, q, timed, (), velocities, accelerations)
 
-    def deviation(self, made: Trajectory, interpolate: str) -> tuple[float, float]:
+    def deviation(self, trajectory: Trajectory, interpolate: str) -> tuple[float, float]:
         """How far the tool is from its path in the middle between two places of a new joint path, at most: [m], [rad].
 
         A measurement at the middles; at the places themselves the path is kept to rounding.
         """
-        k = np.arange(len(made.q) - 1)
-        now = pose(self.robot, made.curve(interpolate).at(k, np.full(len(k), 0.5)))
+        k = np.arange(len(trajectory.q) - 1)
+        now = pose(self.robot, trajectory.curve(interpolate).at(k, np.full(len(k), 0.5)))
         wanted = self.at_places((self.place[:-1] + self.place[1:]) / 2).poses
         turn = orientation_coordinates(now[:, :3, :3] @ wanted[:, :3, :3].swapaxes(1, 2), "rotvec")
         apart = np.linalg.norm(now[:, :3, 3] - wanted[:, :3, 3], axis=1)
@@ -320,9 +320,9 @@ def rank_starts(starts: Iterable[Start], count: int, report: Progress) -> Rankin
         if not run.complete:
             ended[run.reason] += 1
             continue
-        own = bool((start == tool.q[0]).all())
-        again = partial(ToolPath.follow_branch, start=start, pull=pull)
-        candidates.append(Candidate(tool, again, how, parameters, float(tool.room(run.q).min()), own))
+        unchanged = bool((start == tool.q[0]).all())
+        followed_from = partial(ToolPath.follow_branch, start=start, pull=pull)
+        candidates.append(Candidate(tool, followed_from, how, parameters, float(tool.room(run.q).min()), unchanged))
     candidates.sort(key=lambda candidate: -candidate.room)
     report(count, count)
     return candidates, ended
@@ -336,9 +336,9 @@ def _begin_turn_away(tool: ToolPath, start: Array, pull: Pull | None, followed: 
         other = start.copy()
         other[joint] -= 2 * np.pi * np.sign(followed.last[joint] - start[joint])
         if robot.lower[joint] <= other[joint] <= robot.upper[joint]:
-            again = tool.follow_branch(other, pull)
-            if again.complete:
-                return again, other
+            followed_other = tool.follow_branch(other, pull)
+            if followed_other.complete:
+                return followed_other, other
     return followed, start
 
 

@@ -174,9 +174,9 @@ class Detourer:
                 out[-1] = replace(before, rest=rest)
         return out
 
-    def _back_on_path(self, made: Detour) -> bool:
+    def _back_on_path(self, detour: Detour) -> bool:
         """After the window the joints are where they were on the old path."""
-        return self._same(made.high, made.q[-1])
+        return self._same(detour.high, detour.q[-1])
 
     def _same(self, place: float, q: Array) -> bool:
         return bool((np.abs(q - self.bumper.configurations(np.array([place]))[0]) < _BACK).all())
@@ -188,14 +188,14 @@ class Detourer:
         """The detour around one crossing along the larger share of the lost direction, or else along the other."""
         window = Window(ends, low, high, core.stretches[0].closest.place.position - 1.0, start)
         first, *others = self._motions(core)
-        made = self._led_along(first, core, window, clearance)
+        detour = self._led_along(first, core, window, clearance)
         for motion in others:
-            if isinstance(made, Detour):
+            if isinstance(detour, Detour):
                 break
             other = self._led_along(motion, core, window, clearance)
             if isinstance(other, Detour):
-                made = other
-        return made
+                detour = other
+        return detour
 
     def _led_along(self, motion: Array, core: Core, window: Window, clearance: float) -> Detour | NoDetour:
         """The detour along a tool motion (m,) of size 1, of the least size at which the joints follow.
@@ -353,8 +353,8 @@ class Detourer:
             values.append(rows[after])
         place, q = np.concatenate(places), np.concatenate(values)
         timed = bumper.path.times is not None
-        made = Trajectory("", bumper.time(place) if timed else regular_times(len(place)), q, timed, ())
-        return made, self._off(place, q)
+        trajectory = Trajectory("", bumper.time(place) if timed else regular_times(len(place)), q, timed, ())
+        return trajectory, self._off(place, q)
 
     def _rest(self, low: float, high: float, start: Array) -> tuple[Array, Array] | None:
         """Places after one up to another, and the configurations there on the branch of the one at the first place."""

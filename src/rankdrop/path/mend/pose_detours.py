@@ -236,14 +236,14 @@ class PoseDetourer:
             return Blocked(place, Hindrance.END)
         before = run.q[clear[-1]]  # nearer, two joints may have begun to turn half around
         larger, *smaller = lost_motions(self.aim, self.tool.rank, before)
-        made = self._led_along(larger, spans, places, run.q, place)
+        window = self._led_along(larger, spans, places, run.q, place)
         for motion in smaller:
-            if not isinstance(made, Blocked):
+            if not isinstance(window, Blocked):
                 break
             other = self._led_along(motion, spans, places, run.q, place)
             if not isinstance(other, Blocked):
-                made = other
-        return made
+                window = other
+        return window
 
     def _led_along(
         self, motion: Array, spans: list[Span], places: Array, q: Array, place: float
@@ -364,13 +364,13 @@ class PoseDetourer:
         followed[0] = starts
         alive = np.ones(poses.shape[1], dtype=np.bool_)
         for k in range(1, len(poses)):
-            here = followed[k - 1, alive]
-            guess = here
+            before = followed[k - 1, alive]
+            guess = before
             if k > 1:
                 ratio = lasts[k - 1, alive] / lasts[k - 2, alive]
-                guess = here + (here - followed[k - 2, alive]) * ratio[:, None]
+                guess = before + (before - followed[k - 2, alive]) * ratio[:, None]
             solved, arrived = self.aim.solve(poses[k, alive], guess)
-            jump = np.abs((solved - here) / self.aim.joints).max(axis=1)
+            jump = np.abs((solved - before) / self.aim.joints).max(axis=1)
             good = arrived & (jump < _JUMP)
             if limits:
                 good &= self._inside_limits(solved)

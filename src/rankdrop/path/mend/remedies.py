@@ -223,8 +223,8 @@ def blends(check: PathCheck, most: float) -> Iterator[Proposal]:
         place, q, off = _cut(robot, path, until, corners[cut], float(radius))
         if off <= most:
             parameters = ("radius", float(radius), "rad"), ("tool off", off, "m")
-            made = replace(tool, place=place).trajectory(q, "linear")
-            yield Proposal(("blend" if len(cut) == 1 else "blends", rows), parameters, made, (off, np.nan))
+            trajectory = replace(tool, place=place).trajectory(q, "linear")
+            yield Proposal(("blend" if len(cut) == 1 else "blends", rows), parameters, trajectory, (off, np.nan))
 
 
 def _poses_determine(tool: ToolPath) -> bool:
@@ -495,10 +495,10 @@ class _Mender:
             return None
         most = sum(len(failure.core.stretches) for failure in failed)
         for proposal in _bump_proposals(bumper, bumps, clearance):
-            again = self._check_changed(proposal.made)
-            if sum(stretch.verdict != FREE for stretch in again.stretches) <= most:
+            check = self._check_changed(proposal.made)
+            if sum(stretch.verdict != FREE for stretch in check.stretches) <= most:
                 break
-        return proposal, again
+        return proposal, check
 
     def _bump(self, bumper: Bumper, clearance: float) -> Remedy | Failure:
         """The joints moved aside at every singularity, farther where the path is not proven free."""
@@ -536,9 +536,9 @@ class _Mender:
         changes: list[Change] = []
         rows = RowsBefore.of(bumper.path, bumper.path, ())
         if bumped is not None:
-            before, again = bumped
-            rows = RowsBefore.of(bumper.path, again.curve, before.changes)
-            bumper = replace(bumper, check=again, tool=tool_path(again.robot, again.task, again.curve))
+            before, checked = bumped
+            rows = RowsBefore.of(bumper.path, checked.curve, before.changes)
+            bumper = replace(bumper, check=checked, tool=tool_path(checked.robot, checked.task, checked.curve))
             changes += before.changes
         stretches = sorted(
             (stretch for stretch in bumper.check.stretches if stretch.verdict != FREE), key=attrgetter("start")
@@ -570,22 +570,22 @@ class _Mender:
         for other in candidates[:_CHECKED]:
             tool, followed = other.tool.refine_run(other.run)
             if followed.complete:
-                made = tool.trajectory(followed.q, self.interpolate)
-                off = tool.deviation(made, self.interpolate)
-                yield Proposal((other.how, None), other.parameters, made, off)
+                trajectory = tool.trajectory(followed.q, self.interpolate)
+                off = tool.deviation(trajectory, self.interpolate)
+                yield Proposal((other.how, None), other.parameters, trajectory, off)
 
     def _first(self, kind: str, proposals: Iterable[Proposal]) -> Remedy | None:
         """The first proposal that is proven free; one in time that breaks a limit gets another time law."""
         for proposal in proposals:
-            made = proposal.made
-            if made.timed:
-                took = self._usage(made.curve(self.interpolate))
+            trajectory = proposal.made
+            if trajectory.timed:
+                took = self._usage(trajectory.curve(self.interpolate))
             else:
                 took = None
-            again = took is not None and took.slower > _SLOWER
-            if again:
-                made = self._within_limits(made.curve(self.interpolate))
-            remedy = self._as_remedy(kind, replace(proposal, made=made), again=again)
+            retimed = took is not None and took.slower > _SLOWER
+            if retimed:
+                trajectory = self._within_limits(trajectory.curve(self.interpolate))
+            remedy = self._as_remedy(kind, replace(proposal, made=trajectory), retimed=retimed)
             if remedy.check.clear:
                 return remedy
         return None
@@ -598,53 +598,54 @@ class _Mender:
 
     def _within_limits(self, path: Curve) -> Trajectory:
         """A changed path slower around the rows that are too fast, or else all of it in a new time."""
-        made = slowed_down(path, *self.limits)
-        if made is not None:
-            return made[0]
+        slowed = slowed_down(path, *self.limits)
+        if slowed is not None:
+            return slowed[0]
         return retime_path(path, *self.limits, self.scale)
 
     def _slower(self) -> Remedy | Failure:
         """The path itself, slower around the places where it is too fast."""
         self._report(SLOW, 0, 1)
         path = self.found.curve
-        made = slowed_down(path, *self.limits)
-        if made is None:
+        slowed = slowed_down(path, *self.limits)
+        if slowed is None:
             return SLOW, path.degree == 1
         still = np.zeros(self.found.robot.n)
         changes = tuple(Change(path.place(part.start), path.place(part.end), still, (0.0, 0.0), still, part.longer)
-                        for part in made[1])  # fmt: skip
-        proposal = Proposal(("slow-down", len(changes)), (), made[0], (0.0, 0.0), changes)
-        remedy = self._as_remedy(SLOW, proposal, again=True)
+                        for part in slowed[1])  # fmt: skip
+        proposal = Proposal(("slow-down", len(changes)), (), slowed[0], (0.0, 0.0), changes)
+        remedy = self._as_remedy(SLOW, proposal, retimed=True)
         self._report(SLOW, 1, 1)
         return remedy if remedy.check.clear else (SLOW, True)
 
     def _in_new_time(self) -> Remedy | Failure:
         """The path itself inside its limits."""
         self._report(RETIME, 0, 1)
-        made = retime_path(self.found.curve, *self.limits, self.scale)
-        if usage(made.curve(self.interpolate), *self.limits).slower > _SLOWER:
+        trajectory = retime_path(self.found.curve, *self.limits, self.scale)
+        if usage(trajectory.curve(self.interpolate), *self.limits).slower > _SLOWER:
             return RETIME, None
-        remedy = self._as_remedy(RETIME, Proposal(("retime", None), (), made, (0.0, 0.0)), again=True)
+        remedy = self._as_remedy(RETIME, Proposal(("retime", None), (), trajectory, (0.0, 0.0)), retimed=True)
         self._report(RETIME, 1, 1)
         return remedy
 
-    def _as_remedy(self, kind: str, proposal: Proposal, *, again: bool) -> Remedy:
-        made = proposal.made
-        check = self._check_changed(made)
+    def _as_remedy(self, kind: str, proposal: Proposal, *, retimed: bool) -> Remedy:
+        trajectory = proposal.made
+        check = self._check_changed(trajectory)
         before, took = self._usage(self.found.curve), self._usage(check.curve)
         gains = {"distance": (_distance(self.found), _distance(check))}
         if before is not None and took is not None:
             gains |= {"speed": (1 / before.slower, 1 / took.slower),
                       "duration": (_duration(self.found), _duration(check))}  # fmt: skip
-        made = replace(made, name="mended")
-        return Remedy(kind, proposal.how, proposal.parameters, gains, made, self.interpolate, check, took,
-                      proposal.off, again, proposal.changes)  # fmt: skip
+        trajectory = replace(trajectory, name="mended")
+        return Remedy(kind, proposal.how, proposal.parameters, gains, trajectory, self.interpolate, check, took,
+                      proposal.off, retimed, proposal.changes)  # fmt: skip
 
-    def _check_changed(self, made: Trajectory) -> PathCheck:
+    def _check_changed(self, trajectory: Trajectory) -> PathCheck:
         """A changed path, checked as the path was."""
         check = check_path(
-            self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,
-            accelerations=made.accelerations, task=self.found.task, analysis=self.analysis,
+            self.found.robot, trajectory.q, trajectory.times if trajectory.timed else None,
+            velocities=trajectory.velocities, accelerations=trajectory.accelerations, task=self.found.task,
+            analysis=self.analysis,
             options=self.found.options, tolerances=self.found.tolerances,
         )  # fmt: skip
         if not check.complete:

@@ -146,8 +146,8 @@ def _smooth(path: Curve, rates: Array, accelerations: Array, scale: Array) -> Tr
         added = slope * gain[:, None] + bends * x[:, None]
     else:
         added = None
-    made = _in_time(q, 2 * step / (speed[:-1] + speed[1:]), path.times, slope * speed[:, None], added)
-    return _slow_whole(made, "cubic" if path.degree == 3 else "quintic", rates, accelerations)
+    trajectory = _in_time(q, 2 * step / (speed[:-1] + speed[1:]), path.times, slope * speed[:, None], added)
+    return _slow_whole(trajectory, "cubic" if path.degree == 3 else "quintic", rates, accelerations)
 
 
 def derivatives(path: Curve, stretch: NDArray[np.int64], share: Array) -> tuple[Array, Array, Array]:
@@ -159,19 +159,19 @@ def derivatives(path: Curve, stretch: NDArray[np.int64], share: Array) -> tuple[
     return path.at(stretch, share), path.slope(stretch, share) / lasts, second / lasts**2
 
 
-def _slow_whole(made: Trajectory, how: str, rates: Array, accelerations: Array) -> Trajectory:
+def _slow_whole(trajectory: Trajectory, how: str, rates: Array, accelerations: Array) -> Trajectory:
     """Slowed down until every bound is kept; times that are rounded are longer, not shorter."""
     for _ in range(4):
-        slower = usage(made.curve(how), rates, accelerations).slower
+        slower = usage(trajectory.curve(how), rates, accelerations).slower
         if slower <= 1.0:
             break
-        slower *= 1.0 + 1e-12 * len(made.q) ** 0.5
-        made = replace(
-            made, times=made.times[0] + (made.times - made.times[0]) * slower,
-            velocities=None if made.velocities is None else made.velocities / slower,
-            accelerations=None if made.accelerations is None else made.accelerations / slower**2,
+        slower *= 1.0 + 1e-12 * len(trajectory.q) ** 0.5
+        trajectory = replace(
+            trajectory, times=trajectory.times[0] + (trajectory.times - trajectory.times[0]) * slower,
+            velocities=None if trajectory.velocities is None else trajectory.velocities / slower,
+            accelerations=None if trajectory.accelerations is None else trajectory.accelerations / slower**2,
         )  # fmt: skip
-    return made
+    return trajectory
 
 
 def _in_time(

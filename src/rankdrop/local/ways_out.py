@@ -47,7 +47,7 @@ from rankdrop.options import check_value, option
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import brackets, unit
 from rankdrop.sections import html, words_of
-from rankdrop.solve import iterate, shortest
+from rankdrop.solve import iterate, shortest_of_small
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
 from rankdrop.units import counted_as_radian, out_of_metres
@@ -397,6 +397,7 @@ FLAT = DEFAULT.block_rank
 """A form with entries below this is zero: the cut of D, for the same reason [1/rad]."""
 _STARTS = 48  # random starts for directions on which all forms vanish
 _NEWTON = 12  # steps of each
+_ARRIVED = 1e-14  # one that moves no farther has arrived
 _APART = 0.05  # unit vectors nearer than this, up to sign, are the same direction
 _SAMPLES = 256  # combinations of lost directions tried for a definite one
 
@@ -466,10 +467,10 @@ def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
     x = np.concatenate([x, vt[int((sigma > FLAT).sum()) :]])  # every form sends these to zero: Newton finds them slowly
 
     def along_sphere(x: Array, _active: NDArray[np.intp]) -> Array:
-        value, slope = np.einsum("pab,ca,cb->cp", each, x, x), 2 * np.einsum("pab,cb->cpa", each, x)
-        return unit(x - shortest(slope, value)) - x
+        image = (each @ x.T).transpose(2, 0, 1)  # (c, p, s)
+        return unit(x - shortest_of_small(2 * image, (image @ x[:, :, None])[:, :, 0])) - x
 
-    x = iterate(along_sphere, x, iterations=_NEWTON)
+    x = iterate(along_sphere, x, iterations=_NEWTON, still=_ARRIVED)
     left = np.abs(np.einsum("pab,ca,cb->cp", each, x, x)).max(axis=1)
     return x[left <= 1e-10 * max(1.0, float(np.abs(each).max()))], False
 

@@ -28,6 +28,7 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop import _core
 from rankdrop.configuration import LEAST, Configuration, configuration_at
 from rankdrop.kinematics import jacobian
 from rankdrop.local.departure import (
@@ -37,9 +38,7 @@ from rankdrop.local.departure import (
     departures,
     measured_gains,
     release_mimics,
-    scores,
     single_motions,
-    taylor,
 )
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.orientation import Displacement, determined_by_pose
@@ -68,7 +67,7 @@ def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
         change = brackets(jacobian(chain, values, place.task.frame))
         change[:, :3] /= place.task.scale(place.robot)
     else:
-        change = taylor(place.robot, place.q, place.task, np.eye(len(place.q)), 1)[1]
+        change = np.moveaxis(place.derivative, -1, 0)
     leaves = np.linalg.norm(np.einsum("mp,ami->api", place.u2, change), axis=1) > ENTRY
     depends = np.linalg.norm(place.v2, axis=1) > ENTRY
     return tuple(tuple(int(i) + 1 for i in np.flatnonzero(row & depends)) for row in leaves)
@@ -366,10 +365,10 @@ def _describe_motions(place: Configuration, motions: Array) -> list[Direction]:
     units[~inside, 0] = 1.0  # no motion at all: some unit vector has to stand there
     lengths = np.where(inside, lengths, 0.0)
     leaving = departures(place, units)
-    reached = scores(place, units * lengths[:, None])
-    sigma = place.last(place.q + units * lengths[:, None] * place.scale)
+    sigma = place.singular_values(place.q + units * lengths[:, None] * place.scale)[:, : place.generic]
+    ranks = (sigma > place.floor).sum(axis=-1)
     return [
-        _direction(place, units[i], made, float(lengths[i]), float(sigma[i]), gain=int(reached[i, 0]) - place.rank,
+        _direction(place, units[i], made, float(lengths[i]), float(sigma[i, -1]), gain=int(ranks[i]) - place.rank,
                    inside=bool(inside[i]))
         for i, made in enumerate(leaving)
     ]  # fmt: skip
@@ -427,7 +426,7 @@ def lost_motions(place: Configuration, basis: Array) -> tuple[LostMotion, ...]:
 
 def _forms_of(place: Configuration, basis: Array, lost: Array) -> Array:
     """(p, s, s) symmetric matrices of u · dJ(N_a) N_b, u the rows of `lost` (p, m), N the columns of a basis (n, s)."""
-    first = taylor(place.robot, place.q, place.task, basis.T * place.scale, 1)[1] @ (basis * place.scale[:, None])
+    first = place.derivative_along(basis.T) @ (basis * place.scale[:, None])
     each = np.einsum("pm,amb->pab", lost, first)
     return np.asarray((each + np.swapaxes(each, -1, -2)) / 2)
 
@@ -605,13 +604,13 @@ def _few(each: Array) -> bool:
 def _chosen(place: Configuration, tangents: Array) -> tuple[Array, Array]:
     """The most promising tangents, both ways, and the k-th singular value of D along each."""
     tangents = unit(tangents)
-    series = taylor(place.robot, place.q, place.task, tangents * place.scale, 1)[1]
+    slopes = place.derivative_along(tangents)
     if place.corank:
-        first = place.u2.T @ series @ place.v2
-        promise = np.linalg.svd(first, compute_uv=False)[:, place.corank - 1]
+        first = place.u2.T @ slopes @ place.v2
+        promise = _core.svd(np.ascontiguousarray(first), False)[:, place.corank - 1]
     else:
         r = place.generic - 1
-        promise = np.abs(place.u[:, r] @ series @ place.v[:, r])
+        promise = np.abs(place.u[:, r] @ slopes @ place.v[:, r])
     kept = distinct(tangents, np.lexsort((np.arange(len(promise)), -np.round(promise, 9))))[:_MOST]
     return np.concatenate([tangents[kept], -tangents[kept]]), np.concatenate([promise[kept], promise[kept]])
 

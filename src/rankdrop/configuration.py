@@ -16,7 +16,14 @@ from numpy.typing import ArrayLike
 
 from rankdrop import _core
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.kinematics import chain_of, link_poses, one_configuration, task_jacobian, task_view
+from rankdrop.kinematics import (
+    chain_of,
+    link_poses,
+    one_configuration,
+    task_jacobian,
+    task_jacobian_derivative,
+    task_view,
+)
 from rankdrop.local.block import Decomposition, decompose, read_only
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
@@ -115,6 +122,16 @@ class Configuration:
     def jacobian(self) -> Array:
         """(m, n) task Jacobian, translation rows divided by the length scale."""
         return task_jacobian(self.robot, self.q, self.task)
+
+    @cached_property
+    def derivative(self) -> Array:
+        """(m, n, n) derivative of the task Jacobian by every joint: [:, i, k] = ∂J[:, i]/∂q_k."""
+        return task_jacobian_derivative(self.robot, self.q, self.task)
+
+    def derivative_along(self, directions: Array) -> Array:
+        """(d, m, n) derivatives of the task Jacobian along directions (d, n) in scaled coordinates."""
+        along = self.derivative @ (directions * self.scale).T  # (m, n, d)
+        return np.ascontiguousarray(along.transpose(2, 0, 1))
 
     @cached_property
     def links(self) -> Array:

@@ -7,7 +7,7 @@ import pytest
 from reference import near, region
 from reference.near import cloud, distances, nearest
 
-from rankdrop.cover.ball import LARGEST, certified_radius
+from rankdrop.cover.ball import LARGEST, certified_radius, proven_free
 from rankdrop.cover.setting import enclose, settings_for
 from rankdrop.errors import OptionError
 from rankdrop.local.block import sample, singular_values
@@ -203,6 +203,17 @@ def test_more_budget_never_certifies_less(name):
         assert radius[-1] > radius[0] == found[0].single
         settings = len(settings_for(robot, resolve_task(None, robot)))
         assert all(one.evaluations <= settings + budget for one, budget in zip(found, BUDGETS, strict=True))
+
+
+@pytest.mark.parametrize("name", ["ur5", "pa10", "scara"])
+def test_a_quick_proof_agrees_with_the_certificate(name):
+    arm = open_robot(name)
+    task = resolve_task(None, arm)
+    for q in sample(arm, task, 4, seed=5):
+        certified = certified_radius(arm, q, task)
+        assert proven_free(arm, q, task, 0.2 * certified.radius, 2_000)
+        assert not proven_free(arm, q, task, min(1.05 * certified.radius, LARGEST), 2_000)
+        assert not proven_free(arm, q, task, 1.1 * LARGEST, 2_000)
 
 
 def test_no_more_is_certified_than_asked_for():

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from known.jogs import FEW, fault, followed, singular_configurations
 
-from rankdrop.results.known import known_analysis
+from rankdrop.local.jog import jog_out
+from rankdrop.local.nearest import nearest_singularity
+from rankdrop.results.known import known_analysis, shipped
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import resolve_task
 from rankdrop.verbs.explain import explain
@@ -29,6 +31,22 @@ def test_the_sigma_that_is_told_is_the_one_after_the_jog() -> None:
     after = explain(found.robot, followed(found), evaluations=0)
     sigma = float(after.rank.sigma[after.rank.generic_rank - 1])
     assert found.summary.sigma_after == pytest.approx(sigma, rel=0.05)
+
+
+@pytest.mark.parametrize("name", ["ur5", "pa10"])
+def test_proven_ends_change_no_jog_and_save_searches(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    searched = []
+
+    def counted(*arguments: object, **options: object) -> object:
+        searched.append(True)
+        return nearest_singularity(*arguments, **options)
+
+    monkeypatch.setattr("rankdrop.local.jog.nearest_singularity", counted)
+    families = shipped(name).families
+    found = [explain(shipped(name).robot, family.witness) for family in families]
+    proven, beside_proofs = [one.jog for one in found], len(searched)
+    assert [jog_out(one.here, one.options) for one in found] == proven
+    assert beside_proofs < len(searched) - beside_proofs
 
 
 def test_advice_that_does_not_lead_out_is_a_fault() -> None:

@@ -145,16 +145,47 @@ def certified_radius(
         single *= 1.0 - _MARGIN
     radius, used, complete = single, len(settings), True
     if evaluations and single < min(at_most, enough):
-        smallest = min(_SMALLEST, single / 8) if single > 0.0 else _SMALLEST  # a small ball needs boxes smaller still
-        radius, count, stopped, _, _ = _core.ball(
-            chain, setting.view(robot), centre, setting.matters, setting.core_settings(at_most),
-            inner=single, enough=float(enough), smallest=smallest, budget=int(evaluations), keep=False,
-        )  # fmt: skip
-        used, complete = used + count, not stopped
+        radius, count, complete = _branch_and_bound(robot, setting, centre, single, at_most, enough, evaluations)
+        used += count
     return Certificate(
         float(radius), single, at_most, centre, resolved.name, setting.rank, setting, used, fingerprint(robot),
         complete, rows=resolved.rows, frame=resolved.frame,
     )  # fmt: skip
+
+
+def proven_free(robot: Robot, q: ArrayLike, task: Task, radius: float, evaluations: int) -> bool:
+    """Whether a few enclosures, of one setting, prove that no configuration within a radius of q is singular.
+
+    Args:
+        robot, q, task, evaluations: as for `certified_radius`.
+        radius: [rad; slides divided by the length scale]; above π nothing is proven.
+
+    Raises:
+        ConfigurationError, OptionError: as `certified_radius`, but for the radius.
+    """
+    if not 0.0 < radius <= LARGEST:
+        return False
+    centre = one_configuration(robot, q)
+    settings, views = settings_for(robot, task), _views(robot, task)
+    middle = len(settings) // 2
+    view, told = views[middle]
+    single = float(_core.enclose(settings[middle].chain(robot), view, centre[None, :], None, told, threads=1)[1][0])
+    if single * (1.0 - _MARGIN) >= radius:
+        return True
+    single *= 1.0 - _MARGIN
+    return _branch_and_bound(robot, settings[middle], centre, single, radius, np.inf, evaluations)[0] >= radius
+
+
+def _branch_and_bound(
+    robot: Robot, setting: Setting, centre: Array, single: float, at_most: float, enough: float, evaluations: int
+) -> tuple[float, int, bool]:
+    """Radius, enclosures computed, and whether it was not interrupted; `single` is proven by one enclosure."""
+    smallest = min(_SMALLEST, single / 8) if single > 0.0 else _SMALLEST  # a small ball needs boxes smaller still
+    radius, count, stopped, _, _ = _core.ball(
+        setting.chain(robot), setting.view(robot), centre, setting.matters, setting.core_settings(at_most),
+        inner=single, enough=float(enough), smallest=smallest, budget=int(evaluations), keep=False,
+    )  # fmt: skip
+    return radius, count, not stopped
 
 
 MOST_ANGLE = 0.1

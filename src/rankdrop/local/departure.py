@@ -33,6 +33,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -131,9 +132,9 @@ def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]
         One departure per direction.
     """
     if not place.corank:
-        r, first = place.generic - 1, taylor(place.robot, place.q, place.task, directions * place.scale, 1)[1]
-        return tuple((0, 1, float(slope), ()) for slope in place.u[:, r] @ first @ place.v[:, r])
-    highest = np.array([_highest(place, direction) for direction in directions])
+        r, first = place.generic - 1, place.derivative_along(directions)
+        return tuple((0, 1, slope, ()) for slope in (place.u[:, r] @ first @ place.v[:, r]).tolist())
+    highest = _highest(place, directions)
     series = taylor(place.robot, place.q, place.task, directions * place.scale, int(highest.max(initial=2)))
     series[0] = place.kept_jacobian()
     counts, doubtful = _counts(series, highest, place)
@@ -141,6 +142,7 @@ def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]
     if doubtful.any():
         gained[doubtful] = _rank_by_series(place, directions[doubtful])
     first = place.u2.T @ series[1] @ place.v2
+    rates = np.linalg.svd(first, compute_uv=False)[:, : place.corank].tolist()
     schur = place.u2.T @ (series[2] - series[1] @ place.inverse() @ series[1]) @ place.v2
     out = []
     for d, direction in enumerate(directions):
@@ -151,33 +153,33 @@ def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]
             if order is None:  # the series cannot tell: as a finite motion shows it
                 near, far = _near_and_far(place, direction)
                 order = int(np.clip(round(np.log2(max(far, 1e-300) / max(near, 1e-300))), 1, HIGHEST))
-        sigma = np.linalg.svd(first[d], compute_uv=False)[: place.corank]
         rate = 0.0
         if order == 1:
-            rate = float(sigma[-1])
+            rate = rates[d][-1]
         elif order == 2:
             rate = _second(first[d], schur[d], int(gains[1]), place.corank)
         elif order is not None:
             near, far = _near_and_far(place, direction) / np.array([_NEAR, 2 * _NEAR]) ** order
             rate = float((4 * near - far) / 3)  # the mean is even in t, so one step of Richardson takes t² off
-        out.append((int(gained[d]), order, rate, tuple(sigma.tolist())))
+        out.append((int(gained[d]), order, rate, tuple(rates[d])))
     return tuple(out)
 
 
-def _highest(place: Configuration, direction: Array) -> int:
-    """How far the orders can go along a direction, see the module's text."""
-    moving = np.flatnonzero(direction)
-    variables = place.robot.variables
-    if len(moving) != 1 or place.task.rows not in _WHOLE:
-        return HIGHEST
-    joint = variables[int(moving[0])]
-    leads = any(other.mimic is not None and other.mimic.leader == joint.name for other in place.robot.joints)
-    if leads or joint.kind is JointKind.HELICAL:
-        return HIGHEST
-    return 4
+def _highest(place: Configuration, directions: Array) -> NDArray[np.intp]:
+    """(d,) how far the orders can go along directions (d, n), see the module's text."""
+    highest = np.full(len(directions), HIGHEST)
+    if place.task.rows not in _WHOLE:
+        return highest
+    leaders = {joint.mimic.leader for joint in place.robot.joints if joint.mimic is not None}
+    bounded = np.array([
+        joint.kind is not JointKind.HELICAL and joint.name not in leaders for joint in place.robot.variables
+    ])  # fmt: skip
+    moving = directions != 0.0
+    highest[(moving.sum(axis=1) == 1) & (moving & bounded).any(axis=1)] = 4
+    return highest
 
 
-def _counts(series: Array, highest: Array, place: Configuration) -> tuple[Array, NDArray[np.bool_]]:
+def _counts(series: Array, highest: NDArray[np.intp], place: Configuration) -> tuple[Array, NDArray[np.bool_]]:
     """(d, P + 1) number of singular values whose order is at most p, from the ranks of T_p; and (d,) whether one of
     those ranks hangs on where exactly the cut is."""
     powers, count = series.shape[:2]
@@ -314,25 +316,53 @@ def best_motion(place: Configuration, step: float, seed: int, tried: Array) -> A
     random = rng.normal(size=(_RANDOM, len(place.q)))
     candidates = np.concatenate([tried, _leading(place), random])
     motions = fit_to_limits(place, step * unit(candidates))
-    best = motions[_order(place, motions)[0]]
+    here = _decomposed(place, motions)
+    best = _Best(motions, _scores_of(place, here.sigma))
     for turn in range(_CLIMBS):
-        if turn == 1:  # after the first step half of the field tells enough
-            motions = motions[_order(place, motions)[:12]]
-        ahead = unit(_gradient(place, motions))
+        ahead = unit(_gradient(place, here))
         if place.corank > 1 and turn:  # half the way: between ties the whole way swings from side to side
             ahead = unit(ahead + unit(motions))
         motions = fit_to_limits(place, step * ahead)
-        best = _better(place, best, motions)
+        if turn == 0:  # after the first step half of the field tells enough
+            reached = scores(place, motions)
+            best.compare(motions, reached)
+            motions = motions[_order(reached)[:12]]
+            here = _decomposed(place, motions)
+        elif turn + 1 < _CLIMBS:
+            here = _decomposed(place, motions)
+            best.compare(motions, _scores_of(place, here.sigma))
+        else:
+            best.compare(motions, scores(place, motions))
     widths = (0.3, 0.1, 0.03) if place.corank < 2 else (0.5, 0.3, 0.2, 0.1, 0.05, 0.02)  # ridges where σ's tie
+    n = len(place.q)
     for width in widths:
-        around = unit(unit(best[None]) + width * rng.normal(size=(32, len(best))) / np.sqrt(len(best)))
-        best = _better(place, best, fit_to_limits(place, step * around))
-    return np.asarray(best)
+        around = unit(unit(best.motion[None]) + width * rng.normal(size=(32, n)) / np.sqrt(n))
+        motions = fit_to_limits(place, step * around)
+        best.compare(motions, scores(place, motions))
+    return best.motion
+
+
+class _Best:
+    """The best of motions (c, n) by their scores (c, 2), and of those it is compared with; of equals the first."""
+
+    def __init__(self, motions: Array, reached: Array) -> None:
+        first = _order(reached)[0]
+        self.motion: Array = motions[first]
+        self.reached: Array = reached[first]
+
+    def compare(self, motions: Array, reached: Array) -> None:
+        first = _order(reached)[0]
+        if tuple(reached[first]) > tuple(self.reached):
+            self.motion, self.reached = motions[first], reached[first]
 
 
 def scores(place: Configuration, motions: Array) -> Array:
     """(..., 2) what motions (..., n) reach: rank, and the singular value that holds it."""
-    sigma = place.singular_values(place.q + motions * place.scale)[..., : place.generic]
+    return _scores_of(place, place.singular_values(place.q + motions * place.scale))
+
+
+def _scores_of(place: Configuration, singular_values: Array) -> Array:
+    sigma = singular_values[..., : place.generic]
     out = np.empty((*sigma.shape[:-1], 2))
     if (sigma[..., -1] > place.floor).all():  # most often
         out[..., 0], out[..., 1] = place.generic, sigma[..., -1]
@@ -343,14 +373,8 @@ def scores(place: Configuration, motions: Array) -> Array:
     return out
 
 
-def _order(place: Configuration, motions: Array) -> _Indices:
-    reached = scores(place, motions)
+def _order(reached: Array) -> _Indices:
     return np.lexsort((-reached[:, 1], -reached[:, 0]))
-
-
-def _better(place: Configuration, best: Array, motions: Array) -> Array:
-    every = np.concatenate([best[None], motions])
-    return np.asarray(every[_order(place, every)[0]])
 
 
 def _best_of_each(place: Configuration, motions: Array) -> tuple[_Indices, _Indices]:
@@ -376,8 +400,8 @@ def _leading(place: Configuration) -> Array:
         rank = place.rank
     else:
         rank = place.generic - 1
-    series = taylor(place.robot, place.q, place.task, np.diag(place.scale), 1)
-    d = np.einsum("mp,jmn,ns->psj", place.u[:, rank:], series[1], place.v[:, rank:])
+    slopes = np.moveaxis(place.derivative * place.scale, -1, 0)  # (n, m, n)
+    d = (place.u[:, rank:].T @ slopes @ place.v[:, rank:]).transpose(1, 2, 0)
     if not place.corank:  # the gradient of σ_r itself
         d = d[:1, :1]
     _, sigma, vt = np.linalg.svd(d.reshape(-1, n), full_matrices=False)
@@ -385,14 +409,27 @@ def _leading(place: Configuration) -> Array:
     return np.concatenate([leading, -leading])
 
 
-def _gradient(place: Configuration, motions: Array) -> Array:
-    """(c, n) ascent direction of σ_r at q + motion, in scaled coordinates: Σ (σ_r/σ_i)^8 u_iᵀ dJ v_i (AM eq. 7).
+class _Decomposed(NamedTuple):
+    """u, σ and v of the Jacobians at configurations q (c, n)."""
+
+    u: Array
+    sigma: Array
+    v: Array
+    q: Array
+
+
+def _decomposed(place: Configuration, motions: Array) -> _Decomposed:
+    rows = np.ascontiguousarray(place.q + motions * place.scale)
+    return _Decomposed(*_core.decompose(place.chain, place.view, rows), rows)
+
+
+def _gradient(place: Configuration, here: _Decomposed) -> Array:
+    """(c, n) ascent direction of σ_r there, in scaled coordinates: Σ (σ_r/σ_i)^8 u_iᵀ dJ v_i (AM eq. 7).
 
     The sum is over the lost singular values. For one of them it is the gradient; where several tie the gradient jumps
     and this does not.
     """
-    rows = np.ascontiguousarray(place.q + motions * place.scale)
-    u, sigma, v = _core.decompose(place.chain, place.view, rows)
+    u, sigma, v, rows = here.u, here.sigma, here.v, here.q
     derivative = _core.derivative(place.chain, place.view, rows)
     derivative = derivative.reshape(len(rows), place.task.m, place.robot.n, place.robot.n)
     lost = slice(min(place.rank, place.generic - 1), place.generic)

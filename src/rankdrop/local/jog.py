@@ -9,7 +9,7 @@ singularity on its way is advised only where none of the same number of joints, 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations, product
 
@@ -30,6 +30,7 @@ _PAIRED = (4, 8, 15, 30, 60)  # of each of two joints
 _LEAST = 0.5  # a jog below it is none [°]
 _MARGIN = 1.1  # a jog is not exact: the bars of the verdict are exceeded by a tenth
 _FIRST_ORDER = 0.4  # the distance is hardly larger than σ_r/‖∇σ_r‖, or twice that where σ_r is of second order
+_BEYOND = 1.0 + 1e-6  # a search stops at the tolerance of σ_r, a little before a singular configuration
 _SEARCHES = 40  # searches of the nearest singular configuration
 _SAMPLES, _FINER, _ROUNDS = 33, 17, 6  # configurations along a joint's motion, and around a minimum, so many times
 _CROSSED = 1e-6  # a minimum of σ on the way at or below this is a singular configuration
@@ -56,13 +57,21 @@ class Jog:
 
 _NONE = Jog((), regular=False, sigma_after=None)
 
+Free = Callable[[Array, float], bool]
+"""Whether it is proven that no configuration within a distance [rad] of q (n,) is singular."""
 
-def jog_out(here: Configuration, options: ExplainOptions) -> Jog:
+
+def _nothing_proven(_q: Array, _radius: float) -> bool:
+    return False
+
+
+def jog_out(here: Configuration, options: ExplainOptions, free: Free = _nothing_proven) -> Jog:
     """The smallest jog of one joint, or of two, that ends inside the limits at a regular configuration.
 
     Args:
         here: the configuration to leave.
         options: `near`, `small`, `speed`, `turn_speed` decide what is regular; `limits`, `seed` as in `explain`.
+        free: asked first whether the neighbourhood of an end is proven free, which takes less time than a search.
 
     Returns:
         The jog. Where none ends regular: the jog to full rank after which the slowest motion is fastest, or nothing.
@@ -75,7 +84,7 @@ def jog_out(here: Configuration, options: ExplainOptions) -> Jog:
         >>> [(number, round(float(np.degrees(step)), 1)) for number, step in jog.moves], jog.regular
         ([(5, -4.0)], True)
     """
-    trial = _Trial(here, options)
+    trial = _Trial(here, options, free)
     for jogs in (_single_joint_jogs(here, _SIZES), _in_pairs(here), _single_joint_jogs(here, _LARGE)):
         trial.run(jogs)
         if trial.found is not None:
@@ -85,10 +94,13 @@ def jog_out(here: Configuration, options: ExplainOptions) -> Jog:
     return trial.second or _NONE
 
 
-def jog_farther(here: Configuration, options: ExplainOptions) -> Jog:
-    """The jog of one joint by `options.step` that raises σ_r most; no motion where σ_r grows by less than 1 %."""
+def jog_farther(here: Configuration, options: ExplainOptions, free: Free = _nothing_proven) -> Jog:
+    """The jog of one joint by `options.step` that raises σ_r most; no motion where σ_r grows by less than 1 %.
+
+    Arguments as for `jog_out`.
+    """
     size = max(float(np.degrees(options.step)), _LEAST)
-    trial = _Trial(here, options)
+    trial = _Trial(here, options, free)
     jogs = trial.within_limits(next(_single_joint_jogs(here, (size,))))
     if not len(jogs):
         return _NONE
@@ -135,13 +147,14 @@ def _in_pairs(here: Configuration) -> Iterator[Array]:
 class _Trial:
     """Jogs (N, n) from one configuration, tried in the order given; searches begin at that configuration as well."""
 
-    def __init__(self, here: Configuration, options: ExplainOptions) -> None:
-        self.here, self.options = here, options
+    def __init__(self, here: Configuration, options: ExplainOptions, free: Free) -> None:
+        self.here, self.options, self.free = here, options, free
         self.found: Jog | None = None
         self.crossing: Jog | None = None  # the first that ends regular and crosses a singularity on its way
         self.second: Jog | None = None  # to full rank, the slowest motion as fast as can be
         self._fastest = 0.0
         self._searches = 0
+        self._provable = True
 
     def within_limits(self, jogs: Array) -> Array:
         """Those that end inside the limits; a joint beyond a limit may move back towards it."""
@@ -180,7 +193,7 @@ class _Trial:
             crosses = self.crosses_singularity(jogs[row])
             if crosses and self.crossing is not None:
                 continue
-            if not self._is_clear(ends[row]):
+            if not self._is_clear(ends[row], float(estimate[row])):
                 continue
             jog = self.jog(jogs[row], float(sigma[row]), regular=True)
             if not crosses:
@@ -195,9 +208,9 @@ class _Trial:
     def regular(self, jog: Array) -> bool:
         """Whether one jog (n,) ends regular."""
         end = self.here.q + jog
-        sigma = float(self.estimates(end[None])[0][0])
+        sigma, estimate = (float(values[0]) for values in self.estimates(end[None]))
         least = max(_MARGIN * self.options.small, self.here.tolerances.singular)
-        return sigma > least and bool(self._speeds(end[None])[0] > _MARGIN) and self._is_clear(end)
+        return sigma > least and bool(self._speeds(end[None])[0] > _MARGIN) and self._is_clear(end, estimate)
 
     def jog(self, step: Array, sigma: float, *, regular: bool) -> Jog:
         """The record of a jog (n,)."""
@@ -276,12 +289,17 @@ class _Trial:
                 least = np.minimum(least, motion.speed / bars[motion.unit])
         return least
 
-    def _is_clear(self, end: Array) -> bool:
-        """Whether no singular configuration is found within `near`."""
+    def _is_clear(self, end: Array, estimate: float) -> bool:
+        """Whether no singular configuration is found within `near`; `estimate`: the distance to first order."""
         here, options = self.here, self.options
         self._searches += 1
         if self._searches > _SEARCHES:
             return False
+        bar = _MARGIN * options.near
+        if self._provable and estimate > bar:  # where one proof failed the next ones would, most often
+            if self.free(end, bar * _BEYOND):
+                return True
+            self._provable = False
         task = replace(here.task, length_scale=here.task.scale(here.robot))
         try:
             nearest = nearest_singularity(
@@ -290,4 +308,4 @@ class _Trial:
             )  # fmt: skip
         except OptionError:  # too many joints for a search: the verdict does not know the distance either
             return True
-        return nearest is None or nearest.distance > _MARGIN * options.near
+        return nearest is None or nearest.distance > bar

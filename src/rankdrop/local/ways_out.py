@@ -28,6 +28,7 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop import _core
 from rankdrop.configuration import LEAST, Configuration, configuration_at
 from rankdrop.kinematics import jacobian
 from rankdrop.local.departure import (
@@ -37,9 +38,7 @@ from rankdrop.local.departure import (
     departures,
     measured_gains,
     release_mimics,
-    scores,
     single_motions,
-    taylor,
 )
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.orientation import Displacement, determined_by_pose
@@ -47,7 +46,7 @@ from rankdrop.options import check_value, option
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import brackets, unit
 from rankdrop.sections import html, words_of
-from rankdrop.solve import iterate, shortest
+from rankdrop.solve import iterate, shortest_of_small
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
 from rankdrop.units import counted_as_radian, out_of_metres
@@ -68,7 +67,7 @@ def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
         change = brackets(jacobian(chain, values, place.task.frame))
         change[:, :3] /= place.task.scale(place.robot)
     else:
-        change = taylor(place.robot, place.q, place.task, np.eye(len(place.q)), 1)[1]
+        change = np.moveaxis(place.derivative, -1, 0)
     leaves = np.linalg.norm(np.einsum("mp,ami->api", place.u2, change), axis=1) > ENTRY
     depends = np.linalg.norm(place.v2, axis=1) > ENTRY
     return tuple(tuple(int(i) + 1 for i in np.flatnonzero(row & depends)) for row in leaves)
@@ -366,10 +365,10 @@ def _describe_motions(place: Configuration, motions: Array) -> list[Direction]:
     units[~inside, 0] = 1.0  # no motion at all: some unit vector has to stand there
     lengths = np.where(inside, lengths, 0.0)
     leaving = departures(place, units)
-    reached = scores(place, units * lengths[:, None])
-    sigma = place.last(place.q + units * lengths[:, None] * place.scale)
+    sigma = place.singular_values(place.q + units * lengths[:, None] * place.scale)[:, : place.generic]
+    ranks = (sigma > place.floor).sum(axis=-1)
     return [
-        _direction(place, units[i], made, float(lengths[i]), float(sigma[i]), gain=int(reached[i, 0]) - place.rank,
+        _direction(place, units[i], made, float(lengths[i]), float(sigma[i, -1]), gain=int(ranks[i]) - place.rank,
                    inside=bool(inside[i]))
         for i, made in enumerate(leaving)
     ]  # fmt: skip
@@ -397,6 +396,7 @@ FLAT = DEFAULT.block_rank
 """A form with entries below this is zero: the cut of D, for the same reason [1/rad]."""
 _STARTS = 48  # random starts for directions on which all forms vanish
 _NEWTON = 12  # steps of each
+_ARRIVED = 1e-14  # one that moves no farther has arrived
 _APART = 0.05  # unit vectors nearer than this, up to sign, are the same direction
 _SAMPLES = 256  # combinations of lost directions tried for a definite one
 
@@ -426,7 +426,7 @@ def lost_motions(place: Configuration, basis: Array) -> tuple[LostMotion, ...]:
 
 def _forms_of(place: Configuration, basis: Array, lost: Array) -> Array:
     """(p, s, s) symmetric matrices of u · dJ(N_a) N_b, u the rows of `lost` (p, m), N the columns of a basis (n, s)."""
-    first = taylor(place.robot, place.q, place.task, basis.T * place.scale, 1)[1] @ (basis * place.scale[:, None])
+    first = place.derivative_along(basis.T) @ (basis * place.scale[:, None])
     each = np.einsum("pm,amb->pab", lost, first)
     return np.asarray((each + np.swapaxes(each, -1, -2)) / 2)
 
@@ -466,10 +466,10 @@ def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
     x = np.concatenate([x, vt[int((sigma > FLAT).sum()) :]])  # every form sends these to zero: Newton finds them slowly
 
     def along_sphere(x: Array, _active: NDArray[np.intp]) -> Array:
-        value, slope = np.einsum("pab,ca,cb->cp", each, x, x), 2 * np.einsum("pab,cb->cpa", each, x)
-        return unit(x - shortest(slope, value)) - x
+        image = (each @ x.T).transpose(2, 0, 1)  # (c, p, s)
+        return unit(x - shortest_of_small(2 * image, (image @ x[:, :, None])[:, :, 0])) - x
 
-    x = iterate(along_sphere, x, iterations=_NEWTON)
+    x = iterate(along_sphere, x, iterations=_NEWTON, still=_ARRIVED)
     left = np.abs(np.einsum("pab,ca,cb->cp", each, x, x)).max(axis=1)
     return x[left <= 1e-10 * max(1.0, float(np.abs(each).max()))], False
 
@@ -604,13 +604,13 @@ def _few(each: Array) -> bool:
 def _chosen(place: Configuration, tangents: Array) -> tuple[Array, Array]:
     """The most promising tangents, both ways, and the k-th singular value of D along each."""
     tangents = unit(tangents)
-    series = taylor(place.robot, place.q, place.task, tangents * place.scale, 1)[1]
+    slopes = place.derivative_along(tangents)
     if place.corank:
-        first = place.u2.T @ series @ place.v2
-        promise = np.linalg.svd(first, compute_uv=False)[:, place.corank - 1]
+        first = place.u2.T @ slopes @ place.v2
+        promise = _core.svd(np.ascontiguousarray(first), False)[:, place.corank - 1]
     else:
         r = place.generic - 1
-        promise = np.abs(place.u[:, r] @ series @ place.v[:, r])
+        promise = np.abs(place.u[:, r] @ slopes @ place.v[:, r])
     kept = distinct(tangents, np.lexsort((np.arange(len(promise)), -np.round(promise, 9))))[:_MOST]
     return np.concatenate([tangents[kept], -tangents[kept]]), np.concatenate([promise[kept], promise[kept]])
 

@@ -8,13 +8,12 @@
 namespace rankdrop::RANKDROP_ISA {
 
 // Brackets of twists seen in one link: six components, linear part first.
-inline void bracket6(const Pack* a, const Pack* b, Pack sign, Pack* out) {
+inline void bracket6(const Pack* a, const Pack* b, Pack* out) {
     Pack left[3], right[3];
     cross(a + 3, b, left);
     cross(a, b + 3, right);
-    for (int c = 0; c < 3; ++c) out[c] = sign * (left[c] + right[c]);
-    cross(a + 3, b + 3, left);
-    for (int c = 0; c < 3; ++c) out[3 + c] = sign * left[c];
+    for (int c = 0; c < 3; ++c) out[c] = left[c] + right[c];
+    cross(a + 3, b + 3, out + 3);
 }
 
 class Expansion {
@@ -110,26 +109,27 @@ class Expansion {
     // SIX: all six rows of the twist, in their order; else those of the view
     template <bool SIX>
     Pack along_row(const Pack* row, const Pack* twist) const {
-        Pack sum = fill(0.0);
         if constexpr (SIX) {
-            for (int c = 0; c < 6; ++c) sum = sum + row[c] * twist[c];
+            Pack sum = row[0] * twist[0];
+            for (int c = 1; c < 6; ++c) sum = sum + row[c] * twist[c];
+            return sum;
         } else {
+            Pack sum = fill(0.0);
             for (int c = 0; c < view_.m; ++c) sum = sum + row[view_.row[c]] * twist[view_.row[c]];
+            return sum;
         }
-        return sum;
     }
 
-    // visit(k, dJ(e_k) x) from the ends of the chain towards the link
+    // visit(k, dJ(e_k) x) from the ends of the chain towards the link; with the other sign for joints before the link
     template <class Visit>
     void walk(const Pack* x, Visit visit) const {
         Pack sum[6], twist[6];
         for (int side = 0; side < 2; ++side) {
             const int from = side ? 0 : joints_ - 1, to = side ? link_ : link_ - 1, step = side ? 1 : -1;
-            const Pack sign = fill(side ? -1.0 : 1.0);
             for (Pack& c : sum) c = fill(0.0);
             for (int k = from; k != to; k += step) {
                 if (k != from) {  // the outermost joint carries none
-                    bracket6(mover_ + 6 * k, sum, sign, twist);
+                    bracket6(mover_ + 6 * k, sum, twist);
                     visit(k, twist);
                 }
                 const Pack value = x[chain_.joints[k].variable];
@@ -168,6 +168,8 @@ class Expansion {
         Pack bound[6], first[6], second[6], linear[6], along[6];
         for (int a = 0; a < r; ++a) bound[a] = first[a] = second[a] = linear[a] = along[a] = fill(0.0);
         walk(x, [&](int l, const Pack* twist) {
+            const int side = l < link_;
+            const Pack offset = side ? -offset_[l] : offset_[l];
             Pack share = fill(0.0);
             for (int a = 0; a < r; ++a) {
                 const Pack slope = along_row<SIX>(left_ + 6 * a, twist);
@@ -177,15 +179,13 @@ class Expansion {
                     share = share + part * weight[a];
                 }
                 if constexpr (!BOX || CUT) first[a] = first[a] + slope * slope;
-                if constexpr (CUT) along[a] = along[a] + slope * offset_[l];
+                if constexpr (CUT) along[a] = along[a] + slope * offset;
             }
             score_[l] = score_[l] + share * weight[j];
-            const int side = l < link_;
             const int to = side ? link_ : link_ - 1, step = side ? 1 : -1;
-            const Pack sign = fill(side ? -1.0 : 1.0);
             Pack twice[6];
             for (int k = l; k != to; k += step) {
-                bracket6(mover_ + 6 * k, twist, sign, twice);
+                bracket6(mover_ + 6 * k, twist, twice);
                 const Pack width = half_[k] * half_[l] * (k == l ? 0.5 : 1.0);
                 share = fill(0.0);
                 for (int a = 0; a < r; ++a) {

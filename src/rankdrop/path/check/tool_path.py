@@ -182,10 +182,10 @@ def _branches(
         branches.append(_tool_branch(robot, task, q, branch, place, chosen=row == chosen))
         turned = _whole_turn_away(robot, q, branch)
         if turned is not None:
-            again = follow(robot, poses, turned, task, tolerance=tolerance, through=True)
-            if again.reached > branch.reached:
-                place = _not_free(robot, asked, again, tolerances)
-                branches.append(_tool_branch(robot, task, turned, again, place, chosen=False))
+            farther = follow(robot, poses, turned, task, tolerance=tolerance, through=True)
+            if farther.reached > branch.reached:
+                place = _not_free(robot, asked, farther, tolerances)
+                branches.append(_tool_branch(robot, task, turned, farther, place, chosen=False))
     return tuple(branches)
 
 

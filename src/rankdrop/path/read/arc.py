@@ -51,11 +51,11 @@ def arc_poses(begin: Array, via: Array, end: Array, height: float) -> Array | No
     along = np.cross(axis, out)
     cosine, sine = np.cos(angle * share)[:, None], np.sin(angle * share)[:, None]
     turn = rotation_vector((end[:3, :3] @ begin[:3, :3].T)[None])[0]
-    made = np.tile(np.eye(4), (count + 1, 1, 1))
-    made[:, :3, 3] = centre + cosine * out + sine * along
-    made[:, :3, :3] = rotation(share[:, None] * turn) @ begin[:3, :3]
-    made[0], made[-1] = begin, end
-    return made
+    poses = np.tile(np.eye(4), (count + 1, 1, 1))
+    poses[:, :3, 3] = centre + cosine * out + sine * along
+    poses[:, :3, :3] = rotation(share[:, None] * turn) @ begin[:3, :3]
+    poses[0], poses[-1] = begin, end
+    return poses
 
 
 def arc_angle(begin: Array, via: Array, end: Array) -> float | None:

@@ -81,14 +81,14 @@ def _instructions(lines: list[tuple[int, str]], name: str) -> Iterator[tuple[int
         if line.startswith("/"):
             section = line.split()[0].upper()
             continue
-        own, colon, rest = line.partition(":")
-        if section != "/MN" or not colon or own.strip(" 0123456789"):
+        label, colon, rest = line.partition(":")
+        if section != "/MN" or not colon or label.strip(" 0123456789"):
             continue
         text = rest.strip().rstrip(";").rstrip()
-        if own.strip():
+        if label.strip():
             if kept:
                 yield begun, number_in_program, " ".join(kept)
-            begun, number_in_program, size, kept = count, own.strip(), len(text), [text]
+            begun, number_in_program, size, kept = count, label.strip(), len(text), [text]
         elif kept:
             size += len(text) + 1
             kept.append(text)

@@ -198,10 +198,10 @@ def _completed_pose(values: dict[str, float], before: Array, where: str) -> Targ
     if any(turns) != all(turns):
         return Reason.INCOMPLETE
     place = [values.get(key, 1e3 * length) for key, length in zip(PLACE, before[:3, 3].tolist(), strict=True)]
-    made = angle_target([*place, *(values.get(key, 0.0) for key in TURN)], where, _posture(values))
-    if not any(turns) and made.pose is not None:
-        made.pose[:3, :3] = before[:3, :3]
-    return made
+    target = angle_target([*place, *(values.get(key, 0.0) for key in TURN)], where, _posture(values))
+    if not any(turns) and target.pose is not None:
+        target.pose[:3, :3] = before[:3, :3]
+    return target
 
 
 def components(text: str) -> dict[str, float] | None:

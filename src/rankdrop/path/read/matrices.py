@@ -80,23 +80,23 @@ def poses_of(values: Array, where: Where, *, most: float = ORTHONORMAL) -> tuple
     Raises:
         TrajectoryError: a pose that is no rotation with a translation; each mistake is named.
     """
-    made = np.tile(np.eye(4), (len(values), 1, 1))
-    made[:, : values.shape[1]] = values
-    _refuse_infinite(made, where)
-    _refuse_bottom_rows(made, where)
-    _refuse_far(made, where)
-    turns = made[:, :3, :3]
+    poses = np.tile(np.eye(4), (len(values), 1, 1))
+    poses[:, : values.shape[1]] = values
+    _refuse_infinite(poses, where)
+    _refuse_bottom_rows(poses, where)
+    _refuse_far(poses, where)
+    turns = poses[:, :3, :3]
     off = deviation(turns)
     _refuse_no_rotations(turns, off, where, most)
     rounded = off > _EXACT
     turns[rounded] = nearest_rotations(turns[rounded])
-    made[:, 3] = _BOTTOM_ROW
+    poses[:, 3] = _BOTTOM_ROW
     worst = int(off.argmax())
     if off[worst] <= REPORTED:
-        return made, ()
-    turned = np.linalg.norm(made[worst, :3, :3] - values[worst, :3, :3]) / np.sqrt(2.0)  # chord of the angle
+        return poses, ()
+    turned = np.linalg.norm(poses[worst, :3, :3] - values[worst, :3, :3]) / np.sqrt(2.0)  # chord of the angle
     count = int((off > REPORTED).sum())
-    return made, (mended_rotations(count, float(off[worst]), worst + 1, float(np.degrees(turned))),)
+    return poses, (mended_rotations(count, float(off[worst]), worst + 1, float(np.degrees(turned))),)
 
 
 def deviation(turns: Array) -> Array:

@@ -129,10 +129,10 @@ def _of_urscript(text: str, where: str, *, deg: bool) -> PoseText:
     if deg:
         raise OptionError("rx, ry, rz of p[…] are a rotation vector in radians", where=where, got="degrees",
                           mend="deg=False", typed="leave --deg out")  # fmt: skip
-    made = np.array([values])
-    for keys, numbers in ((_PLACE, made[:, :3]), (ROTATION_VECTOR, made[:, 3:])):
+    row = np.array([values])
+    for keys, numbers in ((_PLACE, row[:, :3]), (ROTATION_VECTOR, row[:, 3:])):
         _confirmed_unit(WRITINGS[0], keys, numbers, where, URSCRIPT_UNITS)
-    return _pose_text(WRITINGS[0], made, "m", "rad")
+    return _pose_text(WRITINGS[0], row, "m", "rad")
 
 
 def _of_rapid(text: str, where: str) -> PoseText:
@@ -150,9 +150,9 @@ def _of_rapid(text: str, where: str) -> PoseText:
     if writing.unit_of("length", float(np.abs(place).max())) != "mm":
         raise OptionError(ORDER_IN_DOUBT, where=where, got=repr(text), allowed="lengths in mm, as RAPID has them",
                           mend="write x,y,z and the quaternion, then wxyz or xyzw")  # fmt: skip
-    made = np.array([[*place, *turn]])
-    made[:, :3] *= UNITS["length"]["mm"]
-    return _pose_text(writing, made, "mm", "")
+    row = np.array([[*place, *turn]])
+    row[:, :3] *= UNITS["length"]["mm"]
+    return _pose_text(writing, row, "mm", "")
 
 
 def _of_quaternion(numbers: str, order: str, where: str) -> PoseText:

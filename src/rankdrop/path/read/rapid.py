@@ -221,8 +221,8 @@ def _move(
         target = Reason.SHIFTED
     if not absolute or kind == "line":
         listing.set_tool(count, one, tool_frame(tool, names))
-    made = _speed(speed[0], speed[1] | zone[1], names, kind, f"{listing.where}, line {count}")
-    listing.move(count, one, kind, target, made, blend=zone[0].lower() != "fine")
+    pace = _speed(speed[0], speed[1] | zone[1], names, kind, f"{listing.where}, line {count}")
+    listing.move(count, one, kind, target, pace, blend=zone[0].lower() != "fine")
 
 
 def _any_move(
@@ -259,8 +259,8 @@ def _arc(listing: Listing, names: Names, count: int, one: str, rest: str, *, shi
             target = Reason.SHIFTED
         elif place is None:
             target = Reason.CIRCLE
-    made = _speed(speed[0], speed[1] | zone[1], names, "arc", where)
-    listing.move(count, one, "arc", target, made, blend=zone[0].lower() != "fine", via=place)
+    pace = _speed(speed[0], speed[1] | zone[1], names, "arc", where)
+    listing.move(count, one, "arc", target, pace, blend=zone[0].lower() != "fine", via=place)
 
 
 def _arc_place(last: Target | None, via: Target | Reason, target: Target) -> Array | None:
@@ -300,9 +300,9 @@ def _speed(text: str, keys: dict[str, str], names: Names, kind: Kind, where: str
     if speed is None and named is not None:
         speed = Speed(linear=positive(float(named[1]), MILLIMETRE), angular=radians(_REORIENTATION))
     if isinstance(speed, Speed) and name not in names.changed:
-        made = speed
+        pace = speed
     else:
-        made = Speed()
+        pace = Speed()
     if "v" in keys:
-        return Speed(linear=positive(names.number(keys["v"].lower()), MILLIMETRE), angular=made.angular)
-    return made
+        return Speed(linear=positive(names.number(keys["v"].lower()), MILLIMETRE), angular=pace.angular)
+    return pace

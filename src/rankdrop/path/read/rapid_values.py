@@ -88,10 +88,10 @@ def _work_object(text: str, where: str) -> Array | None:
     parts = parts_of((bracket or ("", ""))[0])
     if len(parts) != 5 or [part.upper() for part in parts[:2]] != _FIXED_FRAME:
         return None
-    user, own = (_frame(part, where) for part in parts[3:])
-    if user is None or own is None:
+    user, object_frame = (_frame(part, where) for part in parts[3:])
+    if user is None or object_frame is None:
         return None
-    return user @ own
+    return user @ object_frame
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,12 +189,12 @@ def _moved_target(function: str, text: str, names: Names, where: str, depth: int
     known = [value for text in written if (value := names.number(text.lower())) is not None]
     if len(known) < len(written):
         return Reason.OFFSET
-    made = target.pose.copy()
+    moved = target.pose.copy()
     if function == "offs":
-        made[:3, 3] += MILLIMETRE * np.array(known[:3])
+        moved[:3, 3] += MILLIMETRE * np.array(known[:3])
     else:
-        made = made @ _in_tool(known, where)
-    return turned_target(made[:3, 3].tolist(), made[:3, :3], where, target.posture)
+        moved = moved @ _in_tool(known, where)
+    return turned_target(moved[:3, 3].tolist(), moved[:3, :3], where, target.posture)
 
 
 def _in_tool(values: list[float], where: str) -> Array:
@@ -202,10 +202,10 @@ def _in_tool(values: list[float], where: str) -> Array:
     parts = np.zeros((4, 6))
     parts[0, :3] = values[:3]
     parts[1:, 3:] = np.diag(values[3:])
-    made = np.eye(4)
+    step = np.eye(4)
     for part in parts.tolist():
-        made = made @ np.asarray(angle_target(part, where).pose)
-    return made
+        step = step @ np.asarray(angle_target(part, where).pose)
+    return step
 
 
 def split_switches(part: str) -> tuple[str, dict[str, str]]:

@@ -229,8 +229,8 @@ def _chained(targets: list[Target], where: str) -> Target | Reason:
     poses = [target.pose for target in targets if target.pose is not None]
     if len(poses) != 2 or len(targets) != 2:
         return Reason.EXPRESSION
-    made = poses[0] @ poses[1]
-    return turned_target(made[:3, 3].tolist(), made[:3, :3], where)
+    chained = poses[0] @ poses[1]
+    return turned_target(chained[:3, 3].tolist(), chained[:3, :3], where)
 
 
 def _inverse(targets: list[Target]) -> Target | Reason:

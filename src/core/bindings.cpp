@@ -2,6 +2,8 @@
 #include "bindings.hpp"
 
 NB_MODULE(_core, module) {
+    // What is kept of an arm lives until the interpreter ends: that is no leak, and nothing to tell a user.
+    nanobind::set_leak_warnings(false);
     rankdrop::bind_chain(module);
     rankdrop::bind_search(module);
     rankdrop::bind_certify(module);

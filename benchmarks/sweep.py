@@ -9,7 +9,7 @@ import measure  # before NumPy: sets the number of threads
 from rankdrop.designs.measure import families_of, variants
 from rankdrop.designs.spec import spec_of
 from rankdrop.designs.sweeping import job_of, variants_of
-from rankdrop.robot.drawing import Drawing, Place
+from rankdrop.robot.drawing import Drawing, NumberPlace
 from rankdrop.verbs.analyze import analyze
 
 SPEC = {
@@ -35,7 +35,7 @@ def main() -> None:
         each = (time.process_time() - begun) / (chunks * job.plan["size"])
         rows.append({"what": what, "cpu s each": each, "1000 on two cores, s": 500 * each, "claimed": True})
     drawing = Drawing(**job.plan["drawing"])
-    values = dict(zip([Place(*one[0]) for one in job.plan["places"]], job.plan["variants"][500][1], strict=True))
+    values = dict(zip([NumberPlace(*one[0]) for one in job.plan["places"]], job.plan["variants"][500][1], strict=True))
     robot = drawing.robot(values)
     for what, run in (
         ("from nothing", lambda: families_of(robot, spec.task, None, starts=300, fresh=300, limits=False, seed=0)),

@@ -35,6 +35,8 @@ ASSIGNED_ONE = 5
 """Files that assign the name `one`, which says nothing of what it is: a family, a row, a stretch."""
 EMPTY_NAMES, EMPTY = frozenset({"own", "made", "told", "some", "again", "here"}), 175
 """Further names that say nothing, and how often one of them is assigned or is the name of a parameter."""
+TWO_THINGS = 8
+"""Names of classes that two modules give to different things, an underscore in front or not."""
 
 
 def functions(tree: ast.AST) -> Iterator[Function]:
@@ -111,6 +113,17 @@ def is_empty_name(node: ast.AST) -> bool:
 
 def test_names_that_say_nothing_get_rarer() -> None:
     assert sum(is_empty_name(node) for path in FILES for node in nodes(path)) <= EMPTY
+
+
+def test_a_name_of_a_class_stands_for_one_thing() -> None:
+    """A reader who searches for it finds one definition."""
+    modules: dict[str, set[str]] = defaultdict(set)
+    for path in FILES:
+        for node in nodes(path):
+            if isinstance(node, ast.ClassDef):
+                modules[node.name.lstrip("_")].add(str(path))
+    shared = sorted(name for name, where in modules.items() if len(where) > 1)
+    assert len(shared) <= TWO_THINGS, ", ".join(shared)
 
 
 def test_the_package_as_a_whole() -> None:

@@ -125,7 +125,7 @@ class Configuration:
 
     @cached_property
     def derivative(self) -> Array:
-        """(m, n, n) derivative of the task Jacobian by every joint: [:, i, k] = ∂J[:, i]/∂q_k."""
+        """(m, n, n) ∂J/∂q of the task Jacobian; the last axis is the joint by which it is derived."""
         return task_jacobian_derivative(self.robot, self.q, self.task)
 
     def derivative_along(self, directions: Array) -> Array:

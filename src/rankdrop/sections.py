@@ -57,7 +57,7 @@ _WORDED = {
     "Assumption": "rankdrop.text.conditions", "UnrealSet": "rankdrop.text.conditions",
     "UndividedSet": "rankdrop.text.conditions", "Designs": "rankdrop.text.designs",
     "SideBySide": "rankdrop.text.designs", "Parting": "rankdrop.text.structure",
-    "BlockForm": "rankdrop.text.structure", "Loss": "rankdrop.text.structure",
+    "BlockForm": "rankdrop.text.structure", "BlockLoss": "rankdrop.text.structure",
     "LintResult": "rankdrop.text.condition_tests",
     "Flags": "rankdrop.text.condition_tests", "Between": "rankdrop.text.condition_tests",
     "Executed": "rankdrop.text.procedure", "Remark": "rankdrop.text.procedure",

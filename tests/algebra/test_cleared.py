@@ -11,7 +11,7 @@ from reference.arms import standard_dh
 
 pytest.importorskip("flint")
 
-from rankdrop.algebra.field import P, Point, complete, rank, value_at
+from rankdrop.algebra.field import ModularPoint, P, complete, rank, value_at
 from rankdrop.algebra.work import Work
 from rankdrop.exact.arm.chain import WIDE, Chain, exact_chain
 from rankdrop.exact.arm.verify import rank_modulo
@@ -33,7 +33,7 @@ def gantry(slides: int) -> Robot:
 
 def rank_at(chain: Chain, columns, seed: int, pins: dict[int, str]) -> int:
     rng = random.Random(seed)
-    point = complete(chain.ring, Point({name: rng.randrange(2, P) for name in chain.ring.names}), pins)
+    point = complete(chain.ring, ModularPoint({name: rng.randrange(2, P) for name in chain.ring.names}), pins)
     assert point is not None
     return rank([[value_at(chain.ring, x, point) if x != 0 else 0 for x in column] for column in columns])
 
@@ -66,7 +66,7 @@ def test_rows_left_out_are_screws_added(name: str, rows: str, frame: int) -> Non
     for seed in range(6):
         rng = random.Random(seed)
         pins = {j: rng.choice(["0", "pi", "pi/2"]) for j in rng.sample(chain.ring.revolute, seed)}
-        point = complete(chain.ring, Point({x: rng.randrange(2, P) for x in chain.ring.names}), pins)
+        point = complete(chain.ring, ModularPoint({x: rng.randrange(2, P) for x in chain.ring.names}), pins)
         assert point is not None
         full = rank([[value_at(chain.ring, x, point) for x in column] for column in chain.columns])
         matrix = [[value_at(chain.ring, x, point) if x != 0 else 0 for x in column] for column in columns]

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import pytest
 
-from rankdrop.algebra.field import PRIMES, P, Point, modulo, roots_at, value_at
+from rankdrop.algebra.field import PRIMES, ModularPoint, P, modulo, roots_at, value_at
 from rankdrop.algebra.polynomial import flint, reduced_roots
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.roots import FURTHER, ROOTS, primes_with, residues_of_roots
@@ -16,7 +16,7 @@ def test_roots_exist_modulo_their_primes() -> None:
     for names in combinations(ROOTS, 2):
         ring = Ring([1], letters=names)
         for prime in ring.primes:
-            point = Point(roots_at(ring, prime), prime)
+            point = ModularPoint(roots_at(ring, prime), prime)
             assert all(value_at(ring, w * w - reduced_roots(w * w), point) == 0 for w in ring.letter_half.values())
         assert len(primes_with(names)) >= 12
     assert primes_with(()) == PRIMES

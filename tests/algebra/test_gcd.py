@@ -8,7 +8,7 @@ import pytest
 from algebra.test_roots import RING
 
 from rankdrop.algebra import field
-from rankdrop.algebra.field import Point, roots_at, value_at
+from rankdrop.algebra.field import ModularPoint, roots_at, value_at
 from rankdrop.algebra.gcd import _Images, gcd, image_modulo, quotient
 from rankdrop.algebra.polynomial import flint, is_number, primitive, reduced_roots
 from rankdrop.algebra.roots import ROOTS, embeddings, primes_with
@@ -35,7 +35,7 @@ def test_images_read_once_are_those_of_the_polynomial() -> None:
 def test_values_before_and_after_an_image_is_made_are_the_same() -> None:
     f = long_polynomial(4) * flint().fmpq(3, 7)
     for prime in primes_with(ROOTS)[:2]:
-        point = Point({name: 5 + place for place, name in enumerate(RING.names)}, prime)
+        point = ModularPoint({name: 5 + place for place, name in enumerate(RING.names)}, prime)
         point.update(roots_at(RING, prime))
         values = {value_at(RING, f, point) for _ in range(field._SEEN)}
         uses = RING.images[id(f), prime]

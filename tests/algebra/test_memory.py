@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop.algebra import field
 from rankdrop.algebra import ring as ring_module
-from rankdrop.algebra.field import Point, value_at
+from rankdrop.algebra.field import ModularPoint, value_at
 from rankdrop.algebra.ring import Ring
 
 GROWN = """
@@ -45,8 +45,8 @@ def test_so_many_terms_are_remembered_and_values_stay_right(monkeypatch: pytest.
     asked = [t[1] ** k * t[2] + k * t[2] + 3 for k in range(2, 40)]
     for _ in range(2):
         for k, f in enumerate(asked, start=2):
-            assert value_at(ring, f, Point({"t1": 2, "t2": 5})) == 5 * 2**k % field.P + 5 * k + 3
+            assert value_at(ring, f, ModularPoint({"t1": 2, "t2": 5})) == 5 * 2**k % field.P + 5 * k + 3
             assert sum(1 + len(one) for one, *_ in kept.values()) == kept.terms <= 40
     again = len(kept)
-    value_at(ring, asked[-1], Point({"t1": 7, "t2": 1}))
+    value_at(ring, asked[-1], ModularPoint({"t1": 7, "t2": 1}))
     assert len(kept) == again

@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.algebra.field import P, Point, complete, modulo, value_at
+from rankdrop.algebra.field import ModularPoint, P, complete, modulo, value_at
 from rankdrop.algebra.polynomial import COS_SIN, SIMPLE, flint, primitive
 from rankdrop.algebra.ring import Form, Ring, polynomial_of
 from rankdrop.algebra.solving import Solved, substitute_into_form
@@ -22,7 +22,7 @@ def ring() -> Ring:
 
 
 def random_point(ring: Ring, rng: random.Random, pins: dict[int, str] | None = None) -> dict[str, int]:
-    point = complete(ring, Point({name: rng.randrange(2, P) for name in ring.names}), pins or {})
+    point = complete(ring, ModularPoint({name: rng.randrange(2, P) for name in ring.names}), pins or {})
     assert point is not None
     return point
 

@@ -12,7 +12,7 @@ pytest.importorskip("flint")
 
 from rankdrop.algebra import decompose as steps
 from rankdrop.algebra.decompose import cut, cut_half, decompose
-from rankdrop.algebra.field import PRIMES, Point, half_angle_value, value_at
+from rankdrop.algebra.field import PRIMES, ModularPoint, half_angle_value, value_at
 from rankdrop.algebra.polynomial import variables_in
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.solving import (
@@ -317,7 +317,7 @@ def test_a_highest_coefficient_at_pi_is_made_once(ring: Ring, monkeypatch: pytes
     f, other = (t2**2 + 3) * t1**2 + t1 * t2 + 5, (t2 - 4) * t1 + 1
     made = []
     monkeypatch.setattr(Form, "at", lambda form, pins, at=Form.at: made.append(pins) or at(form, pins))
-    points = [Point({"t2": x}, PRIMES[0]) for x in (2, 4, 7)]
+    points = [ModularPoint({"t2": x}, PRIMES[0]) for x in (2, 4, 7)]
     assert [half_angle_value(ring, f, point) for point in points] == [7, 19, 52]
     assert [half_angle_value(ring, other, point) for point in points] == [PRIMES[0] - 2, 0, 3]
     assert made == [{1: "pi"}, {1: "pi"}]

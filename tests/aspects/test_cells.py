@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.aspects.cells import Parts, clusters
+from rankdrop.aspects.cells import PartCount, clusters
 
 
 def test_an_empty_set_makes_a_product_empty() -> None:
-    empty, unclear = Parts(0, 0, proven=True), Parts(1, 3, proven=False)
-    assert empty * unclear == Parts(0, 0, proven=True)
+    empty, unclear = PartCount(0, 0, proven=True), PartCount(1, 3, proven=False)
+    assert empty * unclear == PartCount(0, 0, proven=True)
     assert not (unclear * unclear).proven
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.algebra.ring import Ring
-from rankdrop.aspects.cells import Parts, Positive, count_parts
+from rankdrop.aspects.cells import PartCount, Positive, count_parts
 from rankdrop.aspects.count import AspectCount, Left, count_aspects
 from rankdrop.aspects.posture_paths import CUSPIDAL, NOT_ASKED, NOT_FOUND, aspects_of
 from rankdrop.aspects.waves import wave_of
@@ -89,13 +89,13 @@ def positive(p: Polynomial, sign: int = 1) -> Positive:
     ],
 )
 def test_sets_with_a_known_number_of_parts(conditions: list[Positive], number: int) -> None:
-    assert count_parts(conditions) == Parts(number, number, proven=True)
+    assert count_parts(conditions) == PartCount(number, number, proven=True)
 
 
 def test_a_part_smaller_than_a_coarse_cell_is_not_missed() -> None:
     """A disc of radius 0.045 rad: no cell of the first grid is inside it."""
     small = positive(1000 * C1 + 1000 * C2 - RING.constant(1999))
-    assert count_parts([small]) == Parts(1, 1, proven=True)
+    assert count_parts([small]) == PartCount(1, 1, proven=True)
 
 
 def test_two_parts_that_touch_are_not_told_apart_and_that_is_said() -> None:

@@ -8,7 +8,7 @@ import pytest
 import rankdrop
 from rankdrop.cover.setting import enclose, setting_at_tip
 from rankdrop.designs.postures import poses_at
-from rankdrop.designs.region import _Proof
+from rankdrop.designs.region import _RegionBounds
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
 from rankdrop.robot.drawing import Drawing
@@ -25,7 +25,7 @@ def test_what_is_left_out_and_proven_holds_at_random(name: str, task: str | None
     arm = Drawing.of(name).nominal
     problem = Problem(arm, resolve_task(task, arm), limits=name == "scara")
     turned = None if rpy is None else np.array(rpy)
-    proof = _Proof(problem, turned, 12, 0)
+    proof = _RegionBounds(problem, turned, 12, 0)
     rng = np.random.default_rng(3)
     postures = rankdrop.local.sample(arm, problem.task, 60, 4, limits=True)
     # the task's own σ

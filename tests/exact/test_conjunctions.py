@@ -7,7 +7,7 @@ from exact.test_methods import SRS, chain_of
 
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.conjunctions import Derivation, columns_on, values_of
+from rankdrop.exact.conjunctions import SetDerivation, columns_on, values_of
 from rankdrop.exact.methods import _choices, derive, zero_of
 from rankdrop.robot.dh import from_dh
 
@@ -15,7 +15,7 @@ from rankdrop.robot.dh import from_dh
 def test_what_is_said_to_vanish_does() -> None:
     """At θ4 = π, θ5 = π/2, θ6 = 0 every element of the screw is zero, and the other angles are free."""
     chain = chain_of("canadarm2")
-    builder = Derivation(chain, "reciprocity", 30.0, frame=5, basic=(2, 3, 4, 5, 6, 7))
+    builder = SetDerivation(chain, "reciprocity", 30.0, frame=5, basic=(2, 3, 4, 5, 6, 7))
     joints, screw = _choices(builder, columns_on(ZeroSet(chain.ring, {4: "pi"}), builder.columns))[0]
     assert [j + 1 for j in joints] == [2, 3, 4, 6, 7]
     assert any(w != 0 for w in screw)
@@ -29,7 +29,7 @@ def test_a_polynomial_too_long_in_half_angles_is_not_factored_and_no_error() -> 
     chain = exact_chain(from_dh(rows, convention="standard"))
     found = derive(chain, "cofactors")
     assert found.complete
-    builder = Derivation(chain, "determinant", 30.0)
+    builder = SetDerivation(chain, "determinant", 30.0)
     long = sum((minor**2 for minor in builder.minors(chain.columns, 6)), chain.ring.zero)
     assert chain.ring.factors_within(chain.ring.reduce(long), 30.0) is None
 

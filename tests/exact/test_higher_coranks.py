@@ -6,7 +6,7 @@ import pytest
 
 from rankdrop.algebra.halt import Halt, HaltKind
 from rankdrop.exact import higher_coranks
-from rankdrop.exact.conjunctions import Derivation
+from rankdrop.exact.conjunctions import SetDerivation
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions
 
@@ -30,8 +30,8 @@ def test_one_corank_is_derived_as_before() -> None:
 
 
 def test_what_is_not_finished_of_a_higher_corank_is_stated(monkeypatch: pytest.MonkeyPatch) -> None:
-    def stopped(*given, corank: int, **options) -> Derivation:
-        found = Derivation(given[0], "reciprocity", 1.0, corank=corank)
+    def stopped(*given, corank: int, **options) -> SetDerivation:
+        found = SetDerivation(given[0], "reciprocity", 1.0, corank=corank)
         found.halt(Halt(HaltKind.EXCEPTIONAL_CASES, number=7))
         return found
 

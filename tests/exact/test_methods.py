@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rankdrop.algebra.field import P, Point, bivariate, common_zeros, complete, holds, roots, univariate
+from rankdrop.algebra.field import ModularPoint, P, bivariate, common_zeros, complete, holds, roots, univariate
 from rankdrop.algebra.polynomial import SIMPLE, Equality
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work, work_spent
@@ -20,7 +20,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
-from rankdrop.exact.conjunctions import Conjunction, Derivation
+from rankdrop.exact.conjunctions import Conjunction, SetDerivation
 from rankdrop.exact.derivation import _too_long
 from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.methods import METHODS, derive
@@ -54,36 +54,36 @@ def chain_of(name: str) -> Chain:
 
 
 @cache
-def derived(name: str, method: str) -> Derivation:
+def derived(name: str, method: str) -> SetDerivation:
     return derive(chain_of(name), method, 60.0)
 
 
-def vanishes(equality: Equality, ring: Ring, point: Point) -> bool:
+def vanishes(equality: Equality, ring: Ring, point: ModularPoint) -> bool:
     parts = equality.atoms if equality.whole is None else (equality.whole,)
     return any(holds(ring, part, point) for part in parts)
 
 
-def holds_at(condition: Conjunction, ring: Ring, point: Point) -> bool:
+def holds_at(condition: Conjunction, ring: Ring, point: ModularPoint) -> bool:
     """Whether a condition holds at a point modulo P, exactly."""
     unequal = (any(not vanishes(equality, ring, point) for equality in group) for group in condition.unequal)
     return all(vanishes(equality, ring, point) for equality in condition.equal) and all(unequal)
 
 
-def holds_modulo(found: Derivation, points: Sequence[Point]) -> tuple[bool, ...]:
+def holds_modulo(found: SetDerivation, points: Sequence[ModularPoint]) -> tuple[bool, ...]:
     """Whether one of the conditions holds at each of the points modulo P, exactly."""
     return tuple(any(holds_at(one, found.ring, point) for one in found.conditions) for point in points)
 
 
 @cache
-def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, ...]]:
+def strata(name: str, count: int = 200) -> tuple[tuple[ModularPoint, ...], tuple[bool, ...]]:
     """Points modulo P with joints at simple angles or where one or two minors vanish, and whether they are singular."""
     chain, rng = chain_of(name), random.Random(7)
     ring, m = chain.ring, chain.task.m
-    points: list[Point] = []
+    points: list[ModularPoint] = []
     subsets = list(combinations(chain.columns, m))
     while len(points) < count:
         pins = {j: rng.choice(SIMPLE) for j in ring.revolute if rng.random() < rng.choice([0.0, 0.3, 0.6])}
-        values = Point({name: rng.randrange(1, P) for name in ring.names if name not in {f"t{j}" for j in pins}})
+        values = ModularPoint({name: rng.randrange(1, P) for name in ring.names if name not in {f"t{j}" for j in pins}})
         moving = [name for name in ring.names[: ring.moving] if name in values]
         rng.shuffle(moving)
         chosen = rng.sample(subsets, min(2, len(subsets)))
@@ -257,12 +257,12 @@ CORANKS = [
 
 
 @cache
-def reciprocal(name: str, corank: int) -> Derivation:
+def reciprocal(name: str, corank: int) -> SetDerivation:
     return derive(chain_of(name), "reciprocity", 60.0, corank=corank)
 
 
 @cache
-def ranked(name: str) -> tuple[tuple[Point, ...], tuple[int, ...]]:
+def ranked(name: str) -> tuple[tuple[ModularPoint, ...], tuple[int, ...]]:
     """Points modulo P on every set of the rank tree and on other strata, and their ranks."""
     chain, rng = chain_of(name), random.Random(3)
     found = [drop.piece.point(rng) for drop in rank_tree(chain, Work(60.0)).drops]
@@ -303,7 +303,7 @@ def test_reciprocal_screws_hold_at_configurations_found_of_their_corank_alone(na
 
 def test_without_the_exceptional_cases_reciprocal_screws_miss_configurations(monkeypatch: pytest.MonkeyPatch) -> None:
     """The planted fault: nothing follows where the chosen minor vanishes, θ2 = ±π/2 of PUMA's first joints."""
-    monkeypatch.setattr(Derivation, "branches", lambda *_: [])
+    monkeypatch.setattr(SetDerivation, "branches", lambda *_: [])
     found = derive(chain_of("puma560"), "reciprocity", corank=2)
     met = cloud(found.chain.robot, found.chain.task, 2, 40)
     assert 0 < found.holds(met.q).sum() < len(met.q)
@@ -436,7 +436,7 @@ def test_a_polynomial_is_evaluated_with_its_own_degrees_where_joints_stand_at_pi
     """t1 t2 + 1 stands for cos((θ1 − θ2)/2), and t1 + t2 for sin((θ1 + θ2)/2)."""
     ring = Ring([1, 2])
     difference, total = ring.atom(ring.t[1] * ring.t[2] + 1), ring.atom(ring.t[1] + ring.t[2])
-    one, both = complete(ring, Point(), {1: "0", 2: "pi"}), complete(ring, Point(), {1: "pi", 2: "pi"})
+    one, both = complete(ring, ModularPoint(), {1: "0", 2: "pi"}), complete(ring, ModularPoint(), {1: "pi", 2: "pi"})
     assert one is not None
     assert both is not None
     assert [holds(ring, difference, one), holds(ring, difference, both)] == [True, False]

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.algebra.field import P, Point, holds, value_at
+from rankdrop.algebra.field import ModularPoint, P, holds, value_at
 from rankdrop.algebra.polynomial import Equality
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.zeroset import ZeroSet
@@ -108,7 +108,7 @@ def test_the_closed_conditions_hold_nothing_that_follows(ring):
 def test_a_piece_knows_what_is_positive(ring):
     f = ring.letter_half["a"] ** 2 * ring.t[1] ** 2 + ring.letter_half["b"] ** 2
     assert atoms_on(ZeroSet.whole(ring), Equality((ring.atom(f),))) == ()
-    assert value_at(ring, f, Point(dict.fromkeys(ring.names, 2))) % P
+    assert value_at(ring, f, ModularPoint(dict.fromkeys(ring.names, 2))) % P
 
 
 def test_points_of_a_set_are_where_its_inequations_hold(ring):

@@ -16,8 +16,8 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import _suppression_differences
 from rankdrop.exact.stratum import Stratum
-from rankdrop.exact.suppression import Case, _Derivation, suppress
-from rankdrop.exact.tree import OpenCase, Tree, rank_tree
+from rankdrop.exact.suppression import Case, _Recursion, suppress
+from rankdrop.exact.tree import OpenCase, RankTree, rank_tree
 from rankdrop.families.contradiction import TREE
 from rankdrop.families.searching import Outcome, search
 from rankdrop.robot.dh import from_dh
@@ -228,7 +228,7 @@ def test_a_case_in_which_the_rank_is_full_is_told_and_is_no_family():
     """PA-10, sin θ3 = 0: all six freedoms are left at almost every point."""
     chain = exact_chain(open_robot("pa10"))
     ring = chain.ring
-    derivation = _Derivation(chain, None, None, Work(60.0))
+    derivation = _Recursion(chain, None, None, Work(60.0))
     regular, elbow = (Stratum.whole(ring).meet(Equality((), ring.s[joint])) for joint in (3, 4))
     for stratum in (regular, elbow.avoid(Equality((), ring.s[2])).meet(Equality((), ring.s[2])), elbow):
         derivation.family(Case("1", stratum, tuple(range(1, 8))))
@@ -243,7 +243,7 @@ def test_sets_that_the_rank_tree_left_open_are_no_disagreement() -> None:
     lost, *others = [drop for drop in tree.drops if drop.rank == 5]
     shorter = replace(tree, drops=others)
 
-    def missed(found: Tree) -> int:
+    def missed(found: RankTree) -> int:
         different = _suppression_differences(chain, suppression, found, Work(20.0))
         return sum(one.number for one in different if one.other == TREE)
 

@@ -194,7 +194,7 @@ def test_a_set_that_is_not_finished_is_a_case(plant, monkeypatch: pytest.MonkeyP
 @pytest.mark.shipped
 def test_a_set_is_not_finished_where_the_tree_states_no_cases(monkeypatch: pytest.MonkeyPatch) -> None:
     nothing_separates(monkeypatch)
-    monkeypatch.setattr(rank_trees.Tree, "is_stated", False)
+    monkeypatch.setattr(rank_trees.RankTree, "is_stated", False)
     found = derived("anthropomorphic", points=0)
     assert not found.complete
     assert not found.undivided

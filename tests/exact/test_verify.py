@@ -9,7 +9,7 @@ from math import atan, pi
 import numpy as np
 import pytest
 
-from rankdrop.algebra.field import P, Point, complete, rank, value_at
+from rankdrop.algebra.field import ModularPoint, P, complete, rank, value_at
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_agreement, rank_check, rank_modulo
 from rankdrop.families.points import cloud, count_explained
@@ -31,7 +31,7 @@ def chain_of(name: str) -> Chain:
     return exact_chain(open_robot(name))
 
 
-def rational_point(chain: Chain, tangents: list[Fraction]) -> tuple[Point, np.ndarray]:
+def rational_point(chain: Chain, tangents: list[Fraction]) -> tuple[ModularPoint, np.ndarray]:
     """The same rational half-angle tangents modulo P (the arm's own lengths) and as a configuration q."""
     values = {name: value.numerator * pow(value.denominator, -1, P) % P for name, value in chain.letters.items()}
     q = np.zeros(chain.n)
@@ -39,7 +39,7 @@ def rational_point(chain: Chain, tangents: list[Fraction]) -> tuple[Point, np.nd
         residue = t.numerator * pow(t.denominator, -1, P) % P
         values[f"t{j}" if j in chain.ring.revolute else f"q{j}"] = residue
         q[j - 1] = 2 * atan(t) if j in chain.ring.revolute else float(t)
-    point = complete(chain.ring, Point(values), {})
+    point = complete(chain.ring, ModularPoint(values), {})
     assert point is not None
     return point, q - chain.shifts
 

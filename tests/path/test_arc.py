@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
 from rankdrop.kinematics import pose
-from rankdrop.path.check.moves import Cause
+from rankdrop.path.check.moves import EndCause
 from rankdrop.path.check.path_file import PathQuestion
 from rankdrop.path.check.program import ProgramCheck, check_any_file
 from rankdrop.path.read.arc import arc_angle, arc_poses
@@ -149,5 +149,5 @@ def test_an_arc_through_places_on_a_line_is_not_made(tmp_path: Path) -> None:
     found = check_any_file(open_robot("kr6r900"), file, PathQuestion(None, None, PathOptions()))
     assert isinstance(found, ProgramCheck)
     assert found.parts[0].ended is not None
-    assert found.parts[0].ended.cause is Cause.NO_CIRCLE
+    assert found.parts[0].ended.cause is EndCause.NO_CIRCLE
     assert "lie on one line" in found.sentence

@@ -8,7 +8,7 @@ import pytest
 from path.test_pose_detours import CLEARANCE, checked
 from rankdrop.local.block import singular_values
 from rankdrop.path.mend.detours import Hindrance, lost_motions
-from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, Window
+from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, PoseWindow
 
 
 @pytest.mark.slow
@@ -37,7 +37,7 @@ def test_the_way_lost_before_the_joints_turn_leads_around(monkeypatch: pytest.Mo
     assert [isinstance(one, Blocked) for one in tried] == [True, False]
 
 
-def _windows(work: PoseDetourer) -> list[Window]:
+def _windows(work: PoseDetourer) -> list[PoseWindow]:
     found = work.find_windows(lambda done, count: None)
     assert not isinstance(found, Blocked)
     return found

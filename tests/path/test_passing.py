@@ -16,8 +16,8 @@ from rankdrop.local.orientation import rotation_vector
 from rankdrop.path import mend_path
 from rankdrop.path.check import follow as follow_module
 from rankdrop.path.check import passing
-from rankdrop.path.check.follow import _Walk, follow
-from rankdrop.path.check.passing import Departure, Move, departures, internal_turn
+from rankdrop.path.check.follow import _BranchWalk, follow
+from rankdrop.path.check.passing import Departure, StraightMove, departures, internal_turn
 from rankdrop.path.check.solution_curve import follow_curve
 from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_path import check_poses
@@ -293,7 +293,7 @@ def test_a_corner_of_the_joints_within_a_straight_move_needs_a_rest(turned: floa
     angle = np.radians(turned)
     corner = Departure(place, np.array([np.cos(angle), np.sin(angle)]), False)
     back = Departure(place, np.array([-1.0, 0.1]), False)
-    first, last = _Walk._sort_by_turn(walk, made, [back, corner])
+    first, last = _BranchWalk._sort_by_turn(walk, made, [back, corner])
     assert (first.q is corner.q, first.rest, last.q is back.q) == (True, rest, True)
 
 
@@ -335,7 +335,7 @@ def test_two_curves_that_pass_closely_are_no_crossing(degrees: float) -> None:
     q = np.radians([-2.285303, 25.054618, 9.727722, 106.948241, degrees, -4.826506])
     poses = line(robot, q, [-0.234686, -0.427842, -0.872854, 0, 0, 0], 0.0, -0.02, 0.1)
     start = follow(robot, poses[:2], q, limits=False).last
-    move = Move(Aim(robot, resolve_task(None, robot)), poses[1:], 0.0)
+    move = StraightMove(Aim(robot, resolve_task(None, robot)), poses[1:], 0.0)
     move.seen_from(start)
     part = follow_curve(move, start, None)
     assert part is not None
@@ -416,7 +416,7 @@ def test_every_curve_that_leaves_a_crossing_is_found(
     turned = [float(np.linalg.norm(departure.q - q) / (departure.place - 0.5)) for departure in found]
     assert turned == sorted(turned)
     needed = np.array([at(home, way + 1e-4 * lost, s) for s in (-0.04, 0.04)])
-    move = Move(Aim(robot, resolve_task(None, robot)), needed, 0.5)
+    move = StraightMove(Aim(robot, resolve_task(None, robot)), needed, 0.5)
     assert not passing._crossing_departures(move, q, move.seen_from(q), move.room)  # no two curves cross there
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from rankdrop.path.check.passing import _departure_along
-from rankdrop.path.check.solution_curve import CurvePart, _CurveWalk, _Point, follow_curve
+from rankdrop.path.check.solution_curve import CurvePart, _CurvePoint, _CurveWalk, follow_curve
 from rankdrop.robot.model import Array
 
 
@@ -146,8 +146,8 @@ def walk_with(points: list[float], sigma: Any, monkeypatch: pytest.MonkeyPatch) 
     """A walk along x at these places, where σ_r is a function of x."""
     walk = _CurveWalk(Plane(lambda x, w: x - w, 1.0))
 
-    def point(x: float) -> _Point:
-        return _Point(np.array([x, x, x]), np.ones(3) / np.sqrt(3), 1.0, float(sigma(x)))
+    def point(x: float) -> _CurvePoint:
+        return _CurvePoint(np.array([x, x, x]), np.ones(3) / np.sqrt(3), 1.0, float(sigma(x)))
 
     monkeypatch.setattr(walk, "step_along", lambda here, step: point(here.y[0] + step))
     walk.points = [point(x) for x in points]
@@ -182,8 +182,8 @@ def test_a_point_of_a_self_motion_is_not_taken(sigma: float, w: float, slope: fl
     """Nor one that lies behind the last one though the way grows there."""
     walk = _CurveWalk(Plane(lambda x, w: x - w, 1.0))
     way = np.ones(3) / np.sqrt(3)
-    walk.points = [_Point(np.zeros(3), way, 1.0, 1e-3)]
-    assert walk.is_doubtful(_Point(np.array([w, w, w]), way, slope, sigma)) == doubtful
+    walk.points = [_CurvePoint(np.zeros(3), way, 1.0, 1e-3)]
+    assert walk.is_doubtful(_CurvePoint(np.array([w, w, w]), way, slope, sigma)) == doubtful
 
 
 def test_a_step_around_a_corner_is_too_long() -> None:

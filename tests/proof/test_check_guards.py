@@ -21,7 +21,7 @@ from rankdrop.proof.boxes import bits
 from rankdrop.proof.check import arm_of
 from rankdrop.proof.existence import _Zero, verify_existence
 from rankdrop.proof.record import Link, Unproven, Work, read_certificate
-from rankdrop.proof.regions import Check, CurvePath
+from rankdrop.proof.regions import ClaimCheck, CurvePath
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -134,7 +134,7 @@ def test_the_check_of_a_covering_hands_the_seam_to_the_determinant(monkeypatch):
 
     monkeypatch.setattr(covers, "Determinant", spy)
     claim: Any = SimpleNamespace(tolerance=None, whole_rows=[0, 1, 2, 3, 4, 5], rank=6, record={})
-    check = Check(arm, claim, Work(10))
+    check = ClaimCheck(arm, claim, Work(10))
     plan: Any = SimpleNamespace(variables=(2, 3, 4, 5), lower=low, upper=high)
     with pytest.raises(Seen):
         covers._verify_all(check, plan, SimpleNamespace(free_boxes=1))  # type: ignore[arg-type]

@@ -29,7 +29,7 @@ from rankdrop.proof.record import SIGNS as SIGN_PROOF
 from rankdrop.proof.record import STRUCTURES, claim_of, fingerprint, with_hash
 from rankdrop.proof.record import _certificate as read
 from rankdrop.proof.record import _link as link_of
-from rankdrop.proof.signs import _Factors
+from rankdrop.proof.signs import _DeterminantFactors
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
@@ -85,7 +85,7 @@ def test_solutions_of_one_pose_differ_in_a_sign(name: str) -> None:
     task, claim = resolve_task(None, robot), claim_of(claimed(robot, ARMS[name]), Path())
     f, most = flint(), 0
     with f.ctx.workprec(BITS):
-        factors = _Factors(claim, ARMS[name])
+        factors = _DeterminantFactors(claim, ARMS[name])
         base = Arm(claim.links, claim.variables, 0, [f.arb(0)] * 3, f.arb(1))
         for q in sample(robot, task, 3, 4):
             found = solutions(robot, task, pose(robot, q), starts=100, seed=1, also=q)
@@ -199,10 +199,10 @@ def test_lies_about_a_plane_are_refused(honest: dict[str, Record], tmp_path: Pat
 @pytest.mark.parametrize("name", ["scara", "ur5e", "irb120", "axes 1, 2 parallel", "axes 2, 3 meet"])
 def test_factors_of_another_arm_do_not_multiply_to_the_determinant(monkeypatch: Any, tmp_path: Path, name: str) -> None:
     """The comparison with det J is no ornament: a factor that is twice too large, or another one, is seen."""
-    record, honest = claimed(arm(name), ARMS[name]), _Factors.values
+    record, honest = claimed(arm(name), ARMS[name]), _DeterminantFactors.values
     for forged in (lambda *args: [2 * honest(*args)[0], *honest(*args)[1:]],
                    lambda *args: [honest(*args)[0] ** 2, *honest(*args)[1:]]):  # fmt: skip
-        monkeypatch.setattr(_Factors, "values", forged)
+        monkeypatch.setattr(_DeterminantFactors, "values", forged)
         found = judged(record, tmp_path)
         assert not found.holds
         assert "do not multiply" in found.reason

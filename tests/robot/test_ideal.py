@@ -17,7 +17,7 @@ from rankdrop.exact.arm.structure import structure_of
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.ideal import Hold, ideal, near_ideal, read_tolerance, what_holds
 from rankdrop.robot.model import Robot
-from rankdrop.robot.numbers import Change, extent, numbers_of
+from rankdrop.robot.numbers import ExactChange, extent, numbers_of
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.text.robots import near_text
 from rankdrop.tolerances import SQUARE
@@ -141,7 +141,7 @@ def test_what_was_moved_is_told_with_its_joints() -> None:
     _, changes = ideal(from_dh(rows, convention="standard"), length=1e-3, angle=radians(0.5))
     told = {change.name: change for change in changes}
     assert set(told) == {"a1", "α1", "d2 + d3 + d4", "θ2"}
-    assert told["a1"] == Change("distance", (1, 2), pytest.approx(2e-4), 0.0)  # type: ignore[arg-type]
+    assert told["a1"] == ExactChange("distance", (1, 2), pytest.approx(2e-4), 0.0)  # type: ignore[arg-type]
     assert told["α1"].joints == (1, 2)
     assert told["d2 + d3 + d4"].joints == (2, 3, 4)
     assert [told[name].text for name in ("a1", "α1", "d2 + d3 + d4", "θ2")] == [

@@ -14,7 +14,7 @@ from rankdrop.exact.arm.geometry import sections
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Mimic, Robot
-from rankdrop.robot.numbers import Numbers, axis_lines, extent, meeting, numbers_of, square_up
+from rankdrop.robot.numbers import LinkNumbers, axis_lines, extent, meeting, numbers_of, square_up
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.transform import frame_on_axis
 from rankdrop.robot.urdf import from_urdf
@@ -81,7 +81,7 @@ def test_noise_is_taken_away_again(name: str, rng: np.random.Generator) -> None:
             assert one == pytest.approx(other, abs=5e-6)
 
 
-def read(arm: Robot) -> list[Numbers]:
+def read(arm: Robot) -> list[LinkNumbers]:
     return numbers_of(arm, angle=1e-6, length=1e-6)
 
 

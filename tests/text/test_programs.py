@@ -36,7 +36,7 @@ def test_the_verdict_names_the_line(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert first["line_of"] == sorted(first["line_of"])
     printed = " ".join(capsys.readouterr().out.split())
     assert "rounds those of line 6" in printed
-    assert "line 12: circular moves are not read" in printed
+    assert "line 12: this circular move is not read" in printed
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from rankdrop.algebra.work import tick
-from rankdrop.exact.tree import Tree
+from rankdrop.exact.tree import RankTree
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs import deriving
 from rankdrop.verbs.conditions import conditions
@@ -17,7 +17,7 @@ def test_a_tree_that_takes_more_than_its_share_leaves_work_for_its_sets(monkeypa
     """All sets of an arm became cases, which took no more than a tenth of a second: no work was left."""
     plain = deriving.rank_tree
 
-    def long(*args: Any, **named: Any) -> Tree:
+    def long(*args: Any, **named: Any) -> RankTree:
         found = plain(*args, **named)
         tick(60e6)
         return found

@@ -16,7 +16,7 @@ from itertools import combinations, islice
 from typing import NamedTuple
 
 from rankdrop.algebra.factoring import factor
-from rankdrop.algebra.field import Point, residue, roots_at, solvable_in_space, value_at
+from rankdrop.algebra.field import ModularPoint, residue, roots_at, solvable_in_space, value_at
 from rankdrop.algebra.gcd import divides, gcd
 from rankdrop.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, primitive, used_by, variables_in
 from rankdrop.algebra.ring import Form, Ring
@@ -43,7 +43,7 @@ from rankdrop.algebra.zeroset import ZeroSet, independent
 from rankdrop.lists import leave_out
 
 
-class Done(NamedTuple):
+class StepsTaken(NamedTuple):
     """Steps on the way to a system that are not taken again inside it.
 
     Attributes:
@@ -64,7 +64,7 @@ class Done(NamedTuple):
         return reached
 
 
-NOTHING_DONE = Done()
+NOTHING_DONE = StepsTaken()
 
 
 
@@ -74,7 +74,7 @@ def decompose(
     conditions: Sequence[Form],
     most: int,
     work: Work,
-    done: Done = NOTHING_DONE,
+    done: StepsTaken = NOTHING_DONE,
 ) -> list[ZeroSet]:
     """Irreducible sets that together hold every large piece of where all half-angle polynomials vanish.
 
@@ -109,7 +109,7 @@ def decompose(
 
 
 def _irreducible(
-    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: StepsTaken
 ) -> list[ZeroSet]:
     """`decompose` for irreducible polynomials, no two of them the same: two of them bind two freedoms."""
     if min(len(system), 2) > most:
@@ -148,7 +148,7 @@ def _single(ring: Ring, pins: dict[int, str], system: list[Polynomial]) -> ZeroS
 
 
 def _at_infinity(
-    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: StepsTaken
 ) -> Iterator[ZeroSet]:
     """Components with a further joint at π: there two leading coefficients vanish together."""
     for k, joint in enumerate(ring.revolute):
@@ -167,7 +167,7 @@ def _share(first: Form, second: Form, work: Work) -> bool:
 
 
 def _eliminate_linear(
-    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: StepsTaken
 ) -> list[ZeroSet] | None:
     """Solve one condition for a variable and go on with the others; None where none is linear in a variable."""
     solvable = [(solved, f) for f in system if (solved := linear(ring, f)) is not None]
@@ -212,7 +212,7 @@ def _at_pins(piece: ZeroSet, conditions: list[Polynomial]) -> list[Polynomial]:
 
 
 def _lower_by_pairs(
-    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: StepsTaken
 ) -> list[ZeroSet]:
     """No condition is linear: combine two of them into one that is, or into one with a variable less."""
     pieces = _divide_conditions(ring, pins, system, most, work, done)
@@ -226,7 +226,7 @@ def _lower_by_pairs(
 
 
 def _divide_conditions(
-    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: StepsTaken
 ) -> list[ZeroSet] | None:
     """The zeros with the remainder of one condition by another in its place; None where no division lowers a degree."""
     for f, g, k in divisions(ring, system):
@@ -242,7 +242,7 @@ def _divide_conditions(
 
 
 def _combine_conditions(
-    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: StepsTaken
 ) -> list[ZeroSet] | None:
     """The zeros with a combination of two conditions that has factors, or is linear; None where none has or is."""
     known = {str(f) for f in system}
@@ -430,7 +430,7 @@ def _always(ring: Ring, f: Polynomial, work: Work) -> bool:
     """Whether a condition always holds for the arm's own lengths."""
     if not work.lengths or not any(place >= ring.moving for place in variables_in(f)):
         return False
-    values = Point({name: 7 + 11 * place**3 for place, name in enumerate(ring.names)})
+    values = ModularPoint({name: 7 + 11 * place**3 for place, name in enumerate(ring.names)})
     values.update((name, residue(value)) for name, value in work.lengths.items())
     values.update(roots_at(ring, values.prime))
     return value_at(ring, f, values) == 0

@@ -28,7 +28,7 @@ _SHORT = 24  # terms up to which a polynomial is evaluated term by term: a call 
 _SEEN = 3  # evaluations modulo one prime without an image modulo it
 
 
-class Point(dict[str, int]):
+class ModularPoint(dict[str, int]):
     """Values modulo a prime of the variables of both rings, by name; t_j is absent where θ_j = π.
 
     Args:
@@ -40,9 +40,9 @@ class Point(dict[str, int]):
         super().__init__(values)
         self.prime = prime
 
-    def replace_values(self, values: Mapping[str, int]) -> Point:
+    def replace_values(self, values: Mapping[str, int]) -> ModularPoint:
         """The point with other values of some variables."""
-        return Point({**self, **values}, self.prime)
+        return ModularPoint({**self, **values}, self.prime)
 
 
 def modulo(value: Any, prime: int = P) -> int:
@@ -108,7 +108,7 @@ def _image(ring: Ring, f: Polynomial, prime: int) -> Image:
     return known
 
 
-def value_at(ring: Ring, f: Polynomial, point: Point) -> int:
+def value_at(ring: Ring, f: Polynomial, point: ModularPoint) -> int:
     """A polynomial of either ring modulo the prime of a point; variables that have no value there are not in it."""
     prime = point.prime
     if len(f) > _SHORT:
@@ -130,7 +130,7 @@ def value_at(ring: Ring, f: Polynomial, point: Point) -> int:
     return total % prime
 
 
-def _early_value(ring: Ring, f: Polynomial, point: Point, uses: int) -> int:
+def _early_value(ring: Ring, f: Polynomial, point: ModularPoint, uses: int) -> int:
     """`value_at` of a polynomial that has been evaluated modulo this prime a few times at most: term by term.
 
     An image modulo the prime costs as much as three of these; it is made where the polynomial is evaluated often.
@@ -174,7 +174,7 @@ def _powers(x: int, degree: int, prime: int) -> list[int]:
 
 
 def residues(
-    ring: Ring, columns: Sequence[Sequence[Polynomial]], points: Sequence[Point]
+    ring: Ring, columns: Sequence[Sequence[Polynomial]], points: Sequence[ModularPoint]
 ) -> list[tuple[list[list[int]], int]]:
     """A matrix at each of the points, and the prime that its entries are modulo."""
     return [
@@ -183,18 +183,18 @@ def residues(
     ]
 
 
-def univariate(ring: Ring, f: Polynomial, name: str, point: Point) -> list[int]:
+def univariate(ring: Ring, f: Polynomial, name: str, point: ModularPoint) -> list[int]:
     """f as a polynomial in one variable, the others at a point: coefficients from power 0 up, modulo its prime."""
     put, names = _evaluate_but(ring, f, (name,), point)
     return dense(put, names.index(name))
 
 
-def bivariate(ring: Ring, f: Polynomial, one: str, two: str, point: Point) -> Polynomial:
+def bivariate(ring: Ring, f: Polynomial, one: str, two: str, point: ModularPoint) -> Polynomial:
     """f as a polynomial in two variables modulo the prime of a point (`flint.nmod_mpoly` in x, y)."""
     return slice_at(ring, f, (one, two), point)
 
 
-def slice_at(ring: Ring, f: Polynomial, moving: Sequence[str], point: Point) -> Polynomial:
+def slice_at(ring: Ring, f: Polynomial, moving: Sequence[str], point: ModularPoint) -> Polynomial:
     """f as a polynomial in two or three variables modulo the prime of a point (`flint.nmod_mpoly` in x, y, z)."""
     put, names = _evaluate_but(ring, f, moving, point)
     places = [names.index(name) for name in moving]
@@ -204,7 +204,7 @@ def slice_at(ring: Ring, f: Polynomial, moving: Sequence[str], point: Point) -> 
 
 
 def _evaluate_but(
-    ring: Ring, f: Polynomial, left: Sequence[str], point: Point
+    ring: Ring, f: Polynomial, left: Sequence[str], point: ModularPoint
 ) -> tuple[Polynomial, tuple[str, ...]]:
     """f modulo the prime with every variable but those left at a point, and the names of its variables."""
     tick(60 + 2 * len(f))
@@ -212,7 +212,7 @@ def _evaluate_but(
     return image.subs({name: point[name] for name in names if name not in left and name in point}), names
 
 
-def half_angle_value(ring: Ring, f: Polynomial, point: Point) -> int:
+def half_angle_value(ring: Ring, f: Polynomial, point: ModularPoint) -> int:
     """A half-angle polynomial at a point; of joints at π, which have no t_j there, its highest coefficient."""
     degrees = f.degrees()
     far = tuple(j for place, j in enumerate(ring.revolute) if degrees[place] and f"t{j}" not in point)
@@ -232,14 +232,14 @@ def _highest(ring: Ring, f: Polynomial, far: tuple[int, ...]) -> Polynomial:
     return known[1]
 
 
-def stands(point: Point, joint: int, value: str) -> bool:
+def stands(point: ModularPoint, joint: int, value: str) -> bool:
     """Whether a revolute joint is at a simple angle (out of `atom.SIMPLE`) at a point."""
     cosine, sine = COS_SIN[value]
     prime = point.prime
     return (point[f"c{joint}"], point[f"s{joint}"]) == (cosine % prime, sine % prime)
 
 
-def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
+def holds(ring: Ring, f: Polynomial | Atom, point: ModularPoint) -> bool:
     """Whether an atom, or a trigonometric polynomial = 0, holds at a point."""
     if not isinstance(f, Atom):
         return value_at(ring, f, point) == 0
@@ -393,7 +393,7 @@ def rank(rows: Sequence[Sequence[int]], prime: int = P) -> int:
     return int(flint().nmod_mat(len(rows), len(rows[0]), entries(rows), prime).rank())
 
 
-def complete(ring: Ring, tangents: Point, pins: Mapping[int, str]) -> Point | None:
+def complete(ring: Ring, tangents: ModularPoint, pins: Mapping[int, str]) -> ModularPoint | None:
     """Add sines and cosines to values of t_j, q_j and lengths, modulo their prime; None where 1 + t_j² = 0, which does
     not happen.
 
@@ -403,7 +403,7 @@ def complete(ring: Ring, tangents: Point, pins: Mapping[int, str]) -> Point | No
         pins: joints at simple angles.
     """
     prime = tangents.prime
-    point = Point(tangents, prime)
+    point = ModularPoint(tangents, prime)
     point.update(roots_at(ring, prime))
     for j in ring.revolute:
         if j in pins:
@@ -422,8 +422,8 @@ def complete(ring: Ring, tangents: Point, pins: Mapping[int, str]) -> Point | No
     return point
 
 
-def random_point(ring: Ring, rng: random.Random) -> Point:
+def random_point(ring: Ring, rng: random.Random) -> ModularPoint:
     """A random point of the whole joint space modulo P, lengths random too."""
-    point = complete(ring, Point({name: rng.randrange(1, P) for name in ring.names}), {})
+    point = complete(ring, ModularPoint({name: rng.randrange(1, P) for name in ring.names}), {})
     assert point is not None  # −1 is not a square modulo P
     return point

@@ -18,7 +18,7 @@ from functools import cached_property
 from itertools import combinations, permutations
 
 from rankdrop.algebra.field import (
-    Point,
+    ModularPoint,
     bivariate,
     common_zeros,
     complete,
@@ -102,7 +102,7 @@ class ZeroSet:
         pins = ",".join(f"θ{j}={value}" for j, value in sorted(self.pins.items()))
         return pins + "|" + ";".join(sorted(map(str, self.equations)))
 
-    def point(self, rng: random.Random) -> Point | None:
+    def point(self, rng: random.Random) -> ModularPoint | None:
         """A random point of the set modulo a prime; None where none was met (some sets have none: 1 + t² = 0)."""
         if self._base > 2:
             if self.samples:
@@ -117,20 +117,20 @@ class ZeroSet:
                 return point
         return None
 
-    def _start(self, rng: random.Random, prime: int) -> Point:
-        values = Point({name: rng.randrange(2, prime) for name in self.ring.names}, prime)
+    def _start(self, rng: random.Random, prime: int) -> ModularPoint:
+        values = ModularPoint({name: rng.randrange(2, prime) for name in self.ring.names}, prime)
         values.update(roots_at(self.ring, prime))
         values.update((name, residue(value, prime)) for name, value in self.lengths)
         values.update((f"t{j}", TANGENT[value] % prime) for j, value in self.pins.items() if value != "pi")
         return values
 
-    def _chosen(self, point: Point) -> bool:
+    def _chosen(self, point: ModularPoint) -> bool:
         """Whether what else vanishes does at a point of the conditions, and what does not does not."""
         return all(value_at(self.ring, p, point) == 0 for p in self.zero) and not any(
             holds(self.ring, condition, point) for condition in self.nonzero
         )
 
-    def _fill_in(self, values: Point) -> bool:
+    def _fill_in(self, values: ModularPoint) -> bool:
         """Give the solved variables their values; whether each has one."""
         prime = values.prime
         for solved in reversed(self.solved):
@@ -141,7 +141,7 @@ class ZeroSet:
             values[self.ring.names[solved.place]] = top * pow(bottom, -1, prime) % prime
         return True
 
-    def _solve_rest(self, values: Point, rng: random.Random) -> bool:
+    def _solve_rest(self, values: ModularPoint, rng: random.Random) -> bool:
         """Change values of as many variables as there are unsolved conditions, so that these hold; whether they do.
 
         Conditions in a variable that no other one is in are solved for it at last; two that are left then are solved
@@ -172,7 +172,7 @@ class ZeroSet:
         return all(value_at(self.ring, f, values) == 0 for f in implied)
 
     def _solve_pair(
-        self, pair: list[Polynomial], names: Mapping[int, set[str]], values: Point, rng: random.Random
+        self, pair: list[Polynomial], names: Mapping[int, set[str]], values: ModularPoint, rng: random.Random
     ) -> bool:
         """Change values of two variables that two conditions share so that both hold; whether they do."""
         shared = sorted(names[id(pair[0])] & names[id(pair[1])])
@@ -189,7 +189,7 @@ class ZeroSet:
         taken = {solved.place for solved in self.solved}
         return [place for place in variables_in(f) if place < self.ring.moving and place not in taken]
 
-    def _towers(self, values: Point, place: int) -> Iterator[Point]:
+    def _towers(self, values: ModularPoint, place: int) -> Iterator[ModularPoint]:
         """All ways to solve the conditions from the third on, one after the other, each for a variable of its own."""
         if place >= len(self.rest):
             yield values
@@ -227,7 +227,7 @@ class ZeroSet:
                 return tuple(ordered)
         return self.rest
 
-    def points(self, rng: random.Random, count: int = _POINTS) -> list[Point]:
+    def points(self, rng: random.Random, count: int = _POINTS) -> list[ModularPoint]:
         """Random points modulo primes, fewer than `count` where they are not met."""
         drawn = (self.point(rng) for _ in range(count))
         return [point for point in drawn if point is not None]
@@ -242,7 +242,7 @@ class ZeroSet:
         return replace(self, nonzero=tuple(dict.fromkeys((*self.nonzero, *nonzero))))
 
     @cached_property
-    def samples(self) -> list[Point]:
+    def samples(self) -> list[ModularPoint]:
         """Random points, always the same: two, or, where there may be several sets, some on every one of them."""
         rng = random.Random(self.key)
         if not self.several:
@@ -278,7 +278,7 @@ class ZeroSet:
             return 3
         return 2
 
-    def _spread(self, rng: random.Random, primes: Sequence[int]) -> list[Point] | None:
+    def _spread(self, rng: random.Random, primes: Sequence[int]) -> list[ModularPoint] | None:
         """All points on slices in which two or three variables move and the others stand still at random.
 
         Every irreducible set of the codimension of the conditions meets such slices of some variables. It has no zero
@@ -291,7 +291,7 @@ class ZeroSet:
         """
         ring, first = self.ring, self._unsolved_in_order[: self._base]
         moving_of = [{*self._moving(f)} for f in first]
-        points: list[Point] = []
+        points: list[ModularPoint] = []
         for moving in combinations(sorted(set.union(*moving_of)), len(first)):
             if not _has_matching(moving_of, moving):
                 continue
@@ -306,7 +306,7 @@ class ZeroSet:
                     points += self._above(values.replace_values(dict(zip(names, zero, strict=True))))
         return points
 
-    def _above(self, values: Point) -> Iterator[Point]:
+    def _above(self, values: ModularPoint) -> Iterator[ModularPoint]:
         """The points of the set at which the first conditions are solved."""
         for solved in self._towers(values, self._base):
             if self._fill_in(solved):
@@ -363,7 +363,7 @@ class ZeroSet:
         """Whether a revolute joint is at a simple angle on the whole set."""
         return bool(self.samples) and all(stands(point, joint, value) for point in self.samples)
 
-    def holds_at(self, points: Sequence[Point]) -> bool:
+    def holds_at(self, points: Sequence[ModularPoint]) -> bool:
         """Whether every condition of this set holds at points modulo primes that give values to all its variables."""
         return all(
             all(stands(point, joint, value) for joint, value in self.pins.items())
@@ -390,7 +390,7 @@ class ZeroSet:
         """
         return self.satisfies(other) and all(other._solves(point) for point in self.samples)
 
-    def _solves(self, point: Point) -> bool:
+    def _solves(self, point: ModularPoint) -> bool:
         """Whether every solution exists at a point and is the one there, and the point is in the part that is meant."""
         ring = self.ring
         if any(holds(ring, solved, point) for solved in self.nonzero):

@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.algebra.work import Work, tick
-from rankdrop.aspects.waves import Interval, Wave
+from rankdrop.aspects.waves import FourierSum, Interval
 from rankdrop.robot.model import Array
 
 Mask = NDArray[np.bool_]
@@ -42,7 +42,7 @@ _PART = 100_000  # cells in one array
 _TICKS = 0.3  # work of one cell [µs]
 
 
-class Condition(Protocol):
+class PositiveFunction(Protocol):
     """A function h of some joint angles that is to be positive."""
 
     @property
@@ -60,7 +60,7 @@ class Condition(Protocol):
 class Positive:
     """h = s f, with a sign s."""
 
-    f: Wave
+    f: FourierSum
     sign: int
 
     @property
@@ -81,9 +81,9 @@ class Positive:
 class Shadow:
     """h = s A + √(B² + C²): positive where s (A + B cos θ + C sin θ) > 0 for some θ of the peeled joint."""
 
-    a: Wave
-    b: Wave
-    c: Wave
+    a: FourierSum
+    b: FourierSum
+    c: FourierSum
     sign: int
 
     @property
@@ -151,7 +151,7 @@ class Either:
 
 
 @dataclass(frozen=True)
-class Parts:
+class PartCount:
     """How many connected parts.
 
     Attributes:
@@ -169,14 +169,14 @@ class Parts:
         """Whether the number is proven."""
         return self.proven and self.at_least == self.at_most
 
-    def __mul__(self, other: Parts) -> Parts:
+    def __mul__(self, other: PartCount) -> PartCount:
         """Of the product of two sets; none where one of them is proven to be empty."""
         none = 0 in (self.at_least, other.at_least) and (self.exact or other.exact)
-        return Parts(self.at_least * other.at_least, self.at_most * other.at_most,
+        return PartCount(self.at_least * other.at_least, self.at_most * other.at_most,
                      (self.proven and other.proven) or none)  # fmt: skip
 
 
-ONE = Parts(1, 1, proven=True)
+ONE = PartCount(1, 1, proven=True)
 
 
 Box = Mapping[int, tuple[float, float]]
@@ -246,7 +246,7 @@ class Grid:
         return kept
 
 
-def count_parts(conditions: Sequence[Condition], work: Work | None = None, box: Box | None = None) -> Parts:
+def count_parts(conditions: Sequence[PositiveFunction], work: Work | None = None, box: Box | None = None) -> PartCount:
     """The connected parts of the set where all conditions hold, over the joints they depend on.
 
     Grids are made finer until the number is proven, or the finest of `SIZES` is reached.
@@ -259,7 +259,7 @@ def count_parts(conditions: Sequence[Condition], work: Work | None = None, box: 
     Raises:
         OutOfTime: that limit was reached.
     """
-    best: Parts | None = None
+    best: PartCount | None = None
     for grid in _grids(conditions, box or {}):
         if work is not None:
             work.check()
@@ -274,7 +274,7 @@ def count_parts(conditions: Sequence[Condition], work: Work | None = None, box: 
     return best
 
 
-def _grids(conditions: Sequence[Condition], box: Box) -> Iterator[Grid]:
+def _grids(conditions: Sequence[PositiveFunction], box: Box) -> Iterator[Grid]:
     """Finer and finer grids of the joints that conditions depend on."""
     joints = sorted(set[int]().union(*(condition.joints for condition in conditions)))
     if not joints:
@@ -285,16 +285,16 @@ def _grids(conditions: Sequence[Condition], box: Box) -> Iterator[Grid]:
     yield from (grid for grid in finer if grid.cells <= MOST_CELLS)
 
 
-def _better(first: Parts, second: Parts) -> Parts:
+def _better(first: PartCount, second: PartCount) -> PartCount:
     """Of two grids: the larger proven lower number, the upper one that is proven, or of the finer grid."""
     at_least = max(first.at_least, second.at_least)
     if first.proven and second.proven:
-        return Parts(at_least, min(first.at_most, second.at_most), proven=True)
+        return PartCount(at_least, min(first.at_most, second.at_most), proven=True)
     upper = first if first.proven else second
-    return Parts(at_least, max(upper.at_most, at_least), upper.proven)
+    return PartCount(at_least, max(upper.at_most, at_least), upper.proven)
 
 
-def _classify_cells(conditions: Sequence[Condition], grid: Grid) -> Parts:
+def _classify_cells(conditions: Sequence[PositiveFunction], grid: Grid) -> PartCount:
     """By one grid."""
     inside, outside = np.ones(grid.cells, dtype=bool), np.zeros(grid.cells, dtype=bool)
     tick(_TICKS * inside.size * len(conditions))
@@ -313,10 +313,10 @@ def _classify_cells(conditions: Sequence[Condition], grid: Grid) -> Parts:
     at_most = len(np.unique(cluster_labels[cluster_labels >= 0]))
     undecided = np.flatnonzero(~inside & ~outside)
     proven = all(_no_maximum(conditions, grid, places).all() for places in _chunks(undecided))
-    return Parts(at_least, at_most, proven)
+    return PartCount(at_least, at_most, proven)
 
 
-def _mark_behind_limits(condition: Condition, grid: Grid, outside: Mask) -> None:
+def _mark_behind_limits(condition: PositiveFunction, grid: Grid, outside: Mask) -> None:
     """Mark the last cells before the limits of a joint as outside, where a function of it alone rises to a value < 0.
 
     A limit that stands on a zero of h would else leave open cells on every grid.
@@ -340,7 +340,7 @@ def _chunks(places: Labels) -> list[Labels]:
     return [places[first:last] for first, last in pairwise(ends) if last > first]
 
 
-def _no_maximum(conditions: Sequence[Condition], grid: Grid, places: Labels) -> Mask:
+def _no_maximum(conditions: Sequence[PositiveFunction], grid: Grid, places: Labels) -> Mask:
     """For each open cell: whether in one direction all conditions that can be the smallest there grow.
 
     Directions that are tried: the sum of the gradients of the conditions that can be the smallest, then those towards

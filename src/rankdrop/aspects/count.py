@@ -37,8 +37,8 @@ from itertools import product
 from rankdrop.algebra.polynomial import Atom, Polynomial, order, variables_in
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work
-from rankdrop.aspects.cells import ONE, Box, Condition, Either, Parts, Positive, Shadow, count_parts
-from rankdrop.aspects.waves import Wave, wave_of
+from rankdrop.aspects.cells import ONE, Box, Either, PartCount, Positive, PositiveFunction, Shadow, count_parts
+from rankdrop.aspects.waves import FourierSum, wave_of
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.signs import SignedFactor, Signs, signed_factors
 from rankdrop.exact.tree import rank_tree
@@ -73,7 +73,7 @@ class SignCount:
     """
 
     signs: tuple[int, ...]
-    parts: Parts
+    parts: PartCount
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ def count_in_box(signs: Signs, box: Box, work: Work | None) -> AspectCount:
     peeling = Peeling(chain.ring, chain.numbers, signed, box)
     if peeling.left is not None:
         return replace(head, peeled=tuple(peeling.peeled), left=peeling.left, shared=peeling.too_many)
-    known: dict[tuple[int, tuple[int, ...]], Parts] = {}
+    known: dict[tuple[int, tuple[int, ...]], PartCount] = {}
     each = []
     for vector in product((1, -1), repeat=len(signed)):
         parts = ONE
@@ -222,7 +222,7 @@ def head_of(signs: Signs) -> AspectCount:
     return AspectCount(tuple(factor.text for factor in signs.factors), tuple(_role(name) for name in signs.names))
 
 
-def wave_of_factor(ring: Ring, numbers: Mapping[str, float], parts: Sequence[Polynomial]) -> tuple[Wave, ...]:
+def wave_of_factor(ring: Ring, numbers: Mapping[str, float], parts: Sequence[Polynomial]) -> tuple[FourierSum, ...]:
     """The Fourier sums of a factor, or of its A, B and C, divided by their largest coefficient."""
     unit = max(max(abs(value) for value in p.coeffs()) for p in parts if p != 0)
     return tuple(wave_of(ring, p, numbers, unit) for p in parts)
@@ -256,7 +256,7 @@ def polynomial_of(factor: SignedFactor) -> Polynomial:
 
 
 @dataclass(frozen=True, eq=False)
-class _Linear:
+class _Harmonic:
     """A + B cos θ + C sin θ, after θ was peeled off."""
 
     a: Polynomial
@@ -284,10 +284,10 @@ class Peeling:
         self.ring, self.numbers, self.box = ring, numbers, box or {}
         self.atoms = [factor.atoms for factor in factors]
         self.whole: list[Polynomial | None] = [polynomial_of(factor) for factor in factors]  # None once peeled
-        self.linear: dict[int, _Linear] = {}  # those that one joint was peeled off
+        self.linear: dict[int, _Harmonic] = {}  # those that one joint was peeled off
         self.ends: dict[int, tuple[Polynomial, Polynomial]] = {}  # or a slide: their values at both of its limits
         self.peeled: list[int] = []
-        self._waves: dict[int, tuple[Wave, ...]] = {}
+        self._waves: dict[int, tuple[FourierSum, ...]] = {}
         while self._peel_one():
             pass
         self.groups = self._touching_groups()
@@ -312,7 +312,7 @@ class Peeling:
                 return tuple(sorted(joints))
         return ()
 
-    def condition(self, i: int, sign: int) -> Condition:
+    def condition(self, i: int, sign: int) -> PositiveFunction:
         """What a factor with this sign asks of the joints that are left."""
         if i not in self._waves:
             self._waves[i] = wave_of_factor(self.ring, self.numbers, self._parts(i))
@@ -426,7 +426,7 @@ def joints_of(ring: Ring, p: Polynomial) -> set[int]:
     return {int(names[place][1:]) for place in variables_in(p) if place < 2 * ring.angles + len(ring.prismatic)}
 
 
-def linear_parts(ring: Ring, p: Polynomial, joint: int) -> _Linear | None:
+def linear_parts(ring: Ring, p: Polynomial, joint: int) -> _Harmonic | None:
     """A, B, C of p = A + B cos θ + C sin θ; None where θ stands in it in a higher degree."""
     names = p.context().names()
     sine, cosine = names.index(f"s{joint}"), names.index(f"c{joint}")
@@ -438,7 +438,7 @@ def linear_parts(ring: Ring, p: Polynomial, joint: int) -> _Linear | None:
         part = {(0, 0): a, (0, 1): b, (1, 0): c}[degree]
         part[tuple(0 if k in (sine, cosine) else int(e) for k, e in enumerate(powers))] = value
     context = p.context()
-    return _Linear(*(context.from_dict(part) for part in (a, b, c)))
+    return _Harmonic(*(context.from_dict(part) for part in (a, b, c)))
 
 
 def slide_part(ring: Ring, p: Polynomial, joint: int) -> Polynomial | None:
@@ -461,7 +461,7 @@ def slide_at(ring: Ring, p: Polynomial, joint: int, value: float) -> Polynomial 
     return rest + slope * ring.constant(Fraction(value))
 
 
-def shared_atoms(ring: Ring, parts: _Linear) -> list[Atom]:
+def shared_atoms(ring: Ring, parts: _Harmonic) -> list[Atom]:
     """What B and C are both zero on in codimension 1; they are not both zero throughout."""
     each = [{atom for atom, _ in ring.factor(p).atoms} for p in (parts.b, parts.c) if p != 0]
     return sorted(set.intersection(*each), key=order)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rankdrop.aspects.cells import clusters
 from rankdrop.aspects.count import AspectCount, joints_of, polynomial_of, sharing, wave_of_factor
-from rankdrop.aspects.waves import Wave
+from rankdrop.aspects.waves import FourierSum
 from rankdrop.errors import OptionError
 from rankdrop.exact.signs import Signs
 from rankdrop.robot.model import Array
@@ -30,7 +30,7 @@ _HELD = radians(60.0)  # where any further joint is: at multiples of a right ang
 
 
 @dataclass(frozen=True)
-class Region:
+class PictureRegion:
     """A region of a group.
 
     Attributes:
@@ -62,7 +62,7 @@ class AspectMap:
     held: tuple[tuple[int, float], ...]
     slices: tuple[float, ...]
     cells: NDArray[np.int64]
-    regions: tuple[Region, ...]
+    regions: tuple[PictureRegion, ...]
 
 
 def aspect_maps(count: AspectCount, signs: Signs | None) -> tuple[AspectMap, ...]:
@@ -106,7 +106,8 @@ def _drawable(count: AspectCount, signs: Signs | None) -> Signs:
 
 
 def _map_of(
-    count: AspectCount, group: tuple[int, ...], joints: list[int], waves: list[Wave], shifts: Array, *, whole: bool
+    count: AspectCount, group: tuple[int, ...], joints: list[int], waves: list[FourierSum], shifts: Array, *,
+    whole: bool,
 ) -> AspectMap:
     """The regions of one group; `whole`: it holds every factor, so that the counts of the arm are its own."""
     drawn, held = tuple(joints[:3]), tuple((joint, _HELD) for joint in joints[3:])
@@ -114,7 +115,7 @@ def _map_of(
     positive = np.array([_positive(waves[i], drawn, held, slices, shifts) for i in group])
     shape = positive.shape[1:]
     cells = np.zeros(shape, dtype=np.int64)
-    regions: list[Region] = []
+    regions: list[PictureRegion] = []
     for signs in product((1, -1), repeat=len(group)):
         inside = np.all([positive[k] == (sign > 0) for k, sign in enumerate(signs)], axis=0)
         if not inside.any():
@@ -125,10 +126,10 @@ def _map_of(
             apart = _clusters(inside, parts)
         for number, mask in enumerate(apart, start=1):
             cells[mask] = len(regions)
-            regions.append(Region(signs, number, 1))
+            regions.append(PictureRegion(signs, number, 1))
         if not apart:
             cells[inside] = len(regions)
-            regions.append(Region(signs, 0, parts))
+            regions.append(PictureRegion(signs, 0, parts))
     return AspectMap(group, drawn, held, slices, cells, tuple(regions))
 
 
@@ -144,7 +145,8 @@ def _clusters(inside: NDArray[np.bool_], parts: int) -> list[NDArray[np.bool_]]:
 
 
 def _positive(
-    wave: Wave, drawn: tuple[int, ...], held: tuple[tuple[int, float], ...], slices: tuple[float, ...], shifts: Array
+    wave: FourierSum, drawn: tuple[int, ...], held: tuple[tuple[int, float], ...], slices: tuple[float, ...],
+    shifts: Array,
 ) -> NDArray[np.bool_]:
     """Whether a factor is positive on the cells of a picture: (n1,), (n1, n2) or (slices, n1, n2).
 

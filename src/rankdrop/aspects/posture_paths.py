@@ -89,7 +89,7 @@ class Change:
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class SolvedPose:
     """One pose: the solutions of its inverse that were found.
 
     Attributes:
@@ -137,7 +137,7 @@ class Postures(Result):
     options: AspectsOptions
     count: AspectCount
     decision: Decision
-    solved: tuple[Solved, ...]
+    solved: tuple[SolvedPose, ...]
     change: Change | None
     chain: Chain | None
     complete: bool
@@ -158,7 +158,7 @@ class Postures(Result):
         return NOT_FOUND
 
     @property
-    def shared(self) -> Solved | None:
+    def shared(self) -> SolvedPose | None:
         """A pose of which two solutions lie in one aspect because all factors have equal signs there, and the number of
         aspects is proven.
         """
@@ -243,7 +243,7 @@ def aspects_of(
     else:
         how = replace(how, poses=1, most=1)
     places = _places(there, there_task, how, start, decision)
-    solved: list[Solved] = []
+    solved: list[SolvedPose] = []
     change: Change | None = None
     complete = True
     try:
@@ -308,7 +308,7 @@ def _limited_count(robot: Robot, signs: Signs | None, how: AspectsOptions) -> As
 def _solve_poses(
     roadmap: Roadmap, places: list[tuple[Array, bool]], how: AspectsOptions, decision: Decision,
     progress: Callable[[int, int], None] | None, *, by_signs: bool,
-) -> Iterator[tuple[Solved, Change | None]]:  # fmt: skip
+) -> Iterator[tuple[SolvedPose, Change | None]]:  # fmt: skip
     """Each pose solved, with the best path until then; until a path is known, or it is proven that there is none.
 
     With `by_signs` the signs of the factors say which solutions share an aspect: one path is enough.
@@ -352,7 +352,7 @@ def _near_cusps(robot: Robot, task: Task, decision: Decision, seed: int) -> Iter
 
 def _solve(
     roadmap: Roadmap, place: Array, options: AspectsOptions, near_cusp: bool, *, ways_wanted: bool
-) -> tuple[Solved, list[Change]]:
+) -> tuple[SolvedPose, list[Change]]:
     """The solutions at the pose of a configuration, and ways between them."""
     robot, task = roadmap.robot, roadmap.task
     q = solutions(robot, task, pose(robot, place), starts=options.starts, seed=options.seed, also=place)
@@ -366,7 +366,7 @@ def _solve(
     numbers = list(dict.fromkeys(groups := _connected_numbers(len(q), ways)))
     aspect = tuple(numbers.index(group) + 1 for group in groups)
     sign = tuple(int(x) for x in np.sign(determinants(robot, task, q)))
-    return Solved(q, aspect, sign, (), near_cusp), [replace(way, own=i == 0) for (i, _), way in ways.items()]
+    return SolvedPose(q, aspect, sign, (), near_cusp), [replace(way, own=i == 0) for (i, _), way in ways.items()]
 
 
 def _connected_numbers(count: int, joined: Iterable[tuple[int, int]]) -> list[int]:
@@ -379,7 +379,7 @@ def _connected_numbers(count: int, joined: Iterable[tuple[int, int]]) -> list[in
 
 
 
-def _by_signs(solved: Solved, count: AspectCount, signs: Signs | None, *, limits: bool) -> Solved:
+def _by_signs(solved: SolvedPose, count: AspectCount, signs: Signs | None, *, limits: bool) -> SolvedPose:
     """The solutions with the signs of all factors, and with their aspects where these signs decide them.
 
     Within joint limits they decide nothing: an aspect may fall apart there.
@@ -394,7 +394,7 @@ def _by_signs(solved: Solved, count: AspectCount, signs: Signs | None, *, limits
     return replace(solved, flags=flags, aspect=tuple(numbers.index(row) + 1 for row in flags))
 
 
-def _name_solutions(robot: Robot, solved: Solved, signs: Signs | None) -> Solved:
+def _name_solutions(robot: Robot, solved: SolvedPose, signs: Signs | None) -> SolvedPose:
     """In the arm's unit, solutions named by the signs of their factors."""
     q = out_of_metres(robot, solved.q)
     if signs is None:

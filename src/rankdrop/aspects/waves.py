@@ -55,7 +55,7 @@ class Interval:
 
 
 @dataclass(frozen=True, eq=False)
-class Wave:
+class FourierSum:
     """A trigonometric polynomial as a Fourier sum.
 
     Attributes:
@@ -110,7 +110,7 @@ class Wave:
                 for a, joint in enumerate(self.joints)}  # fmt: skip
 
 
-def wave_of(ring: Ring, p: Polynomial, numbers: Mapping[str, float], unit: float) -> Wave:
+def wave_of(ring: Ring, p: Polynomial, numbers: Mapping[str, float], unit: float) -> FourierSum:
     """The Fourier sum of a trigonometric polynomial without slides.
 
     Args:
@@ -135,7 +135,7 @@ def wave_of(ring: Ring, p: Polynomial, numbers: Mapping[str, float], unit: float
         for k, value in parts.items():
             sums[k] = sums.get(k, 0j) + value
     frequencies = np.array(list(sums), dtype=float).reshape(len(sums), len(present))
-    return Wave(tuple(present), frequencies, np.array(list(sums.values()), dtype=complex), total)
+    return FourierSum(tuple(present), frequencies, np.array(list(sums.values()), dtype=complex), total)
 
 
 def _single(sines: int, cosines: int) -> dict[int, complex]:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Parts(Output):
+class ShownParts(Output):
     """Given data, and which parts of an explanation are printed or written."""
 
     analysis: Annotated[
@@ -66,7 +66,7 @@ def explain(
     tool: ToolOptions = NO_TOOL,
     options: ExplainOptions = ExplainOptions(),
     arm: IdealOptions = NO_IDEAL,
-    output: Parts = Parts(),
+    output: ShownParts = ShownParts(),
 ) -> Done:
     """Explain a configuration: lost motion, ways out.
 
@@ -146,7 +146,7 @@ def _place(q: str | None, model: arms.Robot, tool: ToolOptions) -> list[float]:
 
 def _of_configuration(
     explanation: results.Explanation, idealised: results.Idealised | None, near: covers.ModelTolerance | None,
-    options: ExplainOptions, output: Parts,
+    options: ExplainOptions, output: ShownParts,
 ) -> Done:  # fmt: skip
     """The explanation; with options also the ideal arm here, the certificate and the Lie procedure."""
     ideal_here = proven = procedure = None
@@ -184,7 +184,7 @@ def _for_parts(options: ExplainOptions, only: str | None) -> ExplainOptions:
 
 
 def _of_pose(
-    robot: str, words: str, arm: IdealOptions, tool: ToolOptions, options: ExplainOptions, output: Parts
+    robot: str, words: str, arm: IdealOptions, tool: ToolOptions, options: ExplainOptions, output: ShownParts
 ) -> Done:
     """The solutions of the inverse at a pose."""
     from rankdrop import inverse
@@ -208,7 +208,7 @@ def stopped_early(explanation: results.Explanation) -> bool:
 
 def _sections(
     explanation: results.Explanation, idealised: results.Idealised | None, ideal_here: results.Here | None,
-    output: Parts,
+    output: ShownParts,
 ) -> Iterable[Block]:
     if output.only == "nearest":
         if output.full:

@@ -147,7 +147,7 @@ class PathOutput(Output):
 
 NO_REMEDIES = Remedies()
 @dataclass(frozen=True)
-class Written:
+class MendedFrom:
     """What a mended file is written from: the arm and the file as named, families, and the unit of its angles."""
 
     arm: str
@@ -232,7 +232,7 @@ def path(
             return _of_program(result, _line_remedies(result, families, mend), output)
         if result.complete and (mend.any_requested or _needs_remedy(result)):
             remedies = _find_remedies(result, families, mend, report)
-    written = Written(name, named[0], families, source.deg)
+    written = MendedFrom(name, named[0], families, source.deg)
     return _of_one(result, remedies, near, families, output, mend, written)
 
 
@@ -394,7 +394,7 @@ def _last_words(*, complete: bool) -> Callable[[], object] | None:
 
 def _of_one(
     result: paths.PathCheck, remedies: paths.Mending | None, near: covers.ModelTolerance | None,
-    families: results.Analysis | None, output: PathOutput, mend: Remedies, written: Written,
+    families: results.Analysis | None, output: PathOutput, mend: Remedies, written: MendedFrom,
 ) -> Done:  # fmt: skip
     proven = near is not None and result.complete and result.clear and paths.proven_for_near_arms(result, near)
     complete = result.complete and (not mend.any_requested or remedies is None or remedies.complete)
@@ -466,7 +466,7 @@ def _rows(check: paths.PathCheck, families: results.Analysis | None, target: str
     return paths.rows_file(paths.path_rows(check, families), target or "")
 
 
-def _mended_path_bytes(mending: paths.Mending | None, mend: Remedies, written: Written) -> bytes | None:
+def _mended_path_bytes(mending: paths.Mending | None, mend: Remedies, written: MendedFrom) -> bytes | None:
     """The mended path; what was done, or why there is none, goes to stderr."""
     target = mend.fixed
     if mending is None or target is None:

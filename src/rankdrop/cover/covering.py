@@ -38,11 +38,11 @@ from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank
 from rankdrop.proof.boxes import (
     BitTree,
+    BoxShape,
     Cells,
     Flags,
     Masks,
     Plan,
-    Shape,
     allowed_children,
     bits,
     counts,
@@ -256,7 +256,7 @@ def put_together(
     return Covering(plan, _join_trees(shape, finished, ordered), tested, freed, stopped, needed)
 
 
-def _join_trees(shape: Shape, finished: NDArray[np.bool_], batches: list[Batch]) -> BitTree:
+def _join_trees(shape: BoxShape, finished: NDArray[np.bool_], batches: list[Batch]) -> BitTree:
     """One tree of bits from those of the boxes of level `top` that are finished, in their order."""
     parts = shape.levels - shape.top + 1
     pieces: list[list[Masks]] = [[np.zeros(0, shape.kind)] for _ in range(parts)]
@@ -282,7 +282,7 @@ def batch_to_bytes(batch: Batch) -> bytes:
     return _HEAD.pack(len(sizes), len(masks), tested, freed) + body
 
 
-def batch_from_bytes(content: bytes, shape: Shape) -> Batch:
+def batch_from_bytes(content: bytes, shape: BoxShape) -> Batch:
     """What `batch_to_bytes` made of a chunk of such boxes.
 
     Raises:
@@ -370,7 +370,7 @@ def plan_of(
             mend="cover an arm with fewer joints, or a task that fewer joints decide",
         )  # fmt: skip
     lower, upper, depth, turns = zip(*(_range(robot, setting, j - 1, width, limits) for j in numbers), strict=True)
-    shape = Shape(depth, 0)
+    shape = BoxShape(depth, 0)
     if float(np.prod([float(count) for count in shape.cells(shape.levels)])) > _MOST_LEAVES:
         raise OptionError(
             "too many boxes", where="width", got=width, allowed="fewer than 2^40 leaves", mend="take a larger width"

@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.cover.setting import Setting, best_setting, enclose, regular
-from rankdrop.cover.speed_measures import AtValues, Residual, at_values, nearest_root, residual
+from rankdrop.cover.speed_measures import AtValues, ConditionResidual, at_values, nearest_root, residual
 from rankdrop.errors import OptionError
 from rankdrop.families.record import Family
 from rankdrop.families.speed_distance import SpeedDistance
@@ -180,7 +180,7 @@ class SpeedRegion:
             tuple(j + 1 for j in measure.joints), measure.values,
         )  # fmt: skip
 
-    def _from_residual(self, family: Family, measure: Residual) -> SpeedDistance:
+    def _from_residual(self, family: Family, measure: ConditionResidual) -> SpeedDistance:
         """The residual of the only condition of a family above which the speed is kept."""
         low, high = self._bounds()
         joints = [number - 1 for number in family.coupled]
@@ -197,11 +197,11 @@ class SpeedRegion:
             search.speed, search.boxes, search.spent, "residual", measure.unit, tuple(family.coupled), (),
         )  # fmt: skip
 
-    def _search(self, j: int, gap: float, side: float, end: float) -> _Search:
+    def _search(self, j: int, gap: float, side: float, end: float) -> _DistanceSearch:
         """The search on one side of the value of joint j, which is `gap` before the middle of the region."""
         low, high = self._bounds()
         low[j], high[j] = 0.0, end
-        search = _Search(self, j, float(self.around[j]) - gap, side, low, high)
+        search = _DistanceSearch(self, j, float(self.around[j]) - gap, side, low, high)
         search.run()
         return search
 
@@ -258,7 +258,7 @@ class SpeedRegion:
         return low, high
 
 
-class _Search:
+class _DistanceSearch:
     """Branch and bound for one distance; the joint is measured from its value on the family."""
 
     def __init__(self, region: SpeedRegion, j: int, value: float, side: float, low: Array, high: Array) -> None:
@@ -350,10 +350,10 @@ class _Search:
         return q
 
 
-class _MeasureSearch(_Search):
+class _MeasureSearch(_DistanceSearch):
     """Branch and bound for a distance in a measure of several joints; rows are configurations."""
 
-    def __init__(self, region: SpeedRegion, measure: AtValues | Residual, low: Array, high: Array) -> None:
+    def __init__(self, region: SpeedRegion, measure: AtValues | ConditionResidual, low: Array, high: Array) -> None:
         self.measure = measure
         super().__init__(region, 0, 0.0, 1.0, low, high)
         self.weight = 1.0 / joint_scale(region.robot, region.task)

@@ -68,7 +68,7 @@ class AtValues:
 
 
 @dataclass(frozen=True, eq=False)
-class Residual:
+class ConditionResidual:
     """|f| of one condition of turning joints.
 
     Attributes:
@@ -136,7 +136,7 @@ def _nearest_value(robot: Robot, j: int, values: Sequence[float], middle: float)
     return float(near[np.abs(near - middle).argmin()])
 
 
-def residual(robot: Robot, family: Family) -> Residual | None:
+def residual(robot: Robot, family: Family) -> ConditionResidual | None:
     """The measure of a family with one condition on several turning joints; None for others."""
     if family.pinned or len(family.equations) != 1:
         return None
@@ -145,8 +145,8 @@ def residual(robot: Robot, family: Family) -> Residual | None:
         return None
     length = _length_of(robot, condition)
     if length is None:
-        return Residual(condition, 1.0, "1")
-    return Residual(condition, length, "m")
+        return ConditionResidual(condition, 1.0, "1")
+    return ConditionResidual(condition, length, "m")
 
 
 def _length_of(robot: Robot, condition: Equation) -> float | None:

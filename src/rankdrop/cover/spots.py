@@ -22,7 +22,7 @@ _NEAR = 3.0  # a descent that ends farther than so many leaves from its box has 
 
 
 @dataclass(frozen=True, eq=False)
-class Spot:
+class UnexplainedBoxes:
     """Neighbouring boxes that no known family explains.
 
     Attributes:
@@ -45,7 +45,7 @@ class Spot:
     kind: str
 
 
-def spots(covering: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags) -> tuple[Spot, ...]:
+def spots(covering: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags) -> tuple[UnexplainedBoxes, ...]:
     """Group leaves (M, d) and descend in each group; those with most boxes first.
 
     Args:
@@ -63,7 +63,7 @@ def spots(covering: Covering, robot: Robot, task: Task, cells: Cells, proven: Fl
 
 def _descend_in_groups(
     covering: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags, order: list[NDArray[np.int64]]
-) -> tuple[Spot, ...]:
+) -> tuple[UnexplainedBoxes, ...]:
     place = np.array(covering.plan.variables) - 1
     starts, owner = [], []
     for number, rows in enumerate(order):
@@ -95,7 +95,7 @@ def _descend_in_groups(
         else:
             kind = MISS if stays[mine].all() else LEFT
         spots_found.append(
-            Spot(len(rows), sure, centres.min(axis=0) - half, centres.max(axis=0) + half, at[best],
+            UnexplainedBoxes(len(rows), sure, centres.min(axis=0) - half, centres.max(axis=0) + half, at[best],
                  float(sigma[best]), kind)
         )  # fmt: skip
     return tuple(spots_found)

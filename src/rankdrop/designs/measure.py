@@ -46,7 +46,7 @@ from rankdrop.results import Analysis, Conditions, known_analysis, known_conditi
 from rankdrop.results.analysis import Settings
 from rankdrop.results.known import known_aspects
 from rankdrop.robot import Array, Drawing, Robot
-from rankdrop.robot.drawing import Place
+from rankdrop.robot.drawing import NumberPlace
 from rankdrop.schema.design import FAMILY_PARTS, NEAR_SHARE
 from rankdrop.schema.families import ASPECTS_SUMMARY, CALLED
 from rankdrop.task import Task
@@ -379,7 +379,7 @@ def variants(plan: Record, chunk: int) -> bytes:
     The families of the nominal arm are derived once in each process.
     """
     drawing, task = Drawing(**plan["drawing"]), restore(Task, plan["task"])
-    places = [[Place(*place) for place in parameter] for parameter in plan["places"]]
+    places = [[NumberPlace(*place) for place in parameter] for parameter in plan["places"]]
     searched = any(plan["asks"][ask] is not None for ask in NEED_FAMILIES)
     if searched:
         nominal = _nominal(json.dumps([plan["drawing"], plan["task"]]))

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from rankdrop.codec import Result
-from rankdrop.designs.ranking import Change, Ranking, Structure, changes, neighbours, rank, structures
+from rankdrop.designs.ranking import NeighbourChange, Ranking, SameFamilies, changes, neighbours, rank, structures
 from rankdrop.designs.spec import GOALS, UNRANKED, Parameter, Spec
 from rankdrop.errors import OptionError
 from rankdrop.lists import flat_map
@@ -73,12 +73,12 @@ class Designs(Result):
         return not self.failed and not self.unverified
 
     @cached_property
-    def structures(self) -> list[Structure]:
+    def structures(self) -> list[SameFamilies]:
         """Variants by their set of families."""
         return structures(self.records)
 
     @cached_property
-    def changes(self) -> list[Change]:
+    def changes(self) -> list[NeighbourChange]:
         """What differs between neighbours."""
         names = [parameter.name for parameter in self.parameters]
         return changes(self.records, names, neighbours(self.spec, self.records))

@@ -40,7 +40,7 @@ Form = tuple[int, int, tuple[PinForm, ...], tuple[int, ...]]
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class NeighbourChange:
     """What differs from one variant to a neighbour.
 
     Attributes:
@@ -67,7 +67,7 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True)
-class Structure:
+class SameFamilies:
     """Variants with the same families.
 
     Attributes:
@@ -81,7 +81,7 @@ class Structure:
     ranges: tuple[tuple[float, float], ...]
 
 
-def structures(records: Sequence[Mapping[str, Any]]) -> list[Structure]:
+def structures(records: Sequence[Mapping[str, Any]]) -> list[SameFamilies]:
     """Variants by their set of families, the commonest first. Variants whose families are in doubt are left out."""
     groups: dict[tuple[str, ...], list[int]] = {}
     for record in records:
@@ -91,7 +91,7 @@ def structures(records: Sequence[Mapping[str, Any]]) -> list[Structure]:
     for keys, members in sorted(groups.items(), key=lambda item: (-len(item[1]), item[0])):
         values = np.array([records[i]["values"] for i in members]).reshape(len(members), -1)
         ranges = tuple((float(low), float(high)) for low, high in zip(values.min(0), values.max(0), strict=True))
-        structures_of.append(Structure(keys, tuple(members), ranges))
+        structures_of.append(SameFamilies(keys, tuple(members), ranges))
     return structures_of
 
 
@@ -170,7 +170,7 @@ def _joints_of(form: Form) -> set[int]:
 
 def changes(
     records: Sequence[Mapping[str, Any]], names: Sequence[str], pairs: Sequence[tuple[int, int]]
-) -> list[Change]:
+) -> list[NeighbourChange]:
     """What differs between neighbours.
 
     Args:
@@ -178,7 +178,7 @@ def changes(
         names: of the parameters.
         pairs: of neighbours, numbers from 0.
     """
-    differences: list[Change] = []
+    differences: list[NeighbourChange] = []
     for first, second in pairs:
         before, after = forms_of(records[first]), forms_of(records[second])
         if before is None or after is None or before == after:
@@ -189,7 +189,7 @@ def changes(
         where = ("", float("nan"), float("nan")) if single is None else (
             names[single], float(records[first]["values"][single]), float(records[second]["values"][single])
         )  # fmt: skip
-        differences += [Change(*what, first, second, *where) for what in _differences(before, after)]
+        differences += [NeighbourChange(*what, first, second, *where) for what in _differences(before, after)]
     return differences
 
 

@@ -109,7 +109,7 @@ def region_bounds(
     if budget == 0:
         return open_
     try:
-        proof = _Proof(problem, rpy, starts, seed)
+        proof = _RegionBounds(problem, rpy, starts, seed)
     except OptionError:  # no enclosure for this task
         return open_
     low, worst, cells, covered = proof.lower(lower, upper, proof.worst_of(*bounds, np.inf) or worst, budget)
@@ -119,7 +119,7 @@ def region_bounds(
                         cells + boxes)  # fmt: skip
 
 
-class _Proof:
+class _RegionBounds:
     """Both bounds, for one arm, task and orientation.
 
     Raises:

@@ -22,7 +22,7 @@ from rankdrop.errors import OptionError, RankdropError, RobotError
 from rankdrop.families import MOST_STARTS
 from rankdrop.path import read_poses
 from rankdrop.robot import Array, Drawing, quantity
-from rankdrop.robot.drawing import Place
+from rankdrop.robot.drawing import NumberPlace
 from rankdrop.robot.files import read_text
 from rankdrop.robot.toml_file import Lines, line_of, lines_of, parsed_toml
 from rankdrop.task import Task, resolve_task
@@ -58,7 +58,7 @@ class Parameter:
     """
 
     name: str
-    places: tuple[Place, ...]
+    places: tuple[NumberPlace, ...]
     measure: str
     values: tuple[float, ...]
     lower: float

@@ -26,7 +26,7 @@ from rankdrop.errors import MissingExtraError, OptionError, RankdropError
 from rankdrop.families import Family, exact_of
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.robot import Array, Drawing, reach
-from rankdrop.robot.drawing import Place
+from rankdrop.robot.drawing import NumberPlace
 from rankdrop.task import Task, resolve_task
 from rankdrop.verbs.conditions import conditions
 
@@ -162,7 +162,7 @@ def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tu
         tell("exact conditions", done, len(sets))
         values = np.array([records[i]["values"] for i in structure.variants])
         number = structure.variants[int(np.linalg.norm(values - np.median(values, axis=0), axis=1).argmin())]
-        given: dict[Place, float] = {}
+        given: dict[NumberPlace, float] = {}
         for parameter, value in zip(spec.parameters, records[number]["values"], strict=True):
             given.update(dict.fromkeys(parameter.places, value))
         try:

@@ -82,7 +82,7 @@ class NearShare:
 
 
 @dataclass(frozen=True, slots=True)
-class Near:
+class JointSpaceShares:
     """Shares of the joint space.
 
     Attributes:
@@ -134,7 +134,7 @@ def near_shares(
     samples: int = SAMPLES,
     seed: int = 0,
     progress: Progress | None = None,
-) -> Near:
+) -> JointSpaceShares:
     """Share of the joint space within a distance of each family.
 
     Args:
@@ -169,7 +169,7 @@ def near_shares(
     unsure = len(named) < len(families) or any(share.bound for share in met)
     shared = NearShare("", int(every.sum()), samples, unsure)
     slow, _ = slow_share(problem, samples=samples, seed=seed)
-    return Near(within, samples, seed, limits, tuple(met), shared, slow, every)
+    return JointSpaceShares(within, samples, seed, limits, tuple(met), shared, slow, every)
 
 
 def slow_share(

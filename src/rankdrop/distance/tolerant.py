@@ -37,7 +37,7 @@ _REACHED = 1e-6  # of the bound
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class TolerantPlace:
     """One local maximum of the worst case.
 
     Attributes:
@@ -124,7 +124,7 @@ class Tolerant:
     starts: int
     tolerances: Tolerances
     done: int
-    places: tuple[Place, ...]
+    places: tuple[TolerantPlace, ...]
     free: tuple[int, ...]
     crucial: tuple[int, ...]
     self_motion: SelfMotions | None = None
@@ -170,7 +170,7 @@ def climb_to_tolerant(
     done = 0
     problem = Problem(in_units(robot), task_in_units(task, robot), 0, tolerances, how.limits)
     crucial, free = _crucial(problem), _free(problem)
-    places: tuple[Place, ...] = ()
+    places: tuple[TolerantPlace, ...] = ()
     if not crucial:
         model, box = failure_model(problem.robot, problem.task, relative=how.relative), _box(problem)
         starts = problem.sample(how.starts, how.seed) / problem.scale
@@ -178,7 +178,7 @@ def climb_to_tolerant(
         best = _polish_maxima(problem, model, climbed, box, how.show, free)
         at = [(out_of_units(robot, q), value, slope) for q, value, slope in best if value > tolerances.singular]
         places = tuple(
-            Place(q, value, slope, failures_at(robot, q, task, tolerances=tolerances)) for q, value, slope in at
+            TolerantPlace(q, value, slope, failures_at(robot, q, task, tolerances=tolerances)) for q, value, slope in at
         )
     numbers = tuple(int(j) + 1 for j in np.flatnonzero(free))
     return Tolerant(

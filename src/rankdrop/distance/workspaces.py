@@ -38,7 +38,7 @@ _THIN = 1e-9  # a workspace flatter than this share of its size is planar
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class DrawnPlane:
     """How positions are drawn: the half-plane (distance, height) about axis 1, or the plane that a planar arm stays in.
 
     Attributes:
@@ -84,7 +84,7 @@ class Workspace:
         seed: of every random choice.
     """
 
-    section: Section
+    section: DrawnPlane
     x: Array
     y: Array
     tips: NDArray[np.int64]
@@ -132,7 +132,7 @@ def _edges(low: Array, high: Array, planar: bool) -> list[Array]:
     return [begin[k] + cell * np.arange(count[k] + 1) for k in (0, 1)]
 
 
-def section_of(robot: Robot, positions: Array) -> Section:
+def section_of(robot: Robot, positions: Array) -> DrawnPlane:
     """About the first turning axis; planar where the positions stay in one plane across it."""
     first = next((joint for joint in robot.joints if joint.kind is not JointKind.PRISMATIC), None)
     if first is None:
@@ -145,10 +145,10 @@ def section_of(robot: Robot, positions: Array) -> Section:
         origin = np.cross(axis, first.screw[:3])
     height = (positions - origin) @ axis
     planar = bool(np.ptp(height) <= _THIN * max(float(np.abs(positions - origin).max()), 1e-9))
-    return Section(origin, axis, planar)
+    return DrawnPlane(origin, axis, planar)
 
 
-def _walls(robot: Robot, section: Section, seed: int) -> tuple[Array, NDArray[np.bool_]]:
+def _walls(robot: Robot, section: DrawnPlane, seed: int) -> tuple[Array, NDArray[np.bool_]]:
     """(W, 3) tips at singular configurations of the position task, and whether Q has one sign there."""
     nothing = np.empty((0, 3)), np.zeros(0, dtype=np.bool_)
     upright = section.planar and abs(abs(section.axis[2]) - 1) < _THIN

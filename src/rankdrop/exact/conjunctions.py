@@ -1,6 +1,6 @@
 """What a method of derivation computes: polynomial conditions, and whether they hold at configurations.
 
-`Conjunction` is one condition, `Derivation` all of them, and what makes them: minors, factors and conjunctions, all
+`Conjunction` is one condition, `SetDerivation` all of them, and what makes them: minors, factors and conjunctions, all
 against one clock. A case of a derivation is a set of configurations (`ZeroSet`): what vanishes on it, and what does
 not.
 """
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.algebra.field import Point, holds
+from rankdrop.algebra.field import ModularPoint, holds
 from rankdrop.algebra.halt import Halt, HaltKind
 from rankdrop.algebra.matrix import each_entry, submatrix
 from rankdrop.algebra.polynomial import Atom, Equality, Polynomial, order
@@ -139,14 +139,14 @@ class Conjunction:
             met &= np.max([_distance(equality, distances) for equality in group], axis=0) > CLEAR
         return met
 
-    def holds_at(self, ring: Ring, point: Point) -> bool:
+    def holds_at(self, ring: Ring, point: ModularPoint) -> bool:
         """Whether it holds at a point modulo a prime, exactly."""
         if not all(_vanishes(equality, ring, point) for equality in self.equal):
             return False
         return not any(all(_vanishes(equality, ring, point) for equality in group) for group in self.unequal)
 
 
-def _vanishes(equality: Equality, ring: Ring, point: Point) -> bool:
+def _vanishes(equality: Equality, ring: Ring, point: ModularPoint) -> bool:
     if equality.whole is None:
         return any(holds(ring, atom, point) for atom in equality.atoms)
     return holds(ring, equality.whole, point)
@@ -162,7 +162,7 @@ Note = tuple[str, dict[str, Any]]
 """What a method notes on the way, and its figures."""
 
 
-class Derivation:
+class SetDerivation:
     """A singular set as one method finds it, and while it does: what it may spend, and what it fills in.
 
     Args:
@@ -261,7 +261,7 @@ class Derivation:
         none = np.zeros(len(distances), dtype=np.bool_)
         return np.asarray(np.logical_or.reduce([none, *(condition.holds(distances) for condition in self.conditions)]))
 
-    def holds_at(self, point: Point) -> bool:
+    def holds_at(self, point: ModularPoint) -> bool:
         """Whether one of the conditions holds at a point modulo a prime, exactly."""
         return any(condition.holds_at(self.ring, point) for condition in self.conditions)
 

@@ -71,7 +71,7 @@ class LostLine(Enum):
 
 
 @dataclass(frozen=True)
-class Loss:
+class BlockLoss:
     """The motion that a block loses where its rank falls by one.
 
     Attributes:
@@ -87,7 +87,7 @@ class Loss:
     centre: str = ""
 
 
-def loss_beside_plane(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...]) -> Loss | None:
+def loss_beside_plane(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...]) -> BlockLoss | None:
     """The motion lost where one block of an arm with a planar triple loses rank one; None where there is no such line.
 
     Args:
@@ -101,12 +101,12 @@ def loss_beside_plane(robot: Robot, points: Array, group: tuple[int, ...], joint
     if joints == group:
         if not scene.coplanar(bundle).all():
             return None
-        return Loss(LostLine.ACROSS, group)
+        return BlockLoss(LostLine.ACROSS, group)
     others = [j - 1 for j in joints]
     if not _has_line(scene, bundle[0], others):
         return None
     met = tuple(i + 1 for i in others if not scene.parallel[bundle[0], i].any())
-    return Loss(LostLine.ALONG, group, met)
+    return BlockLoss(LostLine.ALONG, group, met)
 
 
 def _has_line(scene: Scene, parallel: int, others: list[int]) -> bool:
@@ -122,7 +122,7 @@ def _has_line(scene: Scene, parallel: int, others: list[int]) -> bool:
 
 def loss_at_centre(
     robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...], part: str
-) -> Loss | None:
+) -> BlockLoss | None:
     """The motion lost at the centre, by the first of the lines tried along which it is lost at every sample; else None.
 
     Args:
@@ -138,12 +138,12 @@ def loss_at_centre(
     if joints == group:
         for i, j in combinations(own, 2):
             if _lost(np.cross(scene.z[i], scene.z[j]), scene.screws[:, 3:, own]):
-                return Loss(LostLine.ABOUT, (i + 1, j + 1), centre=part)
+                return BlockLoss(LostLine.ABOUT, (i + 1, j + 1), centre=part)
         return None
     velocity = scene.screws[:, :3, own] + np.cross(scene.screws[:, 3:, own], centre[:, :, None], axis=1)
     for line, axes, direction in _directions(scene, centre, own):
         if _lost(direction, velocity):
-            return Loss(line, tuple(i + 1 for i in axes), centre=part)
+            return BlockLoss(line, tuple(i + 1 for i in axes), centre=part)
     return None
 
 
@@ -177,7 +177,7 @@ def _lost(direction: Array, velocities: Array) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class BlockFactor:
     """One factor of a block: a family of singular configurations.
 
     Attributes:
@@ -199,7 +199,7 @@ class Part:
     text: str
     witness: tuple[float, ...] | None
     lost: tuple[str, ...]
-    loss: Loss | None
+    loss: BlockLoss | None
 
     @property
     def statement(self) -> str:
@@ -223,7 +223,7 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class DiagonalBlock:
     """A square diagonal block.
 
     Attributes:
@@ -256,15 +256,15 @@ class Block:
         return self.chain.ring.factor(self.determinant)
 
     @cached_property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[BlockFactor, ...]:
         """One per factor that depends on the configuration, named after real configurations on it."""
         powers = dict(self.factors.atoms)
         return tuple(self._part(atoms, powers) for atoms in pair_angles(list(powers)))
 
-    def _part(self, atoms: tuple[Atom, ...], powers: dict[Atom, int]) -> Part:
+    def _part(self, atoms: tuple[Atom, ...], powers: dict[Atom, int]) -> BlockFactor:
         chain = self.chain
         seen, points, lost = look(chain, atoms)
-        return Part(
+        return BlockFactor(
             called=seen,
             block=self.name,
             atoms=atoms,
@@ -275,7 +275,7 @@ class Block:
             loss=self._loss(points),
         )
 
-    def _loss(self, points: Array) -> Loss | None:
+    def _loss(self, points: Array) -> BlockLoss | None:
         chain, form = self.chain, self.form
         if not len(points):
             return None
@@ -298,10 +298,10 @@ class Decoupling:
 
     chain: Chain
     form: BlockForm
-    blocks: tuple[Block, ...]
+    blocks: tuple[DiagonalBlock, ...]
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[BlockFactor, ...]:
         """Of all blocks."""
         return tuple(flat_map(lambda block: block.parts, self.blocks))
 
@@ -331,7 +331,7 @@ def decouple(chain: Chain) -> Decoupling | None:
         return None
     halves = ((form.group, form.group_rows), (form.rest, form.rest_rows))
     blocks = tuple(
-        Block(chain, form, name, joints, tuple(ROWS[r] for r in rows))
+        DiagonalBlock(chain, form, name, joints, tuple(ROWS[r] for r in rows))
         for name, (joints, rows) in zip(form.names, halves, strict=True)
     )
     if any(block.determinant == 0 for block in blocks):

@@ -12,7 +12,7 @@ from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import WIDE, Chain
 from rankdrop.exact.arm.structure import check_basic
-from rankdrop.exact.conjunctions import Derivation
+from rankdrop.exact.conjunctions import SetDerivation
 from rankdrop.exact.decoupling import Decoupling, decouple, parting_of
 from rankdrop.exact.families import real_points
 from rankdrop.exact.higher_coranks import HigherCorank, higher_coranks
@@ -20,7 +20,7 @@ from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import derive
 from rankdrop.exact.suppression import Suppression, suppress
-from rankdrop.exact.tree import Tree
+from rankdrop.exact.tree import RankTree
 from rankdrop.families.contradiction import TREE, Contradiction, ContradictionKind
 from rankdrop.families.record import Family
 from rankdrop.families.unfinished import Unfinished, UnfinishedKind
@@ -54,7 +54,7 @@ class CorankOne:
 
     method: str
     reason: MethodReason
-    derived: Decoupling | Suppression | Derivation | Tree | None
+    derived: Decoupling | Suppression | SetDerivation | RankTree | None
     left: tuple[Unfinished, ...] = ()
     disagreements: tuple[Contradiction, ...] = ()
     higher: tuple[HigherCorank, ...] = ()
@@ -93,7 +93,7 @@ def check_method(
 def corank_one(
     chain: Chain,
     method: str,
-    tree: Tree,
+    tree: RankTree,
     families: Sequence[Family],
     work: Work,
     *,
@@ -145,7 +145,7 @@ def corank_one(
     return _by_tree_if_open(derived, method, tree)
 
 
-def _too_long(chain: Chain, tree: Tree, reason: MethodReason) -> MethodReason:
+def _too_long(chain: Chain, tree: RankTree, reason: MethodReason) -> MethodReason:
     """A reason with the methods by cases that are not run, where a condition of a complete tree is long."""
     longest = max(map(len, flat_map(lambda drop: drop.piece.equations, tree.drops)), default=0)
     if chain.n == chain.task.m or not (_has_full_rank(chain, tree) and tree.complete and longest > _LONG):
@@ -158,7 +158,7 @@ def _too_long(chain: Chain, tree: Tree, reason: MethodReason) -> MethodReason:
     return replace(reason, terms=longest, not_run=(*not_run, "singular-vector"))
 
 
-def _has_full_rank(chain: Chain, tree: Tree) -> bool:
+def _has_full_rank(chain: Chain, tree: RankTree) -> bool:
     return tree.generic_rank == min(chain.n, chain.task.m)
 
 
@@ -166,7 +166,7 @@ def _is_for_suppression(chain: Chain) -> bool:
     return chain.task.m == 6 and 6 < chain.n <= WIDE and not chain.has_mimics
 
 
-def _chosen(chain: Chain, tree: Tree, reason: MethodReason) -> str:
+def _chosen(chain: Chain, tree: RankTree, reason: MethodReason) -> str:
     """The method that "auto" takes for an arm that does not decouple."""
     if not _has_full_rank(chain, tree):
         return "tree"
@@ -177,14 +177,14 @@ def _chosen(chain: Chain, tree: Tree, reason: MethodReason) -> str:
     return "reciprocity"
 
 
-def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne:
+def _by_tree_if_open(derivation: CorankOne, asked: str, tree: RankTree) -> CorankOne:
     """A second method that nobody asked for and that did not finish says nothing against the rank tree."""
     if asked != "auto" or not derivation.left or derivation.disagreements or not tree.is_stated:
         return derivation
     return CorankOne("tree", replace(derivation.reason, unfinished=derivation.method), derivation.derived)
 
 
-def _derive_decoupled(chain: Chain, decoupling: Decoupling, tree: Tree) -> CorankOne:
+def _derive_decoupled(chain: Chain, decoupling: Decoupling, tree: RankTree) -> CorankOne:
     """Corank 1 by the factors of the two blocks, each held against the tree's sets of codimension 1."""
     atoms = flat_map(lambda block: block.factors.atoms, decoupling.blocks)
     said = [ZeroSet.where_atom(chain.ring, atom) for atom, _ in atoms]
@@ -202,7 +202,7 @@ def _inside_none(sets: Sequence[ZeroSet], others: Sequence[ZeroSet]) -> list[Zer
 
 
 def _differences(
-    chain: Chain, method: str, missing: Sequence[ZeroSet], surplus: Sequence[ZeroSet], tree: Tree
+    chain: Chain, method: str, missing: Sequence[ZeroSet], surplus: Sequence[ZeroSet], tree: RankTree
 ) -> tuple[Contradiction, ...]:
     """Sets of the method that the rank tree does not have, and the reverse: how many, and a configuration on one."""
     contradictions = []
@@ -230,7 +230,7 @@ def _configuration_on(chain: Chain, sets: Sequence[ZeroSet], full_rank: int) -> 
 
 
 def _derive_by_suppression(
-    chain: Chain, reason: MethodReason, tree: Tree, work: Work, chosen: Chosen
+    chain: Chain, reason: MethodReason, tree: RankTree, work: Work, chosen: Chosen
 ) -> CorankOne:
     basic, frame = chosen
     suppression = suppress(chain, frame=frame, basic=basic, seconds=work.remaining)
@@ -241,7 +241,7 @@ def _derive_by_suppression(
     return CorankOne("suppression", reason, suppression, (), different)
 
 
-def _sets_of(tree: Tree) -> list[ZeroSet]:
+def _sets_of(tree: RankTree) -> list[ZeroSet]:
     """What the rank tree found, and what it left open."""
     pieces = [drop.piece for drop in tree.drops]
     pieces += [case.piece for case in tree.cases]
@@ -250,7 +250,7 @@ def _sets_of(tree: Tree) -> list[ZeroSet]:
 
 
 def _suppression_differences(
-    chain: Chain, suppression: Suppression, tree: Tree, work: Work
+    chain: Chain, suppression: Suppression, tree: RankTree, work: Work
 ) -> tuple[Contradiction, ...]:
     """Random points of each method's sets, tried on those of the other; what the tree left open counts as its own."""
     held = _sets_of(tree)

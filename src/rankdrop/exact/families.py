@@ -26,7 +26,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import rank_agreement
 from rankdrop.exact.family import EVIDENCE, Pins, Unreal, UnrealSet, equations_of, pins_in_q, slides_at_zero
 from rankdrop.exact.letters import letters_text, sign_of
-from rankdrop.exact.rows import Row, merge, row_of_set
+from rankdrop.exact.rows import SetsInRow, merge, row_of_set
 from rankdrop.exact.tidy import tidy
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.families.distinct_names import distinct_names
@@ -514,7 +514,7 @@ def _marks(family: Family) -> list[str]:
 def _family(
     chain: Chain,
     corank: int,
-    row: Row,
+    row: SetsInRow,
     discriminants: tuple[str, ...],
     description: tuple[FamilyName, tuple[LostFreedom, ...], tuple[float, ...]],
     check: Check,

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from rankdrop.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.conjunctions import Derivation
+from rankdrop.exact.conjunctions import SetDerivation
 from rankdrop.exact.methods import derive
-from rankdrop.exact.tree import Tree
+from rankdrop.exact.tree import RankTree
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.record import Check
 from rankdrop.families.unfinished import Unfinished
@@ -31,7 +31,7 @@ class HigherCorank:
         regular: configurations of a lower corank, and how many satisfy none.
     """
 
-    derived: Derivation
+    derived: SetDerivation
     sets: Check = UNTRIED
     singular: Check = UNTRIED
     regular: Check = UNTRIED
@@ -45,7 +45,7 @@ class HigherCorank:
 def higher_coranks(
     chain: Chain,
     highest: int,
-    tree: Tree,
+    tree: RankTree,
     work: Work,
     *,
     basic: tuple[int, ...] | None = None,
@@ -72,7 +72,7 @@ def higher_coranks(
     return tuple(coranks)
 
 
-def _on_sets(derived: Derivation, tree: Tree) -> Check:
+def _on_sets(derived: SetDerivation, tree: RankTree) -> Check:
     """On how many sets of the tree the conditions of a finished derivation are right."""
     limit = tree.generic_rank - derived.corank
     right = 0

@@ -21,7 +21,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.family import Assumption, EqualLengths, SpecialFamily
 from rankdrop.exact.rows import merge
 from rankdrop.exact.tidy import tidy
-from rankdrop.exact.tree import Drop, Tree, rank_tree
+from rankdrop.exact.tree import Drop, RankTree, rank_tree
 from rankdrop.tolerances import ROUNDED_LENGTHS
 
 
@@ -113,7 +113,7 @@ def _power(e: int) -> str:
 _LONG = 2000  # terms of a condition that is factored at the arm's own lengths
 
 
-def decided_by_numbers(chain: Chain, tree: Tree, plain: Tree) -> bool:
+def decided_by_numbers(chain: Chain, tree: RankTree, plain: RankTree) -> bool:
     """Whether what a tree with letters leaves open, or rules out, makes no difference for the arm's own lengths.
 
     So it is where the tree with numbers leaves nothing open and has nothing besides. A set that it could not look into
@@ -127,7 +127,7 @@ def decided_by_numbers(chain: Chain, tree: Tree, plain: Tree) -> bool:
     return tree.complete and plain.is_finished and covered_by_numeric_tree(chain, tree, plain)
 
 
-def splits(chain: Chain, tree: Tree) -> bool:
+def splits(chain: Chain, tree: RankTree) -> bool:
     """Whether a condition of a drop, irreducible with letters, has factors at the arm's own lengths, or is lost there.
 
     a5 − d3 sin θ5 has a square in it where a5 = d3: it touches zero only, and real points of it are met by chance. A
@@ -162,7 +162,7 @@ def with_equal_lengths(chain: Chain) -> Chain | None:
     return None
 
 
-def covered_by_numeric_tree(chain: Chain, tree: Tree, plain: Tree) -> bool:
+def covered_by_numeric_tree(chain: Chain, tree: RankTree, plain: RankTree) -> bool:
     """Whether every drop of the arm with numbers lies in one that was derived with letters.
 
     Args:

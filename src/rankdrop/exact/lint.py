@@ -54,7 +54,7 @@ class Example:
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class WrongSet:
     """A set of configurations about which the condition is wrong.
 
     Attributes:
@@ -84,8 +84,8 @@ class LintResult:
 
     text: str
     verdict: str
-    missing: tuple[Difference, ...]
-    extra: tuple[Difference, ...]
+    missing: tuple[WrongSet, ...]
+    extra: tuple[WrongSet, ...]
     real: bool
     any_lengths: bool | None
     not_real: tuple[str, ...]
@@ -269,7 +269,7 @@ class _Comparison:
 
     def show_differences(
         self, pieces: Sequence[ZeroSet], *, singular: bool
-    ) -> tuple[tuple[Difference, ...], list[str]]:
+    ) -> tuple[tuple[WrongSet, ...], list[str]]:
         """Differences with an example each, and the sets without one, in words."""
         examples, unreal = {}, []
         for piece in pieces:
@@ -281,7 +281,7 @@ class _Comparison:
                 examples[id(piece)] = example
         rows = merge([piece for piece in pieces if id(piece) in examples])
         return tuple(
-            Difference(", ".join(row.texts) or "every configuration", examples[id(row.pieces[0])]) for row in rows
+            WrongSet(", ".join(row.texts) or "every configuration", examples[id(row.pieces[0])]) for row in rows
         ), unreal
 
     def example(self, piece: ZeroSet, *, singular: bool) -> Example | None:

@@ -75,8 +75,8 @@ from rankdrop.exact.conjunctions import (
     Atoms,
     Columns,
     Conjunction,
-    Derivation,
     Pins,
+    SetDerivation,
     columns_on,
     condition_within,
     conditions_on,
@@ -98,7 +98,7 @@ _ZEROS = 256  # random configurations between which a zero of a polynomial is lo
 _PARTS, _ROUNDS = 65, 9  # of the way between two of them, and of a part of it: to the last digit
 
 
-def determinant(builder: Derivation) -> None:
+def determinant(builder: SetDerivation) -> None:
     """det J = 0, one condition per factor; else det(J Jᵀ) = 0, as the minors that vanish together.
 
     det(J Jᵀ) = Σ minor²  (Cauchy and Binet) is never negative, so that it vanishes without a change of sign, and over
@@ -136,7 +136,7 @@ _MinorOfAll = tuple[MinorChoice, Polynomial]
 """Rows and columns, and the minor that they make."""
 
 
-def _minors(builder: Derivation) -> list[_MinorOfAll]:
+def _minors(builder: SetDerivation) -> list[_MinorOfAll]:
     """The maximal minors that do not vanish everywhere; their sizes are kept."""
     minors = builder.minors(builder.chain.columns, builder.full_rank())
     pairs = [pair for pair in zip(maximal_minors(builder.chain), minors, strict=True) if pair[1] != 0]
@@ -145,7 +145,7 @@ def _minors(builder: Derivation) -> list[_MinorOfAll]:
     return pairs
 
 
-def _vanish_together(builder: Derivation, minors: Sequence[_MinorOfAll]) -> None:
+def _vanish_together(builder: SetDerivation, minors: Sequence[_MinorOfAll]) -> None:
     """Conditions that all minors vanish. A minor that is not factored in time stands as it is, and is noted: the
     conditions hold where the rank drops and nowhere else, whether it has factors or not.
     """
@@ -165,7 +165,7 @@ def _vanish_together(builder: Derivation, minors: Sequence[_MinorOfAll]) -> None
         builder.note("together", equations=len(condition.equal), ways=ways)
 
 
-def _degree(builder: Derivation, p: Polynomial) -> int:
+def _degree(builder: SetDerivation, p: Polynomial) -> int:
     """Degree of a trigonometric polynomial in the sines, cosines and slides."""
     moving = 2 * builder.ring.angles + len(builder.ring.prismatic)
     return max(sum(map(int, powers[:moving])) for powers in p.monoms())
@@ -194,7 +194,7 @@ def zero_of(chain: Chain, p: Polynomial) -> tuple[float, ...] | None:
     return tuple(map(float, whole_angles(chain.robot, zero)))
 
 
-def cofactors(builder: Derivation) -> None:
+def cofactors(builder: SetDerivation) -> None:
     """All maximal minors of J, factored; their common factors, and the conjunction of what is left.
 
     Nothing is wrong with the answer, but what is left is as many equations as there are minors, whose solution is
@@ -212,7 +212,7 @@ def cofactors(builder: Derivation) -> None:
     _vanish_together(builder, minors)
 
 
-def decomposition(builder: Derivation) -> None:
+def decomposition(builder: SetDerivation) -> None:
     """Conditions of the arm, rank J₁₁ < 3, and of the wrist, at each angle where its axes are dependent.
 
     Args:
@@ -241,7 +241,7 @@ def decomposition(builder: Derivation) -> None:
 
 
 def _wrist_conditions(
-    builder: Derivation, atom: Atom, arm: Columns, turns: Columns, wrist: Columns
+    builder: SetDerivation, atom: Atom, arm: Columns, turns: Columns, wrist: Columns
 ) -> list[Conjunction]:
     """Where rank [J₂₁ N, J₂₂] < 3 with the middle joint at an angle where the wrist's axes are dependent."""
     at_angle = ZeroSet.where_atom(builder.ring, atom)
@@ -292,7 +292,7 @@ def _missing(chain: Chain) -> str:
     return ""
 
 
-def _null_space(builder: Derivation, arm: Columns) -> list[list[Polynomial]]:
+def _null_space(builder: SetDerivation, arm: Columns) -> list[list[Polynomial]]:
     """Vectors that span the null space of J₁₁ wherever its rank is 3: cofactors of each four of its columns."""
     basis = []
     for four in combinations(range(len(arm)), 4):
@@ -308,7 +308,7 @@ def _alternating(minors: Sequence[Polynomial]) -> list[Polynomial]:
     return [-minor if place % 2 else minor for place, minor in enumerate(minors)]
 
 
-def _weighted_rotations(builder: Derivation, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
+def _weighted_rotations(builder: SetDerivation, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
     """Σ w_j column_j, the rotations only."""
     return [
         builder.ring.reduce(sum((column[i] * w for column, w in zip(columns, weights, strict=True)), builder.ring.zero))
@@ -316,7 +316,7 @@ def _weighted_rotations(builder: Derivation, columns: Columns, weights: list[Pol
     ]
 
 
-def _zeros(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> list[tuple[Equality, ...]]:
+def _zeros(builder: SetDerivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> list[tuple[Equality, ...]]:
     """Conjunctions of equalities, beside those of a set, where a screw vanishes."""
     known = _vanishing(builder, piece, screw)
     if frozenset() in known:
@@ -334,7 +334,7 @@ def _zeros(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> 
     return cases
 
 
-def _vanishing(builder: Derivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> list[Atoms]:
+def _vanishing(builder: SetDerivation, piece: ZeroSet, screw: Sequence[Polynomial]) -> list[Atoms]:
     """Of each component that does not vanish on the whole set, the atoms under one of which it does."""
     factors = (builder.factors(piece, w) for w in screw if w != 0)
     return [atoms for atoms in factors if atoms is not None]
@@ -365,7 +365,7 @@ _Choice = tuple[tuple[int, ...], tuple[Polynomial, ...]]
 """Joints (from 0), and the screw that is reciprocal to theirs: one component per row of the task."""
 
 
-def reciprocity(builder: Derivation) -> None:
+def reciprocity(builder: SetDerivation) -> None:
     """Conditions case by case: a choice of five with its screw w ≠ 0, then the locus where w vanishes.
 
     Of corank 1; of a higher one the conditions are those of `reciprocal_screws`.
@@ -399,7 +399,7 @@ def reciprocity(builder: Derivation) -> None:
 
 
 def _one_case(
-    builder: Derivation, case: ZeroSet, used_columns: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
+    builder: SetDerivation, case: ZeroSet, used_columns: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
 ) -> list[ZeroSet]:
     """Conditions of one case where the screw chosen there does not vanish; the cases where it does."""
     columns, pins = columns_on(case, builder.columns), tuple(sorted(case.pins.items()))
@@ -416,7 +416,7 @@ def _one_case(
 
 
 def _by_choice(
-    builder: Derivation, case: ZeroSet, columns: Columns, choice: _Choice, known: list[Atoms]
+    builder: SetDerivation, case: ZeroSet, columns: Columns, choice: _Choice, known: list[Atoms]
 ) -> list[ZeroSet]:
     """`_one_case` by one choice of joints, whose screw vanishes where an atom of each component does."""
     joints, screw = choice
@@ -441,7 +441,7 @@ def _by_choice(
     return builder.branches(case, min(known, key=_simplest))
 
 
-def _choices(builder: Derivation, columns: Columns) -> list[_Choice]:
+def _choices(builder: SetDerivation, columns: Columns) -> list[_Choice]:
     """Every choice of joints with its screw, those among the basic ones and short ones first; those that are dependent
     everywhere left out.
     """
@@ -461,7 +461,7 @@ def _choices(builder: Derivation, columns: Columns) -> list[_Choice]:
     )
 
 
-def _note(builder: Derivation, case: ZeroSet, choice: _Choice) -> None:
+def _note(builder: SetDerivation, case: ZeroSet, choice: _Choice) -> None:
     """The screw that a case rests on, and where it vanishes: nothing follows from it there."""
     chosen, elements = choice
     vanishes = list(map(Conjunction, _merge_opposite_angles(_zeros(builder, case, elements))))
@@ -474,7 +474,7 @@ _Pivots = tuple[ZeroSet, tuple[int, ...], tuple[int, ...]]
 """A case in the middle of elimination: the minor of these rows and columns (from 0) does not vanish in it."""
 
 
-def singular_vector(builder: Derivation) -> None:
+def singular_vector(builder: SetDerivation) -> None:
     """Conditions case by case: which pivots do not vanish, and what is left of Jᵀ u = 0.
 
     Args:
@@ -498,7 +498,7 @@ def singular_vector(builder: Derivation) -> None:
     builder.note("pivots", cases=builder.sizes["cases"], conditions=len(builder.conditions))
 
 
-def _eliminate_pivot(builder: Derivation, step: _Pivots) -> list[_Pivots]:
+def _eliminate_pivot(builder: SetDerivation, step: _Pivots) -> list[_Pivots]:
     """One step of elimination; the cases that follow from it."""
     builder.check(Halt(HaltKind.ELIMINATION))
     case, rows, chosen = step
@@ -528,7 +528,7 @@ def _eliminate_pivot(builder: Derivation, step: _Pivots) -> list[_Pivots]:
 
 
 def _bordering(
-    builder: Derivation, columns: Columns, rows: Sequence[int], chosen: Sequence[int]
+    builder: SetDerivation, columns: Columns, rows: Sequence[int], chosen: Sequence[int]
 ) -> list[tuple[int, int, Polynomial]]:
     """(row, column, minor) for each row and column besides the pivots', minors that are not zero."""
     others = [column for column in range(len(columns)) if column not in chosen]
@@ -538,7 +538,7 @@ def _bordering(
 
 
 def _pivot(
-    builder: Derivation, case: ZeroSet, left: list[tuple[int, int, Polynomial]]
+    builder: SetDerivation, case: ZeroSet, left: list[tuple[int, int, Polynomial]]
 ) -> tuple[int, int, Atoms] | None:
     """The entry with the fewest and shortest atoms that may vanish; None where all entries vanish in the case."""
     best = None
@@ -556,7 +556,7 @@ def _pivot(
     return None if best is None else best[2]
 
 
-def elementary(builder: Derivation) -> None:
+def elementary(builder: SetDerivation) -> None:
     """Conditions of the blocks that remain when rows and columns have been cleared by numbers.
 
     Args:
@@ -635,9 +635,9 @@ def _tight_rows(columns: Columns) -> tuple[int, ...] | None:
     return None
 
 
-__all__ = ["METHODS", "Conjunction", "Derivation", "derive"]
+__all__ = ["METHODS", "Conjunction", "SetDerivation", "derive"]
 
-_METHODS: dict[str, Callable[[Derivation], None]] = {
+_METHODS: dict[str, Callable[[SetDerivation], None]] = {
     "determinant": determinant,
     "cofactors": cofactors,
     "decomposition": decomposition,
@@ -657,7 +657,7 @@ def derive(
     frame: int | None = None,
     basic: tuple[int, ...] | None = None,
     corank: int = 1,
-) -> Derivation:
+) -> SetDerivation:
     """Derive the singular set, or the set of a higher corank, by one of the methods.
 
     Args:
@@ -688,7 +688,7 @@ def derive(
             "this method derives corank 1 only", where="corank", got=f"{corank}, {method}", allowed="reciprocity"
         )
     check_basic(chain, basic, frame)
-    builder = Derivation(chain, method, seconds, frame=frame, basic=basic, corank=corank)
+    builder = SetDerivation(chain, method, seconds, frame=frame, basic=basic, corank=corank)
     try:
         _METHODS[method](builder)
     except OutOfTime as error:

@@ -13,7 +13,7 @@ case and disjointly. Where all minors of order m − k vanish the corank is abov
 
     >>> from rankdrop.exact.arm.chain import exact_chain
     >>> from rankdrop.robot.open import open_robot
-    >>> builder = Derivation(exact_chain(open_robot("puma560")), "reciprocity", 30.0, corank=2)
+    >>> builder = SetDerivation(exact_chain(open_robot("puma560")), "reciprocity", 30.0, corank=2)
     >>> reciprocal_screws(builder)
     >>> builder.sizes["cases"] > 1
     True
@@ -33,8 +33,8 @@ from rankdrop.exact.conjunctions import (
     Atoms,
     Columns,
     Conjunction,
-    Derivation,
     Pins,
+    SetDerivation,
     columns_on,
     condition_within,
     conjunctions,
@@ -46,7 +46,7 @@ Screw = tuple[Polynomial, ...]
 """One component per row of the task."""
 
 
-class _Minor(NamedTuple):
+class _ScrewMinor(NamedTuple):
     """Joints and rows (from 0), and their minor."""
 
     joints: tuple[int, ...]
@@ -54,7 +54,7 @@ class _Minor(NamedTuple):
     value: Polynomial
 
 
-def reciprocal_screws(builder: Derivation) -> None:
+def reciprocal_screws(builder: SetDerivation) -> None:
     """Conditions case by case: a minor that does not vanish, with its k screws; then the cases where it vanishes.
 
     Args:
@@ -65,7 +65,7 @@ def reciprocal_screws(builder: Derivation) -> None:
         OutOfTime: no time is left; what was found until then is in the builder.
     """
     builder.sizes |= {"cases": 0, "choices": 0, "minors": 0, "terms": 0}
-    known: dict[Pins, list[_Minor]] = {}
+    known: dict[Pins, list[_ScrewMinor]] = {}
     used_joints: set[tuple[int, ...]] = set()
     builder.case_by_case(lambda case: _one_case(builder, case, known, used_joints))
     builder.sizes["choices"] = len(used_joints)
@@ -74,7 +74,7 @@ def reciprocal_screws(builder: Derivation) -> None:
 
 
 def _one_case(
-    builder: Derivation, case: ZeroSet, known: dict[Pins, list[_Minor]], used_joints: set[tuple[int, ...]]
+    builder: SetDerivation, case: ZeroSet, known: dict[Pins, list[_ScrewMinor]], used_joints: set[tuple[int, ...]]
 ) -> list[ZeroSet]:
     """Conditions of one case where the minor chosen there does not vanish; the cases where it does."""
     columns, pins = columns_on(case, builder.columns), tuple(sorted(case.pins.items()))
@@ -102,7 +102,7 @@ def _terms(screw: Screw) -> int:
 
 
 def _products_vanish(
-    builder: Derivation, piece_of_case: ZeroSet, columns: Columns, minor: _Minor, screws: Sequence[Screw]
+    builder: SetDerivation, piece_of_case: ZeroSet, columns: Columns, minor: _ScrewMinor, screws: Sequence[Screw]
 ) -> list[Conjunction]:
     """Conditions that the remaining joints are reciprocal to every screw."""
     others = [column for j, column in enumerate(columns) if j not in minor.joints]
@@ -114,7 +114,7 @@ def _products_vanish(
     return [condition_within(piece_of_case, piece) for piece in conjunctions(zeros) if not _impossible(piece)]
 
 
-def _minors(builder: Derivation, columns: Columns) -> list[_Minor]:
+def _minors(builder: SetDerivation, columns: Columns) -> list[_ScrewMinor]:
     """The minors of order m − k that are not zero, those of basic joints and short ones first."""
     count = len(columns[0])
     size = count - builder.corank
@@ -124,21 +124,21 @@ def _minors(builder: Derivation, columns: Columns) -> list[_Minor]:
         for rows in combinations(range(count), size):
             value = builder.minor(chosen, rows)
             if value != 0:
-                minors.append(_Minor(joints, rows, value))
+                minors.append(_ScrewMinor(joints, rows, value))
     if builder.basic is not None:
         wished = {j - 1 for j in builder.basic}
     else:
         wished = set(range(len(columns)))
 
-    def order(minor: _Minor) -> tuple[bool, int, tuple[int, ...], tuple[int, ...]]:
+    def order(minor: _ScrewMinor) -> tuple[bool, int, tuple[int, ...], tuple[int, ...]]:
         return not wished.issuperset(minor.joints), len(minor.value), minor.joints, minor.rows
 
     return sorted(minors, key=order)
 
 
-def _chosen(builder: Derivation, case: ZeroSet, minors: Sequence[_Minor]) -> tuple[_Minor, Atoms] | None:
+def _chosen(builder: SetDerivation, case: ZeroSet, minors: Sequence[_ScrewMinor]) -> tuple[_ScrewMinor, Atoms] | None:
     """The minor with the fewest and shortest atoms under which it may vanish, and these; None where all vanish."""
-    best: tuple[_Minor, Atoms] | None = None
+    best: tuple[_ScrewMinor, Atoms] | None = None
     least = (0, 0)
     for minor in minors:
         if best is not None and len(minor.value) > _SHORT * len(best[0].value):
@@ -154,7 +154,7 @@ def _chosen(builder: Derivation, case: ZeroSet, minors: Sequence[_Minor]) -> tup
     return best
 
 
-def _screws(builder: Derivation, columns: Columns, minor: _Minor) -> list[Screw]:
+def _screws(builder: SetDerivation, columns: Columns, minor: _ScrewMinor) -> list[Screw]:
     """k screws reciprocal to the chosen joints, independent where the minor does not vanish (Cramer's rule)."""
     chosen = [columns[j] for j in minor.joints]
     count = len(columns[0])
@@ -169,7 +169,7 @@ def _screws(builder: Derivation, columns: Columns, minor: _Minor) -> list[Screw]
     return screws
 
 
-def _reciprocal_product(builder: Derivation, screw: Screw, column: Sequence[Polynomial]) -> Polynomial:
+def _reciprocal_product(builder: SetDerivation, screw: Screw, column: Sequence[Polynomial]) -> Polynomial:
     """The reciprocal product of a screw and a joint screw: a minor that borders the chosen one, up to its sign."""
     return builder.ring.reduce(sum(map(mul, screw, column), builder.ring.zero))
 
@@ -185,7 +185,7 @@ def _impossible(piece: Conjunction) -> bool:
     return not all(allowed.values())
 
 
-def _note(builder: Derivation, case: ZeroSet, minor: _Minor, screws: Sequence[Screw]) -> None:
+def _note(builder: SetDerivation, case: ZeroSet, minor: _ScrewMinor, screws: Sequence[Screw]) -> None:
     """The screws that a case rests on, and the minor that makes them independent."""
     joints = [j + 1 for j in minor.joints]
     rows = [builder.chain.task.rows[i] for i in minor.rows]

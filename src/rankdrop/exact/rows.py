@@ -20,7 +20,7 @@ _SAME = 1e-9  # cosines and sines of whole turns and quarters, to rounding
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class SetsInRow:
     """Irreducible sets in one row.
 
     Attributes:
@@ -56,21 +56,21 @@ class Row:
         return ", ".join([*pins, f"{count} condition{'s' if count > 1 else ''} of {self.terms} terms"])
 
 
-def merge(pieces: Sequence[ZeroSet]) -> list[Row]:
+def merge(pieces: Sequence[ZeroSet]) -> list[SetsInRow]:
     """Rows of sets with the same conditions whose simple angles form all combinations; large sets first.
 
     Two rows that differ in one sum of angles alone, which is x on the one and x + π on the other, become one too.
     """
-    groups: dict[tuple[str, ...], list[Row]] = {}
+    groups: dict[tuple[str, ...], list[SetsInRow]] = {}
     for piece in pieces:
         groups.setdefault(tuple(sorted(map(str, piece.equations))), []).append(row_of_set(piece))
     rows = [row for group in groups.values() for row in merge_pairs(group, _angles_joined)]
     return sorted(merge_pairs(rows, _sums_joined), key=_order)
 
 
-def row_of_set(piece: ZeroSet) -> Row:
+def row_of_set(piece: ZeroSet) -> SetsInRow:
     """One set as a row of its own."""
-    return Row({joint: (value,) for joint, value in sorted(piece.pins.items())}, tuple(piece.equations), (piece,))
+    return SetsInRow({joint: (value,) for joint, value in sorted(piece.pins.items())}, tuple(piece.equations), (piece,))
 
 
 def merge_pairs(rows: Sequence[Merged], join: Callable[[Merged, Merged], Merged | None]) -> list[Merged]:
@@ -85,16 +85,16 @@ def merge_pairs(rows: Sequence[Merged], join: Callable[[Merged, Merged], Merged 
         kept = [*(row for row in kept if row is not first and row is not second), *([] if both is None else [both])]
 
 
-def _angles_joined(first: Row, second: Row) -> Row | None:
+def _angles_joined(first: SetsInRow, second: SetsInRow) -> SetsInRow | None:
     """Two rows that differ in the angles of one joint alone as one; None for others."""
     joint = _different(first.pins, second.pins)
     if joint is None:
         return None
     values = tuple(sorted({*first.pins[joint], *second.pins[joint]}, key=SIMPLE.index))
-    return Row({**first.pins, joint: values}, first.equations, (*first.pieces, *second.pieces))
+    return SetsInRow({**first.pins, joint: values}, first.equations, (*first.pieces, *second.pieces))
 
 
-def _sums_joined(row: Row, other: Row) -> Row | None:
+def _sums_joined(row: SetsInRow, other: SetsInRow) -> SetsInRow | None:
     """θ5 = θ3 and θ5 = θ3 + π: sin(θ3 − θ5) = 0."""
     if row.pins != other.pins or len(row.equations) != len(other.equations):
         return None
@@ -107,7 +107,7 @@ def _sums_joined(row: Row, other: Row) -> Row | None:
     if first is None or second is None or first[0] != second[0] or abs(cos((first[1] - second[1]) / 2)) > _SAME:
         return None
     kept = tuple(f for f in row.equations if f is not left[0])
-    return Row(row.pins, (left[0] * right[0], *kept), (*row.pieces, *other.pieces))
+    return SetsInRow(row.pins, (left[0] * right[0], *kept), (*row.pieces, *other.pieces))
 
 
 def _different(first: Pins, second: Pins) -> int | None:
@@ -119,7 +119,7 @@ def _different(first: Pins, second: Pins) -> int | None:
     return None
 
 
-def _order(row: Row) -> tuple[object, ...]:
+def _order(row: SetsInRow) -> tuple[object, ...]:
     """Sort key of rows: large sets first, then few and short conditions."""
     piece = row.pieces[0]
     return piece.codimension, len(row.equations), sorted(row.pins.items()), sum(map(len, row.equations)), piece.key

@@ -391,7 +391,7 @@ class Flags:
 
 
 @dataclass(frozen=True, slots=True)
-class Crossing:
+class SegmentCrossing:
     """Where the straight segment meets a family.
 
     Attributes:
@@ -423,7 +423,7 @@ class Between:
     parting: tuple[int, ...]
     equal: tuple[int, ...]
     open: tuple[int, ...]
-    crossings: tuple[Crossing, ...]
+    crossings: tuple[SegmentCrossing, ...]
 
     def sentences(self) -> tuple[str, ...]:
         """The proven, the open, and the families on the straight way."""
@@ -555,7 +555,7 @@ def _sign(value: float) -> int:
     return -1
 
 
-def _crossings(signs: Signs, index: int, start: Array, end: Array) -> list[Crossing]:
+def _crossings(signs: Signs, index: int, start: Array, end: Array) -> list[SegmentCrossing]:
     factor, chain = signs.factors[index], signs.chain
 
     def value(share: Array) -> Array:
@@ -563,4 +563,4 @@ def _crossings(signs: Signs, index: int, start: Array, end: Array) -> list[Cross
         return factor.values(chain.theta(q), chain.numbers, chain.power)
 
     met = zeros_between(value, float(np.abs(end - start).sum()) / tau, DEFAULT.singular)
-    return [Crossing(at, factor.text, str(signs.names[index] or ""), kind) for at, kind in met]
+    return [SegmentCrossing(at, factor.text, str(signs.names[index] or ""), kind) for at, kind in met]

@@ -341,7 +341,7 @@ def _pin_polynomial(ring: Ring, j: int, angles: tuple[str, ...]) -> Polynomial:
 
 
 @dataclass(frozen=True)
-class Product:
+class VanishingProduct:
     """What makes a polynomial vanish on a stratum.
 
     Attributes:
@@ -356,7 +356,7 @@ class Product:
     letters: tuple[Polynomial, ...]
 
 
-def factor_on_stratum(stratum: Stratum, p: Polynomial) -> Product | None:
+def factor_on_stratum(stratum: Stratum, p: Polynomial) -> VanishingProduct | None:
     """The factors of a trigonometric polynomial on a stratum, short ones first; None where it vanishes on a piece."""
     ring = stratum.ring
     p = stratum.short(p)
@@ -380,7 +380,7 @@ def factor_on_stratum(stratum: Stratum, p: Polynomial) -> Product | None:
     if any(rests):
         rest = _combine(stratum, _without_letters(ring, p, letters.values()), shared, rests)
         factors.append(Equality(tuple(rests[0]) if len(rests) == 1 else (), rest))
-    return Product(p, tuple(sorted(factors, key=_length)), tuple(letters[key][0] for key in sorted(letters)))
+    return VanishingProduct(p, tuple(sorted(factors, key=_length)), tuple(letters[key][0] for key in sorted(letters)))
 
 
 def _in_all(lists: Sequence[Sequence[Atom]]) -> list[Atom]:

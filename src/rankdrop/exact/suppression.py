@@ -27,7 +27,7 @@ from rankdrop.algebra.work import OutOfTime, Work
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic, triples
-from rankdrop.exact.stratum import Product, Stratum, atoms_on, factor_on_stratum, join_pins, vanishes
+from rankdrop.exact.stratum import Stratum, VanishingProduct, atoms_on, factor_on_stratum, join_pins, vanishes
 from rankdrop.formula.value import Value
 from rankdrop.lists import flat_map
 
@@ -43,7 +43,7 @@ MORE_SAMPLES = 10
 
 
 @dataclass(frozen=True)
-class Proof:
+class IndependenceProof:
     """Why screws are independent everywhere on a stratum.
 
     Attributes:
@@ -60,7 +60,7 @@ class Proof:
 
 
 @dataclass(frozen=True)
-class Dependence:
+class ScrewDependence:
     """Screw `screw` is a combination of the screws `on`, which are independent everywhere.
 
     Attributes:
@@ -71,10 +71,10 @@ class Dependence:
 
     screw: int
     on: tuple[int, ...]
-    proof: Proof | None
+    proof: IndependenceProof | None
 
 
-class Obstacle(NamedTuple):
+class ZeroMinor(NamedTuple):
     """A minor of a circuit's other screws that has zeros on the stratum: a place to split it.
 
     Attributes:
@@ -144,7 +144,7 @@ def candidates(sampled: Sampled, joints: Sequence[int]) -> Iterator[tuple[int, t
 
 def find(
     chain: Chain, frame: int, stratum: Stratum, sampled: Sampled, joints: Sequence[int], work: Work
-) -> tuple[Dependence | None, Obstacle | None]:
+) -> tuple[ScrewDependence | None, ZeroMinor | None]:
     """A dependent screw among these joints, fewest others and lowest number first; else the best place to split.
 
     Args:
@@ -156,16 +156,16 @@ def find(
         joints: numbers of the joints to look among.
         work: deadline, asked before each proof.
     """
-    obstacle: Obstacle | None = None
+    obstacle: ZeroMinor | None = None
     dependences = list(candidates(sampled, joints))
     for k in [frame, *(k for k in range(1, chain.n) if k != frame)]:
         for screw, others in dependences:
             if not others:
-                return Dependence(screw, (), None), None
+                return ScrewDependence(screw, (), None), None
             work.check()
             proof, blocking = independent(chain, k, stratum, others, work)
             if proof is not None:
-                return Dependence(screw, others, proof), None
+                return ScrewDependence(screw, others, proof), None
             if blocking is not None and (obstacle is None or blocking.weight < obstacle.weight):
                 obstacle = blocking
         if obstacle is not None and obstacle.light:
@@ -173,7 +173,7 @@ def find(
     return None, obstacle
 
 
-def lightest(chain: Chain, stratum: Stratum, joints: Sequence[int], work: Work) -> Obstacle | None:
+def lightest(chain: Chain, stratum: Stratum, joints: Sequence[int], work: Work) -> ZeroMinor | None:
     """Of all minors of some screws, in the frames of all links, the one with the least to split at."""
     obstacles = []
     for k in range(1, chain.n):
@@ -186,12 +186,12 @@ def lightest(chain: Chain, stratum: Stratum, joints: Sequence[int], work: Work) 
 
 def independent(
     chain: Chain, frame: int, stratum: Stratum, joints: Sequence[int], work: Work
-) -> tuple[Proof | None, Obstacle | None]:
+) -> tuple[IndependenceProof | None, ZeroMinor | None]:
     """A proof that screws are independent everywhere on a stratum, or the minor that comes closest to one."""
     columns = chain.screws(frame)
     chosen = each_entry(stratum.short, (columns[j - 1] for j in joints))
     minors = list(_minors(stratum, chosen, work))
-    proofs = [Proof("minor", frame, (rows,), (minor,)) for rows, minor, zeros in minors if not any(zeros)]
+    proofs = [IndependenceProof("minor", frame, (rows,), (minor,)) for rows, minor, zeros in minors if not any(zeros)]
     if proofs:
         return min(proofs, key=lambda proof: (len(proof.polynomials[0]), proof.polynomials[0].total_degree())), None
     if not minors:
@@ -201,15 +201,15 @@ def independent(
     else:
         gram = None
     if gram is not None:
-        return Proof("gram", frame, (), (gram,)), None
+        return IndependenceProof("gram", frame, (), (gram,)), None
     minors.sort(key=lambda minor: _weight(minor[2]))
     for size in (2, 3):
         for tried in combinations(minors[:TOGETHER_AT_MOST], size):
             if all(_no_common(atoms) for atoms in zip(*(zeros for *_, zeros in tried), strict=True)):
                 rows, polynomials, _ = zip(*tried, strict=True)
-                return Proof("minors", frame, rows, polynomials), None
+                return IndependenceProof("minors", frame, rows, polynomials), None
     _, minor, zeros = minors[0]
-    return None, Obstacle(_weight(zeros), all(atom.is_pin for atom in entries(zeros)), minor)
+    return None, ZeroMinor(_weight(zeros), all(atom.is_pin for atom in entries(zeros)), minor)
 
 
 def _minors(
@@ -276,7 +276,7 @@ class Basic(NamedTuple):
     """
 
     joints: tuple[int, ...]
-    product: Product
+    product: VanishingProduct
 
 
 @dataclass(frozen=True)
@@ -298,7 +298,7 @@ class Case:
     number: str
     stratum: Stratum
     joints: tuple[int, ...]
-    dependence: Dependence | None = None
+    dependence: ScrewDependence | None = None
     basic: Basic | None = None
     cases: tuple[Case, ...] = ()
     split: bool = False
@@ -401,10 +401,10 @@ def suppress(
             mend="another method",
         )
     check_basic(chain, basic, frame)
-    return _Derivation(chain, frame, basic, Work(seconds, seed)).run()
+    return _Recursion(chain, frame, basic, Work(seconds, seed)).run()
 
 
-class _Derivation:
+class _Recursion:
     """The recursion, with what it gathers on the way."""
 
     def __init__(self, chain: Chain, frame: int | None, basic: Sequence[int] | None, work: Work) -> None:
@@ -538,7 +538,7 @@ class _Derivation:
             return self.determinant(replace(case, joints=left, dependence=dependence))
         return self.split_at_minor(case, obstacle)
 
-    def split_at_minor(self, case: Case, obstacle: Obstacle | None) -> Case:
+    def split_at_minor(self, case: Case, obstacle: ZeroMinor | None) -> Case:
         """Split a case at the zeros of a minor."""
         if obstacle is not None:
             product = factor_on_stratum(case.stratum, obstacle.minor)
@@ -598,7 +598,7 @@ class _Derivation:
                 self.left.append(("empty", Case("", replace(stratum, pieces=(piece,)), ())))
         return replace(stratum, pieces=tuple(kept))
 
-    def assume(self, product: Product) -> None:
+    def assume(self, product: VanishingProduct) -> None:
         for f in product.letters:
             self.work.assume(f)
 

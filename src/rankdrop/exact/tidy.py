@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from itertools import combinations, product
 
 from rankdrop.algebra.decompose import decompose
-from rankdrop.algebra.field import Point
+from rankdrop.algebra.field import ModularPoint
 from rankdrop.algebra.polynomial import Polynomial, primitive, used_by
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work
@@ -58,7 +58,7 @@ def _relations(piece: ZeroSet) -> Iterator[Polynomial]:
                     break
 
 
-def _constant(ring: Ring, turns: tuple[tuple[int, int], ...], points: list[Point]) -> Polynomial | None:
+def _constant(ring: Ring, turns: tuple[tuple[int, int], ...], points: list[ModularPoint]) -> Polynomial | None:
     """The polynomial of Σ turns_j θ_j = value where that holds at all points for a simple value."""
     met = {_sum(turns, point) for point in points}
     if len(met) == 1:
@@ -74,7 +74,7 @@ def _constant(ring: Ring, turns: tuple[tuple[int, int], ...], points: list[Point
     return primitive({"0": imaginary, "pi": real, "pi/2": imaginary - real, "-pi/2": imaginary + real}[value])
 
 
-def _sum(turns: tuple[tuple[int, int], ...], point: Point) -> tuple[int, int]:
+def _sum(turns: tuple[tuple[int, int], ...], point: ModularPoint) -> tuple[int, int]:
     """(cos, sin) of a sum of angles modulo the prime of a point, between −p/2 and p/2."""
     cosine, sine, prime = 1, 0, point.prime
     for joint, sign in turns:

@@ -264,7 +264,7 @@ class OpenCase:
 
 
 @dataclass
-class Tree:
+class RankTree:
     """All drops of rank.
 
     Attributes:
@@ -319,7 +319,7 @@ def _never() -> bool:
     return False
 
 
-def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[], bool] = _never) -> Tree:
+def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[], bool] = _never) -> RankTree:
     """Find all sets on which rank J ≤ r, for every r from the generic rank − 1 down to `lowest`.
 
     Args:
@@ -338,10 +338,10 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
     except Exception as stop:
         rank = generic_rank(chain.own, chain.own_task)
         left = [Unfinished(UnfinishedKind.SCREWS, halt=halt_of(stop))]
-        return Tree(rank, complete=False, left=left, unstated=left)
+        return RankTree(rank, complete=False, left=left, unstated=left)
     generic = rank_on(columns, whole)
     drops: list[Drop] = []
-    tree = Tree(generic + never, never, lowest=lowest)  # the rank is `never` or more at every configuration
+    tree = RankTree(generic + never, never, lowest=lowest)  # the rank is `never` or more at every configuration
     lowest = max(lowest - never, 0)
     for order in range(generic, lowest, -1):
         waiting = [whole]
@@ -372,7 +372,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0, unwanted: Callable[[
     return tree
 
 
-def _keep_cases(tree: Tree, waiting: Sequence[ZeroSet], order: int, stop: BaseException, *, divided: bool) -> None:
+def _keep_cases(tree: RankTree, waiting: Sequence[ZeroSet], order: int, stop: BaseException, *, divided: bool) -> None:
     """Note the sets that wait when a limit ends the search for a rank lower than `order`.
 
     Where nothing was cut yet the only set that waits is the whole space, which says nothing. Then ranks lower than
@@ -409,7 +409,7 @@ def _explore(
     order: int,
     waiting: list[ZeroSet],
     drops: list[Drop],
-    tree: Tree,
+    tree: RankTree,
     work: Work,
     unwanted: Callable[[], bool],
 ) -> None:

@@ -19,7 +19,7 @@ from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.parts import parts_of, scale_angle, whole_angles
-from rankdrop.exact.tree import OpenCase, Tree
+from rankdrop.exact.tree import OpenCase, RankTree
 from rankdrop.formula.equation import Equation, System
 from rankdrop.formula.writing import AnglePin, Condition, pin_of
 from rankdrop.problem import Problem, wrap_joints
@@ -106,7 +106,7 @@ with many digits."""
 
 
 def undivided_sets(
-    chain: Chain, tree: Tree, off_families: OffFamilies, followed: Followed, seed: int
+    chain: Chain, tree: RankTree, off_families: OffFamilies, followed: Followed, seed: int
 ) -> tuple[UndividedSet, ...]:
     """The open cases of a tree, each with real configurations on it.
 
@@ -121,7 +121,7 @@ def undivided_sets(
 
 
 def _describe_undivided(
-    chain: Chain, tree: Tree, case: OpenCase, off_families: OffFamilies, followed: Followed, seed: int
+    chain: Chain, tree: RankTree, case: OpenCase, off_families: OffFamilies, followed: Followed, seed: int
 ) -> UndividedSet:
     piece, order = case.piece, case.order - tree.cleared
     corank = tree.generic_rank - case.order + 1

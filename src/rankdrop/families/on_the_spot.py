@@ -171,7 +171,7 @@ def name_on_the_spot(
             "the configuration does not have this corank", got=f"σ = {sigma.tolist()}",
             mend="take the corank that configuration.at(…).corank gives",
         )  # fmt: skip
-    spot = _Spot(robot, problem, here, neighbourhood(problem, here, at, seed), seed)
+    spot = _Surroundings(robot, problem, here, neighbourhood(problem, here, at, seed), seed)
     groups = groups_through(problem, here, at, spot.around, seed)
     families = [spot.describe_family(signature, members, fit=fit) for signature, members in groups]
     families = families or spot.from_shared_values() or [spot.nameless(at)]
@@ -181,7 +181,7 @@ def name_on_the_spot(
 
 
 @dataclass(frozen=True, eq=False)
-class _Spot:
+class _Surroundings:
     """A configuration (n,) of an arm, and the singular configurations around it; in metres, but for the arm as given.
     """
 

@@ -84,7 +84,7 @@ def draw_singular(
         OptionError: no stratum that has a singular configuration.
     """
     robot, task = problem.robot, problem.task
-    arm = _Chain(robot, task, problem.limits)
+    arm = _ScrewArm(robot, task, problem.limits)
     strata = _strata(arm, problem)
     parts: list[_Drawn] = [(np.zeros((0, robot.n)), np.zeros((0, min(task.m, robot.n))), 0)]
     complete, have = True, 0
@@ -111,7 +111,7 @@ _Drawn = tuple[Array, Array, int]
 
 
 @dataclass(frozen=True)
-class _Stratum:
+class _Sampler:
     """A way to draw singular configurations.
 
     Attributes:
@@ -125,7 +125,7 @@ class _Stratum:
     patience: int
 
 
-def _strata(arm: _Chain, problem: Problem) -> list[_Stratum]:
+def _strata(arm: _ScrewArm, problem: Problem) -> list[_Sampler]:
     """Strata of an arm: in closed form where its corank is 1 and its joints allow it, then by Newton's method."""
     closed: list[tuple[str, Draw]] = []
     if problem.corank == 1 and _in_closed_form(problem.robot, problem.task, problem.generic_rank):
@@ -133,8 +133,8 @@ def _strata(arm: _Chain, problem: Problem) -> list[_Stratum]:
     alone = not closed or problem.corank > 1
     iterated = [*arm.solved_strata(problem.rank, alone=alone), *arm.pinned_strata(problem.rank)]
     return [
-        *(_Stratum(name, draw, _TRIED) for name, draw in closed),
-        *(_Stratum(name, draw, _TRIED_TOGETHER) for name, draw in iterated),
+        *(_Sampler(name, draw, _TRIED) for name, draw in closed),
+        *(_Sampler(name, draw, _TRIED_TOGETHER) for name, draw in iterated),
     ]
 
 
@@ -150,7 +150,7 @@ def _interleave(parts: Sequence[_Drawn], count: int) -> tuple[Array, Array, NDAr
 
 
 def _in_turn(
-    arm: _Chain, strata: Sequence[_Stratum], rank: int, count: int, seed: int
+    arm: _ScrewArm, strata: Sequence[_Sampler], rank: int, count: int, seed: int
 ) -> Iterator[_Drawn]:
     """Configurations of one stratum after the other, with their singular values, until there are enough in all.
 
@@ -192,7 +192,7 @@ def _in_closed_form(robot: Robot, task: Task, rank: int) -> bool:
     return bool(np.abs(full[:, missing]).max() <= _ABSENT * np.abs(full).max())
 
 
-class _Chain:
+class _ScrewArm:
     """An arm: its variables, and its screws at q = 0 in base coordinates, linear part first; joints and links from 0.
 
     Wrenches, and joints solved for one by one, are for arms `_in_closed_form`.

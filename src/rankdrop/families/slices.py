@@ -108,7 +108,7 @@ _MOST_POINTS = 400
 
 
 @dataclass(frozen=True, eq=False)
-class Trace:
+class SliceTrace:
     """What one family leaves in a slice.
 
     Attributes:
@@ -142,7 +142,7 @@ class Slice:
     x: Array
     y: Array
     sigma: Array
-    traces: tuple[Trace, ...]
+    traces: tuple[SliceTrace, ...]
     filled: tuple[str, ...]
 
 
@@ -218,7 +218,7 @@ def slice_through(
     problem = Problem(in_metres(robot), task_in_metres(task, robot))
     here, moving = into_metres(robot, q), (joints[0] - 1, joints[1] - 1)
     x, y = (_values(problem, j, here[j], nodes) for j in moving)
-    plane = _Plane(problem, here, moving, x, y)
+    plane = _SlicePlane(problem, here, moving, x, y)
     units = out_of_metres(robot, np.ones(robot.n))[list(moving)]
     traces, filled = [], []
     for shown in families:
@@ -246,7 +246,7 @@ def _values(problem: Problem, j: int, at: float, nodes: int) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class _Plane:
+class _SlicePlane:
     problem: Problem
     q: Array
     moving: tuple[int, int]
@@ -262,7 +262,7 @@ class _Plane:
         smallest = self.problem.sigma(self.nodes())[:, self.problem.generic_rank - 1]
         return np.asarray(smallest.reshape(len(self.x), len(self.y)))
 
-    def trace(self, family: Family) -> Trace | None:
+    def trace(self, family: Family) -> SliceTrace | None:
         """What the family leaves in the plane; None where it contains all of it."""
         nodes, telling = self.nodes(), []
         for equation in family.equations:
@@ -270,17 +270,17 @@ class _Plane:
             if np.abs(values).max() <= _NOTHING:
                 continue
             if values.min() > 0 or values.max() < 0:
-                return Trace(family.id, (), np.empty((0, 2)))
+                return SliceTrace(family.id, (), np.empty((0, 2)))
             telling.append((equation, values.reshape(len(self.x), len(self.y))))
         if not telling:
             return None
         system = System(tuple(equation for equation, _ in telling))
         if len(telling) > 1:
-            return Trace(family.id, (), self._isolated_points(system, family))
+            return SliceTrace(family.id, (), self._isolated_points(system, family))
         lines: list[Array] = []
         for line in curves(telling[0][1], self.x, self.y):
             lines += self._project_line(line, system, family)
-        return Trace(family.id, tuple(lines), np.empty((0, 2)))
+        return SliceTrace(family.id, tuple(lines), np.empty((0, 2)))
 
     def _project_line(self, line: Array, system: System, family: Family) -> list[Array]:
         """The line brought onto the zero set, and cut where a vertex is not singular."""

@@ -96,7 +96,7 @@ def read(text: str, letters: frozenset[str] = frozenset()) -> tuple[Node, ...]:
     """
     if len(text) > LONGEST:
         raise OptionError("the condition is too long", got=f"{len(text)} characters", allowed=f"up to {LONGEST}")
-    return _Reader(text, letters).statements()
+    return _FormulaReader(text, letters).statements()
 
 
 def _tokens(text: str) -> list[Node]:
@@ -113,7 +113,7 @@ def _tokens(text: str) -> list[Node]:
     return [*tokens, Node("end", len(text))]
 
 
-class _Reader:
+class _FormulaReader:
     def __init__(self, text: str, letters: frozenset[str]) -> None:
         self.text, self.letters = text, letters
         self.tokens = _tokens(text)

@@ -206,7 +206,7 @@ class Folder:
 
 
 @dataclass(frozen=True)
-class _Memory:
+class _ChunksInMemory:
     """Finished chunks without a folder, by their numbers."""
 
     chunks: dict[int, bytes]
@@ -393,7 +393,7 @@ def finish(
     """
     engine = engine or Engine()
     check_engine(engine)
-    store: Folder | _Memory = _Memory({}) if folder is None else Folder.open(folder, job)
+    store: Folder | _ChunksInMemory = _ChunksInMemory({}) if folder is None else Folder.open(folder, job)
     with contextlib.ExitStack() as held:
         done = store.finished()
         if isinstance(store, Folder) and len(done) < job.chunks:
@@ -411,7 +411,7 @@ def _silent(_: int, __: object) -> None:
 
 
 def _make_the_rest(
-    job: Job, engine: Engine, store: Folder | _Memory, done: set[int], report: Report,
+    job: Job, engine: Engine, store: Folder | _ChunksInMemory, done: set[int], report: Report,
     each: Callable[[int, bytes], None],
 ) -> None:  # fmt: skip
     """Make and keep every chunk that is not done; `each` receives those that are done first."""

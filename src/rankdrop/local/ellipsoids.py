@@ -54,7 +54,7 @@ class Index:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class JacobianPart:
     """Ellipsoids and indices of one part of the Jacobian.
 
     Attributes:
@@ -89,9 +89,9 @@ class PartSet:
     by_limits: bool
     slide_length: float | None
     joints: tuple[float, ...]
-    translation: Part | None
-    rotation: Part | None
-    task: Part
+    translation: JacobianPart | None
+    rotation: JacobianPart | None
+    task: JacobianPart
 
     @property
     def ball(self) -> str:
@@ -182,7 +182,7 @@ def _shapes(
 
 def _part(
     name: str, block: Array, places: Array, to_si: Array, unit: str, zero: float, length: float | None = None
-) -> Part:
+) -> JacobianPart:
     """Ellipsoids of the rows `block` (k, n), which stand at `places` among the entries of an axis."""
     u, measured, _ = svd(block)
     values = np.where(measured > zero, measured, 0.0)
@@ -197,7 +197,7 @@ def _part(
         )
     )  # fmt: skip
     count, smallest = len(values), float(values[-1])
-    return Part(
+    return JacobianPart(
         name, velocity, force,
         Index("σ_min", smallest, unit, length),
         Index("condition number", float(values[0]) / smallest if smallest > 0.0 else inf, "1", length),

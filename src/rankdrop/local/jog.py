@@ -84,7 +84,7 @@ def jog_out(here: Configuration, options: ExplainOptions, free: Free = _nothing_
         >>> [(number, round(float(np.degrees(step)), 1)) for number, step in jog.moves], jog.regular
         ([(5, -4.0)], True)
     """
-    trial = _Trial(here, options, free)
+    trial = _JogTrial(here, options, free)
     for jogs in (_single_joint_jogs(here, _SIZES), _in_pairs(here), _single_joint_jogs(here, _LARGE)):
         trial.run(jogs)
         if trial.found is not None:
@@ -100,7 +100,7 @@ def jog_farther(here: Configuration, options: ExplainOptions, free: Free = _noth
     Arguments as for `jog_out`.
     """
     size = max(float(np.degrees(options.step)), _LEAST)
-    trial = _Trial(here, options, free)
+    trial = _JogTrial(here, options, free)
     jogs = trial.within_limits(next(_single_joint_jogs(here, (size,))))
     if not len(jogs):
         return _NONE
@@ -144,7 +144,7 @@ def _in_pairs(here: Configuration) -> Iterator[Array]:
         yield jogs.reshape(-1, len(here.q))
 
 
-class _Trial:
+class _JogTrial:
     """Jogs (N, n) from one configuration, tried in the order given; searches begin at that configuration as well."""
 
     def __init__(self, here: Configuration, options: ExplainOptions, free: Free) -> None:

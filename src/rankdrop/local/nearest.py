@@ -172,14 +172,14 @@ def _nearest(problem: Problem, centre: Array, first: Array, asked: NearestOption
         walks = STARTS[0 if corank == 1 else 1]
     whole_number("corank", corank, 1, problem.generic_rank)
     check_joints(problem)
-    walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if asked.limits else None)
+    walk = _WalkQuestion(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if asked.limits else None)
     if starts is None and walk.smooth:
         ends = walk.newton(first, asked.seed)
     else:
-        ends = _Ends(np.empty((0, robot.n)), np.empty(0), 0, 0)
+        ends = _SearchEnds(np.empty((0, robot.n)), np.empty(0), 0, 0)
     if not ends.settled:
         walked, far = walk.walk_from(first, walks, asked.seed)
-        ends = ends.join(_Ends(walked, far, 0, len(first) + walks))
+        ends = ends.join(_SearchEnds(walked, far, 0, len(first) + walks))
     finest = ends.finest or walk.finest(ends.best)
     if finest is None:
         return None
@@ -263,7 +263,7 @@ def other_sheets(
     check_joints(problem)
     step = _step_off(problem, place.q, seed)
     centre = read_only(place.q + step * bool(here.measured.corank))
-    walk = _Walk(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if limits else None)
+    walk = _WalkQuestion(Configuration(problem, centre), np.stack([robot.lower, robot.upper]) if limits else None)
     given = np.array([into_metres(here.robot, np.array(seed_q)) + step for seed_q in seeds]).reshape(-1, robot.n)
     starts = walk.all_around(given, OTHERS, seed)
     if known is None:
@@ -288,7 +288,7 @@ def _step_off(problem: Problem, q: Array, seed: int) -> Array:
 
 
 def _sheets(
-    walk: _Walk, configuration: Configuration, starts: Array, known: Array | None, seed: int
+    walk: _WalkQuestion, configuration: Configuration, starts: Array, known: Array | None, seed: int
 ) -> Iterator[Elsewhere]:
     """The sheets that starts (N, n) lead to, but for that of the known place and those through a singular q."""
     problem, known_places = walk.problem, np.array([] if known is None else [known]).reshape(-1, walk.problem.n)
@@ -349,7 +349,7 @@ Finest = tuple[Array, float]
 
 
 @dataclass(frozen=True, slots=True)
-class _Ends:
+class _SearchEnds:
     """Where starts ended.
 
     Attributes:
@@ -368,11 +368,11 @@ class _Ends:
     finest: Finest | None = None
     settled: bool = False
 
-    def join(self, other: _Ends) -> _Ends:
+    def join(self, other: _SearchEnds) -> _SearchEnds:
         """With the ends of further starts."""
         best = np.concatenate([self.best, other.best])
         distances = np.concatenate([self.distances, other.distances])
-        return _Ends(best, distances, self.lost + other.lost, self.begun + other.begun)
+        return _SearchEnds(best, distances, self.lost + other.lost, self.begun + other.begun)
 
     def agreeing(self, nearest: float) -> int:
         """How many ends are at this distance, those included that are too near, where σ is not quite zero."""
@@ -384,7 +384,7 @@ class _Ends:
 
 
 @dataclass(frozen=True)
-class _Walk:
+class _WalkQuestion:
     """One question, the configuration to stay near to, and the corners (2, n) of the box to stay in."""
 
     here: Configuration
@@ -438,10 +438,10 @@ class _Walk:
         plain = len(robot.joints) == robot.n and not any(joint.mimic for joint in robot.joints)
         return self.box is None and self.problem.rank == len(rows) - 1 == 5 and plain
 
-    def newton(self, given: Array, seed: int) -> _Ends:
+    def newton(self, given: Array, seed: int) -> _SearchEnds:
         """Ends of starts that take Newton's steps, in rounds until one settles the nearest; few of the last walk."""
         if self.problem.sigma(self.centre)[self.problem.rank] <= self.problem.tolerances.target:
-            return _Ends(self.centre[None], np.zeros(1), 0, len(given) + sum(NEWTON), settled=True)
+            return _SearchEnds(self.centre[None], np.zeros(1), 0, len(given) + sum(NEWTON), settled=True)
         known = float(self.problem.length(given - self.centre).min(initial=np.inf))
         around, ball, few = self._draw_starts((*NEWTON, FEW), seed)
         around = self._ball(around, 1.0)
@@ -473,7 +473,7 @@ class _Walk:
         ends_of_lost, again_far = self.run(lost[near])
         return np.concatenate([ends, ends_of_lost]), np.concatenate([distances, again_far]), lost
 
-    def _confirm_nearest(self, ends: _Ends, known: float, starts: Array) -> _Ends:
+    def _confirm_nearest(self, ends: _SearchEnds, known: float, starts: Array) -> _SearchEnds:
         """With walks from few starts, which settle the nearest where it was known or half of them agree."""
         walked = self._gather_ends(self.run(starts), len(starts))
         joined = self._settle_nearest(ends.join(walked))
@@ -483,12 +483,12 @@ class _Walk:
         agreed = abs(known - nearest) <= SAME or 2 * walked.agreeing(nearest) >= len(starts)
         return replace(joined, settled=joined.settled or agreed)
 
-    def _gather_ends(self, ends: tuple[Array, ...], begun: int) -> _Ends:
+    def _gather_ends(self, ends: tuple[Array, ...], begun: int) -> _SearchEnds:
         """Ends (C, n), their distances (C,), and starts that got lost, if any."""
         lost = sum(len(more) for more in ends[2:])
-        return _Ends(_best(ends[0], ends[1]), ends[1], lost, begun)
+        return _SearchEnds(_best(ends[0], ends[1]), ends[1], lost, begun)
 
-    def _settle_nearest(self, ends: _Ends) -> _Ends:
+    def _settle_nearest(self, ends: _SearchEnds) -> _SearchEnds:
         """Ends of which the nearest has gone on to the last digit, and whether it needs no further start."""
         finest = self.finest(ends.best)
         if finest is None:
@@ -572,7 +572,7 @@ class _Walk:
         """
         way, walk, foot = self.centre - q, self, end
         for share in _BACK if way.any() else ():
-            other = _Walk(Configuration(self.problem, read_only(q + share * way)), self.box)
+            other = _WalkQuestion(Configuration(self.problem, read_only(q + share * way)), self.box)
             moved = float(self.problem.length(other.centre - walk.centre))
             ended, _, _ = other._walk_along(foot[None], _NEARLY, polish=False)
             if not self.problem.singular(ended)[0] or abs(other.distance(ended[0]) - walk.distance(foot)) > moved:

@@ -33,7 +33,7 @@ FINITE_MOTIONS = (0.37, -0.23, 0.1)
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class ProposedActuator:
     """One actuator that GR's procedure proposes for a minimal singular run.
 
     Attributes:
@@ -163,7 +163,7 @@ class OrderedReport:
     dependencies: int
     subsets: tuple[OrderedSubset, ...]
     steps: tuple[Executed, ...]
-    trials: tuple[Trial, ...]
+    trials: tuple[ProposedActuator, ...]
     printed: tuple[int, ...]
     joints: tuple[JointVerdict, ...]
     escapes: tuple[int, ...]
@@ -191,7 +191,7 @@ def report(screws: OrderedScrewSet, seed: int = STRUCTURE_SEED) -> OrderedReport
     else:
         special = ()
     watched = tuple((s.first, s.last) for s in special if s.last - s.first < GREATEST_RUN)
-    trials: list[Trial] = []
+    trials: list[ProposedActuator] = []
     instructions: list[Instruction] = [("readoss", 1, n)]
     for run in special:
         if run.minimal and (run.first, run.last) in watched:
@@ -210,7 +210,7 @@ def report(screws: OrderedScrewSet, seed: int = STRUCTURE_SEED) -> OrderedReport
 
 def _trials(
     screws: OrderedScrewSet, run: OrderedSubset, watched: Sequence[tuple[int, int]], instructions: list[Instruction]
-) -> list[Trial]:
+) -> list[ProposedActuator]:
     """GR's steps for one minimal singular run; the session stops at the first run that stays singular, as theirs."""
     first, last = run.first, run.last
     instructions += [("msos", first, last), ("subspace", first, last)]
@@ -226,12 +226,13 @@ def _trials(
                 break
         instructions.append(("readoss", actuator, last))
         moved = tuple((i, j, carried.dimension(i, j)) for i, j in order)
-        trials.append(Trial((first, last), actuator, dimensions, moved, all(d == j - i + 1 for i, j, d in dimensions)))
+        whole = all(d == j - i + 1 for i, j, d in dimensions)
+        trials.append(ProposedActuator((first, last), actuator, dimensions, moved, whole))
     return trials
 
 
 def _verdict(
-    screws: OrderedScrewSet, number: int, printed: bool, generic: int, trials: Sequence[Trial],
+    screws: OrderedScrewSet, number: int, printed: bool, generic: int, trials: Sequence[ProposedActuator],
     watched: Sequence[tuple[int, int]],
 ) -> JointVerdict:  # fmt: skip
     n, carried = len(screws), screws.propagated(number)
@@ -246,7 +247,7 @@ def _verdict(
     )
 
 
-def _disagreements(joints: Sequence[JointVerdict], trials: Sequence[Trial]) -> tuple[Disagreement, ...]:
+def _disagreements(joints: Sequence[JointVerdict], trials: Sequence[ProposedActuator]) -> tuple[Disagreement, ...]:
     disagreements = [Disagreement(joint.remark) for joint in joints if joint.remark.kind is not RemarkKind.AGREES]
     named: dict[tuple[int, int], list[int]] = {}
     for trial in trials:
@@ -279,8 +280,8 @@ def _first_order(screws: OrderedScrewSet, number: int, dimension: int, generic: 
 
 
 def _remark(
-    number: int, printed: bool, escapes: bool, trials: Sequence[Trial], outside: tuple[int, ...], weighted: float,
-    gain: int,
+    number: int, printed: bool, escapes: bool, trials: Sequence[ProposedActuator], outside: tuple[int, ...],
+    weighted: float, gain: int,
 ) -> Remark:  # fmt: skip
     """Why the printed procedure and the motion disagree, or what misleads."""
     if escapes and not printed:
@@ -292,7 +293,7 @@ def _remark(
     return Remark(RemarkKind.AGREES, number)
 
 
-def _escapes_unnamed(number: int, trials: Sequence[Trial]) -> Remark:
+def _escapes_unnamed(number: int, trials: Sequence[ProposedActuator]) -> Remark:
     """Why the printed procedure does not name a joint that escapes: its own trials."""
     if all(trial.dimensions == trial.carried for trial in trials):
         return Remark(RemarkKind.NAMED_BY_NO_RUN, number)

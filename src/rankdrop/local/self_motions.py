@@ -171,7 +171,7 @@ def self_motion(
     if verdict.nullity:
         units, end = _units(here, wanted)
         for unit in units:
-            trace = _Trace(where, low, high, length, step)
+            trace = _TracedRun(where, low, high, length, step)
             points, end = trace.run(unit)
             if len(points) > 1 or _ENDED[end.reason] == LIMIT:
                 break
@@ -209,7 +209,7 @@ def _units(place: Configuration, wanted: Array | None) -> tuple[list[Array], End
 
 
 @dataclass
-class _Trace:
+class _TracedRun:
     """One run of predictor and corrector from the start of `where`."""
 
     where: Displacement

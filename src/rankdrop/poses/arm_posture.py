@@ -67,7 +67,7 @@ class ArmPosture:
 
 
 @dataclass(frozen=True, eq=False)
-class _Axes:
+class _ArmAxes:
     """Directions (n, 3) and points (n, 3) of the axes, the tip (3,) and its Z (3,), in the base frame."""
 
     directions: Array
@@ -76,12 +76,12 @@ class _Axes:
     approach: Array
 
 
-def _axes_at(robot: Robot, q: Array) -> _Axes:
+def _axes_at(robot: Robot, q: Array) -> _ArmAxes:
     """The axes from the Jacobian of the tip: a = ω, and the foot from the tip on the axis p = tip + a × v."""
     columns, frame = jacobian(robot, q), pose(robot, q)
     tip = frame[:3, 3]
     directions = columns[3:].T
-    return _Axes(directions, tip + np.cross(directions, columns[:3].T), tip, frame[:3, 2])
+    return _ArmAxes(directions, tip + np.cross(directions, columns[:3].T), tip, frame[:3, 2])
 
 
 def _of_sign(value: float, positive: _Part, negative: _Part) -> _Part:
@@ -95,7 +95,7 @@ def _parallel(first: Array, second: Array) -> bool:
     return float(np.linalg.norm(np.cross(first, second))) <= _PARALLEL
 
 
-def _meeting(axes: _Axes, numbers: tuple[int, ...], near: float) -> Array | None:
+def _meeting(axes: _ArmAxes, numbers: tuple[int, ...], near: float) -> Array | None:
     """(3,) the point where axes (from 1) meet; None where they do not."""
     directions = axes.directions[[number - 1 for number in numbers]]
     points = axes.points[[number - 1 for number in numbers]]
@@ -131,7 +131,7 @@ class ArmShape:
         if self.upright:
             self._find_front(zero)
 
-    def _find_front(self, zero: _Axes) -> None:
+    def _find_front(self, zero: _ArmAxes) -> None:
         """The front, and which way joint 5 bends the tool down, from the axes at q = 0."""
         some = _axes_at(self.robot, np.linspace(0.3, 0.9, self.robot.n))
         self.spherical = self.robot.n == 6 and _meeting(some, (4, 5, 6), self.near) is not None
@@ -164,13 +164,13 @@ class ArmShape:
             root = _on_roll_axis(axes, wrist)
         return ArmPosture(self._shoulder(axes, root, float(q[0])), self._elbow(axes, wrist), self._wrist(axes, wrist))
 
-    def _parallel_wrist(self, axes: _Axes) -> Array | None:
+    def _parallel_wrist(self, axes: _ArmAxes) -> Array | None:
         """A point of axis 4, where it is parallel to axis 3."""
         if not _parallel(axes.directions[2], axes.directions[3]):
             return None
         return np.asarray(axes.points[3])
 
-    def _shoulder(self, axes: _Axes, root: Array | None, q1: float) -> Shoulder | None:
+    def _shoulder(self, axes: _ArmAxes, root: Array | None, q1: float) -> Shoulder | None:
         """From the way of W off axis 1: along axis 2, and in the plane of the arm."""
         if root is None:
             return None
@@ -188,7 +188,7 @@ class ArmShape:
         front = np.cos(turn) * self.front + np.sin(turn) * np.cross(_UP, self.front)
         return _of_sign(float(way @ front), Shoulder.FRONT, Shoulder.BACK)
 
-    def _elbow(self, axes: _Axes, wrist: Array) -> Elbow | None:
+    def _elbow(self, axes: _ArmAxes, wrist: Array) -> Elbow | None:
         """From E off the line from S to W, in the plane of the arm."""
         across = axes.directions[1]
         line, elbow = wrist - axes.points[1], axes.points[2] - axes.points[1]
@@ -201,7 +201,7 @@ class ArmShape:
             return None
         return _of_sign(float(off @ _UP), Elbow.UP, Elbow.DOWN)
 
-    def _wrist(self, axes: _Axes, wrist: Array) -> Wrist | None:
+    def _wrist(self, axes: _ArmAxes, wrist: Array) -> Wrist | None:
         """From the turn about axis 5 that takes the forearm to the tool."""
         if not self.spherical or not self.bends_down:
             return None
@@ -216,7 +216,7 @@ class ArmShape:
             return None
         return _of_sign(bend, Wrist.NOT_FLIPPED, Wrist.FLIPPED)
 
-    def _side_of_elbow(self, axes: _Axes) -> Elbow | None:
+    def _side_of_elbow(self, axes: _ArmAxes) -> Elbow | None:
         """Of a SCARA: axis 2 left or right of the line from axis 1 to the tip."""
         side = float(np.cross(axes.tip - axes.points[0], axes.points[1] - axes.points[0]) @ _UP)
         if abs(side) <= self.near * reach(self.robot):
@@ -224,7 +224,7 @@ class ArmShape:
         return _of_sign(side, Elbow.LEFT, Elbow.RIGHT)
 
 
-def _on_roll_axis(axes: _Axes, wrist: Array) -> Array | None:
+def _on_roll_axis(axes: _ArmAxes, wrist: Array) -> Array | None:
     """The point of axis 4 in the plane of the arm, in which axis 5 is; None where axis 5 is in no such plane."""
     across = axes.directions[3]
     if abs(float(axes.directions[4] @ across)) > _PARALLEL:

@@ -21,7 +21,7 @@ from rankdrop.options import takes
 from rankdrop.poses.arm_posture import ArmPosture, arm_postures
 from rankdrop.poses.inverse import Aim
 from rankdrop.poses.postures import posture_names
-from rankdrop.poses.solution_search import SINGULAR, Continuum, Curve, SolutionSearch, joints_beyond
+from rankdrop.poses.solution_search import SINGULAR, Continuum, SelfMotionCurve, SolutionSearch, joints_beyond
 from rankdrop.poses.unreached import Unreached, tilt_missing, why_unreached
 from rankdrop.problem import into_limits
 from rankdrop.questions import ExplainOptions, InverseOptions
@@ -257,7 +257,7 @@ def _most(robot: Robot, task: Task) -> int | None:
 
 def self_motion_curves(
     robot: Robot, pose: ArrayLike, task: Task | str | None = None, *, options: InverseOptions | None = None
-) -> tuple[tuple[Curve, ...], bool]:
+) -> tuple[tuple[SelfMotionCurve, ...], bool]:
     """Curves of configurations along which the tool stands still at a pose, joint limits ignored.
 
     Args:

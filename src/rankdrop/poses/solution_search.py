@@ -67,7 +67,7 @@ class Continuum:
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class SelfMotionCurve:
     """A self-motion as it was followed.
 
     Attributes:
@@ -108,7 +108,7 @@ class SolutionSearch:
     def __post_init__(self) -> None:
         self.robot = self.aim.robot
         self.scale = joint_scale(self.robot, self.task)
-        self.curves: list[Curve] = []
+        self.curves: list[SelfMotionCurve] = []
         self.regular = np.empty((0, self.robot.n))
         self.singular = np.empty((0, self.robot.n))
 
@@ -223,7 +223,7 @@ class SolutionSearch:
             if len(self.curves) == _CURVES:
                 return continua, True
             points, closed, complete = self._curve(q)
-            self.curves.append(Curve(points, closed, complete))
+            self.curves.append(SelfMotionCurve(points, closed, complete))
             continua.append(self._continuum(q, 1, points, closed, complete, singular))
         return continua, False
 

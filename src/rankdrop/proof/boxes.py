@@ -48,7 +48,7 @@ _SMALL, _RATIO = 1 << 26, 200  # a payload has at most so many bytes, and so man
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
+class BoxShape:
     """How boxes are halved.
 
     Attributes:
@@ -134,7 +134,7 @@ def pack_bits(flags: Flags, kind: np.dtype[np.unsignedinteger]) -> Masks:
     return wide.reshape(-1).view(kind)
 
 
-def allowed_children(shape: Shape, level: int) -> np.unsignedinteger:
+def allowed_children(shape: BoxShape, level: int) -> np.unsignedinteger:
     """Mask of the children that a box above `level` has."""
     halved, d = shape.halved(level), shape.variables
     flags = [all(halved[j] or not (child >> (d - 1 - j)) & 1 for j in range(d)) for child in range(1 << d)]
@@ -162,7 +162,7 @@ class BitTree:
         proven: masks of the leaves that are proven to hold a singularity, next to the last of `masks`.
     """
 
-    shape: Shape
+    shape: BoxShape
     finished: Flags
     roots: Flags
     masks: tuple[Masks, ...]
@@ -288,9 +288,9 @@ class Plan:
         return self.rank - self.corank + 1
 
     @property
-    def shape(self) -> Shape:
+    def shape(self) -> BoxShape:
         """How boxes are halved."""
-        return Shape(self.depth, self.top)
+        return BoxShape(self.depth, self.top)
 
     def entries(self) -> dict[str, Any]:
         """As written; corank 1 is left out: files older than this number keep their hash."""
@@ -332,7 +332,7 @@ def _compress_level(tree: BitTree, level: int) -> bytes:
     return b"".join([*map(stream.compress, tree.payload()), stream.flush()])
 
 
-def _allowed_bytes(shape: Shape, size: int) -> int:
+def _allowed_bytes(shape: BoxShape, size: int) -> int:
     """Bytes that so many may be unpacked to: what the plan has room for, and no more than the file pays for."""
     return min(shape.largest, _SMALL + _RATIO * size, _LARGEST)
 
@@ -404,7 +404,7 @@ def _content(file: IO[bytes], where: str) -> tuple[Plan, BitTree, int, int]:
     return plan, tree, record["tested"], record["freed"]
 
 
-def _unpack_tree(shape: Shape, content: bytes) -> BitTree:
+def _unpack_tree(shape: BoxShape, content: bytes) -> BitTree:
     """The tree of a compressed payload, unpacked level by level: each says how many bytes the next one has.
 
     Raises:

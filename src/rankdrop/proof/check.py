@@ -38,7 +38,7 @@ from rankdrop.proof.record import (
     read_certificate,
     seal,
 )
-from rankdrop.proof.regions import Check, verify_ball, verify_distance, verify_path
+from rankdrop.proof.regions import ClaimCheck, verify_ball, verify_distance, verify_path
 from rankdrop.proof.signs import verify_signs
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
@@ -251,7 +251,7 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
         sentence = (f"a configuration of rank below {claim.rank} exists within {claim.entries['radius']!r} of q, joint "
                     "by joint [rad, m]")  # fmt: skip
         return sentence, (*lines, f"q = {_values(claim.entries['q'])}"), *_prove_existence(claim)
-    check = Check(arm_of(claim), claim, work)
+    check = ClaimCheck(arm_of(claim), claim, work)
     assumed = [*_rows_left_out(claim), *_rank_is_generic(check)]
     if claim.tolerance is None:
         assumed.append("the arm has the numbers of the certificate: nothing is said of arms near it")
@@ -292,7 +292,7 @@ def _prove(claim: Claim, work: Work) -> tuple[str, tuple[str, ...], tuple[str, .
     return sentence, tuple(lines), tuple(assumed), how
 
 
-def _free_joints(check: Check) -> str:
+def _free_joints(check: ClaimCheck) -> str:
     """The joints of a ball that may stand anywhere, in words; "" where there are none."""
     free = [str(j + 1) for j in range(check.claim.variables) if j not in check.arm.moving]
     if not free:
@@ -304,7 +304,7 @@ def _free_joints(check: Check) -> str:
     return f"; joint{which} may stand anywhere"
 
 
-def _prove_path(check: Check, near: str) -> tuple[str, list[str]]:
+def _prove_path(check: ClaimCheck, near: str) -> tuple[str, list[str]]:
     """The proven claim of a path, in one sentence and entry by entry; `near`: for which arms.
 
     Raises:
@@ -552,7 +552,7 @@ def _rows_left_out(claim: Claim) -> list[str]:
     return [f"{_rows(missing)}, which the task leaves out, are zero for this arm (measured: {largest:.1g})"]
 
 
-def _rank_is_generic(check: Check) -> list[str]:
+def _rank_is_generic(check: ClaimCheck) -> list[str]:
     """No configuration tried has a higher rank: else the certificate would be about another loss.
 
     A covering of a higher corank is about a rank that is lower by so much than the one almost everywhere.

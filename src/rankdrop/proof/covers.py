@@ -19,7 +19,7 @@ from rankdrop.proof.arm import Interval, Region, flint
 from rankdrop.proof.boxes import BitTree, Plan, digest, load
 from rankdrop.proof.determinant import Determinant, applies
 from rankdrop.proof.record import TURN, Claim, Refused, Unproven, Work
-from rankdrop.proof.regions import Cell, Check, prove_free
+from rankdrop.proof.regions import Cell, ClaimCheck, prove_free
 
 ACROSS, _FEW = 100, 100
 """Boxes proven by the determinant that are looked at by enclosures as well, and parts of each, at most."""
@@ -127,7 +127,7 @@ def corank_of(claim: Claim) -> int:
     return int(claim.entries.get("corank", 1))  # certificates of 0.2.0 do not have it
 
 
-def verify_covering(check: Check) -> tuple[BitTree, str]:
+def verify_covering(check: ClaimCheck) -> tuple[BitTree, str]:
     """All boxes that a covering leaves out are free; the covering, and how many were proven in which way, in words.
 
     Raises:
@@ -156,7 +156,7 @@ def _choose(tree: BitTree, sample: int) -> Iterator[tuple[int, list[int]]]:
         begin += len(cells)
 
 
-def _is_free(check: Check, plan: Plan, level: int, cell: list[int], parts: int = _PARTS) -> bool:
+def _is_free(check: ClaimCheck, plan: Plan, level: int, cell: list[int], parts: int = _PARTS) -> bool:
     """Is a box free, whole or in so many parts?"""
     depth = plan.depth
     start = Cell(tuple(cell), tuple(min(level, most) for most in depth))
@@ -179,20 +179,20 @@ def region_of(plan: Plan, variables: int, cell: Cell) -> Region:
     return Region(centre, half)
 
 
-def _check_box(check: Check, plan: Plan, level: int, cell: list[int]) -> None:
+def _check_box(check: ClaimCheck, plan: Plan, level: int, cell: list[int]) -> None:
     if not _is_free(check, plan, level, cell):
         raise Unproven("a box that the covering leaves out could not be proven free again")
 
 
-def _check_across(check: Check, plan: Plan, tree: BitTree) -> str:
+def _check_across(check: ClaimCheck, plan: Plan, tree: BitTree) -> str:
     """How many of some boxes, chosen at random, few enclosures prove as well."""
-    few = Check(check.arm, check.claim, Work(ACROSS * _FEW * 3))
+    few = ClaimCheck(check.arm, check.claim, Work(ACROSS * _FEW * 3))
     free = [_is_free(few, plan, *box, _FEW) for box in _choose(tree, ACROSS)]
     check.work.done += few.work.done
     return f"{sum(free)} of {len(free)} chosen at random by {few.work.done:,} enclosures too"
 
 
-def _verify_all(check: Check, plan: Plan, tree: BitTree) -> str:
+def _verify_all(check: ClaimCheck, plan: Plan, tree: BitTree) -> str:
     work, count, claim = check.work, tree.free_boxes, check.claim
     split = None
     if claim.tolerance is None and applies(check.arm, claim.whole_rows, claim.rank):
@@ -231,7 +231,7 @@ def _verify_all(check: Check, plan: Plan, tree: BitTree) -> str:
 
 
 def _prove_boxes(
-    check: Check, plan: Plan, tree: BitTree, split: Determinant | None, journal: _Journal | None
+    check: ClaimCheck, plan: Plan, tree: BitTree, split: Determinant | None, journal: _Journal | None
 ) -> tuple[int, int]:
     """Prove every box that a journal does not have: how many it had, and how many were left to enclosures."""
     work = check.work

@@ -18,7 +18,7 @@ import numpy as np
 
 from rankdrop.proof.arm import Arm, Interval, Matrix, Region, flint
 from rankdrop.proof.record import TURN, Array, Claim, Unproven
-from rankdrop.proof.regions import Check, CurvePath
+from rankdrop.proof.regions import ClaimCheck, CurvePath
 from rankdrop.proof.tip import tip_motion, unit, velocity
 
 _ROUNDS = 8  # of Newton's iteration
@@ -26,7 +26,7 @@ _WIDTHS = (1e-16, 1e-13, 1e-10)  # half-widths of the box around the solution th
 _UP = 1.005  # three digits are printed, none too small
 
 
-def verify_change(check: Check) -> str:
+def verify_change(check: ClaimCheck) -> str:
     """Both ends of a path are solutions of one pose, no singularity is between them, and they are two postures.
 
     Returns:

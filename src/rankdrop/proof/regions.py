@@ -51,7 +51,7 @@ class Cell:
 
 
 @dataclass(frozen=True, eq=False)
-class Check:
+class ClaimCheck:
     """A claim that is checked: the arm as it is looked at, the claim, and what the check may cost."""
 
     arm: Arm
@@ -94,7 +94,7 @@ def prove_free(
     return True
 
 
-def verify_ball(check: Check) -> None:
+def verify_ball(check: ClaimCheck) -> None:
     """Every box of the tree is free, the others are outside the ball.
 
     Raises:
@@ -170,7 +170,7 @@ def check_scale(claim: Claim) -> list[float]:
 Place = tuple[int, float]
 
 
-def verify_path(check: Check) -> list[Record]:
+def verify_path(check: ClaimCheck) -> list[Record]:
     """Every span that is said to be free is so, and every crossing has two signs; the spans that are not free.
 
     Raises:
@@ -201,7 +201,7 @@ def verify_path(check: Check) -> list[Record]:
     return others
 
 
-def verify_distance(check: Check) -> None:
+def verify_distance(check: ClaimCheck) -> None:
     """No configuration nearer to a path than its `min_distance` has a lower rank.
 
     Around each piece of the path, the boxes that come nearer to it than the distance are free; a piece is halved until
@@ -252,7 +252,7 @@ class CurvePath:
         Unproven: control points are missing, or there are too many for the arm.
     """
 
-    def __init__(self, check: Check) -> None:
+    def __init__(self, check: ClaimCheck) -> None:
         self._check, self._f = check, flint()
         self._points: Array = check.claim.entries["points"]
         self._degree: int = check.claim.entries["degree"]

@@ -83,7 +83,7 @@ def verify_signs(claim: Claim) -> str:
         _check_plane(claim)
     else:
         _check_turning(claim, structure)
-    _Factors(claim, structure).check()
+    _DeterminantFactors(claim, structure).check()
     words = _WORDS.get(structure, str(structure))
     if len(claim.links) == 6 and structure != THREE_PARALLEL:
         return f"{words}; axes 4, 5, 6 meet"
@@ -163,7 +163,7 @@ def _normal(links: list[Link]) -> int:
     raise Unproven("the axes are not all parallel to one axis of the base")
 
 
-class _Factors:
+class _DeterminantFactors:
     """The factors of the determinant of an arm of this structure.
 
     Raises:

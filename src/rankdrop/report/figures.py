@@ -43,7 +43,7 @@ _HEAD, _WIDTH, _SIDES = 0.075, 0.026, 16
 
 
 @dataclass(frozen=True, slots=True)
-class Bar:
+class KeepOut:
     """What a number may not stand on: all within a radius of a line from one place to another [m]."""
 
     start: Array
@@ -64,8 +64,8 @@ class ArmMarks:
 
     numbers: list[Any]
     others: Array
-    bodies: list[Bar]
-    bars: list[Bar]
+    bodies: list[KeepOut]
+    bars: list[KeepOut]
 
 
 def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), long: float = 0.09) -> ArmMarks:
@@ -86,7 +86,7 @@ def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), l
     numbers, others, bodies = [], [], []
     axes.set_autoscale_on(False)  # whoever draws sets the limits
     axes.plot(*drawn.links.T, color=LINK, lw=4, solid_capstyle="round", solid_joinstyle="round")
-    bars = [Bar(start, end) for start, end in pairwise(drawn.links)]
+    bars = [KeepOut(start, end) for start, end in pairwise(drawn.links)]
     places = spread_out(drawn, _APART * size)
     for place, middle, axis, slides, number in zip(
         places, drawn.middles, drawn.axes, drawn.slides, drawn.numbers, strict=True
@@ -94,15 +94,15 @@ def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), l
         tone = MARKED if number in marked else BODY
         if np.any(place != middle):
             axes.plot(*np.stack([middle, place]).T, color=LINK, lw=2.5)
-            bars.append(Bar(middle, place))
+            bars.append(KeepOut(middle, place))
         sides = 4 if slides else _SIDES
         half = _HALF * size * axis
         _add(axes, barrel_mesh(place - half, place + half, _RADIUS * size, sides=sides), tone)
-        bodies.append(Bar(place - half, place + half, _RADIUS * size))
+        bodies.append(KeepOut(place - half, place + half, _RADIUS * size))
         reached = (_HALF + (0.12 if number in marked else long)) * size
         line = np.stack([place - reached * axis, place + reached * axis])
         axes.plot(*line.T, color=MARKED if number in marked else AXIS, lw=1.1, ls="-.")
-        bars.append(Bar(line[0], line[1]))
+        bars.append(KeepOut(line[0], line[1]))
         beyond = (reached + 0.03 * size) * axis
         colour = MARKED if number in marked else "black"
         numbers.append(axes.text(*(place + beyond), str(number), fontsize=7, zorder=1000, color=colour))
@@ -129,7 +129,7 @@ class Picture:
         projected = proj3d.proj_transform(*np.atleast_2d(points).T, self.axes.get_proj())[:2]
         return np.asarray(self.axes.transData.transform(np.stack(projected, axis=1)))
 
-    def radius(self, bar: Bar) -> float:
+    def radius(self, bar: KeepOut) -> float:
         """The radius of a bar, seen in the middle of it."""
         middle = (bar.start + bar.end) / 2
         around = self.flat(middle + bar.radius * np.vstack([np.zeros(3), np.eye(3)]))
@@ -144,7 +144,7 @@ class Picture:
             parts.append(np.column_stack([start + share * (end - start), np.zeros(_DENSE)]))
         return np.vstack(parts)
 
-    def bar_places(self, bars: Sequence[Bar]) -> Array:
+    def bar_places(self, bars: Sequence[KeepOut]) -> Array:
         """(k, 3) places of bars, and how far around each of them no number stands."""
         share = np.linspace(0.0, 1.0, _DENSE)[:, None]
         parts = []
@@ -154,7 +154,7 @@ class Picture:
         return np.vstack(parts)
 
 
-def words_apart(axes: Any, marks: ArmMarks, more: Sequence[Bar] = ()) -> list[Any]:
+def words_apart(axes: Any, marks: ArmMarks, more: Sequence[KeepOut] = ()) -> list[Any]:
     """Numbers of joints in the plane of the picture, off the arm, the arrows, the words of the axes and each other.
 
     A number is tried at both ends of its axis, then around the joint's body, farther and farther; the first free place
@@ -202,7 +202,7 @@ def _grown(box: Any, by: float) -> Array:
     return np.array([[box.x0 - by, box.y0 - by], [box.x1 + by, box.y1 + by]])
 
 
-def _tries(picture: Picture, end: Array, other: Array, body: Bar) -> list[Array]:
+def _tries(picture: Picture, end: Array, other: Array, body: KeepOut) -> list[Array]:
     """Places for a joint's number: the ends of its axis, then around its body."""
     curves = list(picture.flat(np.stack([end, other])))
     middle = picture.flat((body.start + body.end) / 2)[0]
@@ -430,9 +430,9 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     for arrow, tone in zip(lost, ARROWS * len(lost), strict=False):
         if len(arrow.ring):
             axes.plot(*arrow.ring.reshape(-1, 3).T, color=tone, lw=1.3, zorder=900)
-            bars += [Bar(start, end) for start, end in arrow.ring.reshape(-1, 2, 3)]
+            bars += [KeepOut(start, end) for start, end in arrow.ring.reshape(-1, 2, 3)]
         draw_arrow(axes, arrow.start, arrow.end - arrow.start, tone, size, dotted=arrow.turns)
-        bars.append(Bar(arrow.start, arrow.end, _WIDTH * size))
+        bars.append(KeepOut(arrow.start, arrow.end, _WIDTH * size))
     ends = spread_out(arm, _APART * size)[:, None] + _HALF * size * np.stack([-arm.axes, arm.axes], axis=1)
     _frame_arm(axes, np.vstack([arm.links, ends.reshape(-1, 3)]), np.array([arrow.end for arrow in lost]), size)
     words_apart(axes, marks, bars)

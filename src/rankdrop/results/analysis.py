@@ -19,7 +19,7 @@ from rankdrop.codec import Record as Record
 from rankdrop.codec import Result, check_record, encode, record_of, restore, table_of, value_in_error
 from rankdrop.codec import json_text as json_text
 from rankdrop.codec import plain as plain
-from rankdrop.distance.share import Near, SlowShare
+from rankdrop.distance.share import JointSpaceShares, SlowShare
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.corank_families import CorankSummary
 from rankdrop.families.derivation import Derivation
@@ -77,7 +77,7 @@ class Analysis(Result):
     unfinished: int | None = None
     notes: tuple[str, ...] = ()
     exact: Derivation | None = None
-    near: Near | None = None
+    near: JointSpaceShares | None = None
     speeds: SpeedDistances | None = None
     slow: SlowShare | None = None
     aspects: AspectSummary | None = None
@@ -196,7 +196,7 @@ class Analysis(Result):
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
             exact=with_place("$.exact", lambda: _derivation(record)),
-            near=_part(record, "near", Near),
+            near=_part(record, "near", JointSpaceShares),
             speeds=_part(record, "speeds", SpeedDistances),
             slow=_part(record, "slow", SlowShare),
             aspects=with_place("$.aspects", lambda: _aspects(record)),

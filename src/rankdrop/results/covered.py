@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rankdrop.codec import Result
 from rankdrop.cover.covering import Covering
-from rankdrop.cover.spots import Spot
+from rankdrop.cover.spots import UnexplainedBoxes
 from rankdrop.families.record import Family
 from rankdrop.proof.boxes import digest
 from rankdrop.robot.model import Robot
@@ -35,7 +35,7 @@ class Account:
     source: str
     explained: NDArray[np.int64]
     freed: int
-    spots: tuple[Spot, ...]
+    spots: tuple[UnexplainedBoxes, ...]
     diagonal: float
 
 

@@ -10,7 +10,7 @@ from rankdrop.local.block import generic_rank
 from rankdrop.results.analysis import robot_to_dict
 from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.model import Robot
-from rankdrop.robot.numbers import Change
+from rankdrop.robot.numbers import ExactChange
 from rankdrop.sections import words_of
 from rankdrop.task import Task
 
@@ -81,7 +81,7 @@ class Idealised:
     real: Robot
     ideal: Robot
     tolerance: Tolerance
-    changes: tuple[Change, ...]
+    changes: tuple[ExactChange, ...]
 
     def to_dict(self, task: Task, nearby: Sequence[Nearby] = ()) -> Record:
         """Plain data: the entry "ideal" of docs/json.md.

@@ -22,7 +22,7 @@ from rankdrop.tolerances import DEFAULT
 
 
 @dataclass(frozen=True, eq=False)
-class Numbers:
+class JacobianNumbers:
     """The Jacobian at one configuration.
 
     Attributes:
@@ -102,7 +102,7 @@ class LinkJacobian(Result):
     rows: tuple[tuple[Polynomial, ...], ...]
     shortest: tuple[tuple[int, int, int | None], ...]
     closed: ClosedInverse | None
-    numbers: Numbers | None
+    numbers: JacobianNumbers | None
     checks: tuple[Agreement, ...]
     chain: Chain
     FILE: ClassVar[str] = "jacobian"

@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from rankdrop.distance.share import Near, SlowShare
+from rankdrop.distance.share import JointSpaceShares, SlowShare
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.corank_families import CorankSummary
 from rankdrop.families.derivation import Derivation
@@ -59,7 +59,7 @@ class _Analysed(Protocol):
     @property
     def exact(self) -> Derivation | None: ...
     @property
-    def near(self) -> Near | None: ...
+    def near(self) -> JointSpaceShares | None: ...
     @property
     def speeds(self) -> SpeedDistances | None: ...
     @property

@@ -42,7 +42,7 @@ _DIGITS = 25  # places at which no number is a rounded multiple of 15° by chanc
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class NumberPlace:
     """Where a number stands: a joint by its name, "tool" or "base", and the key; `sign` is what it is multiplied by."""
 
     part: str
@@ -113,7 +113,7 @@ class Drawing:
             return (*FRAME, *_LIMITS)
         return ()
 
-    def place(self, text: str, where: str) -> Place:
+    def place(self, text: str, where: str) -> NumberPlace:
         """A place from its text, "elbow_joint.a", "-3.a" or "tool.z"; the sign is put before the number.
 
         Args:
@@ -129,10 +129,10 @@ class Drawing:
             if key not in FRAME:
                 raise RobotError("there is no such number", where=where, got=repr(text),
                                  allowed=", ".join(f"{part}.{element}" for element in FRAME))  # fmt: skip
-            return Place(part, key, sign)
+            return NumberPlace(part, key, sign)
         name = self._joint_named(part)
         if name in self._joints and key in self._keys:
-            return Place(name, key, sign)
+            return NumberPlace(name, key, sign)
         ends = f"tool or base with {', '.join(FRAME)}"
         if not self._keys:
             raise RobotError("of this robot only tool and base can be set", where=where, got=repr(text), allowed=ends)
@@ -152,7 +152,7 @@ class Drawing:
             return tuple(str(row.get("name", f"joint{number}")) for number, row in enumerate(self._rows, 1))
         return tuple(joint.name for joint in self.nominal.joints)
 
-    def measure(self, place: Place) -> str:
+    def measure(self, place: NumberPlace) -> str:
         """ "length" or "angle": which units the number has."""
         if place.key in _LIMITS:
             kinds = {joint.name: joint.kind for joint in self.nominal.joints}
@@ -163,7 +163,7 @@ class Drawing:
             return "angle"
         return "length"
 
-    def robot(self, values: Mapping[Place, float], name: str | None = None) -> Robot:
+    def robot(self, values: Mapping[NumberPlace, float], name: str | None = None) -> Robot:
         """The arm with other numbers at some places.
 
         Args:
@@ -190,7 +190,7 @@ class Drawing:
             return robot
         return replace(robot, name=name)
 
-    def _read_with_values(self, values: Mapping[Place, float]) -> Robot:
+    def _read_with_values(self, values: Mapping[NumberPlace, float]) -> Robot:
         if self._rows is not None:
             if self.file.startswith("catalogue "):
                 kind = "catalogue"
@@ -204,7 +204,7 @@ class Drawing:
                          edit=_tree_edit(values))  # fmt: skip
 
 
-def _table_edit(names: tuple[str, ...], values: Mapping[Place, float]) -> Callable[[dict[str, Any]], None]:
+def _table_edit(names: tuple[str, ...], values: Mapping[NumberPlace, float]) -> Callable[[dict[str, Any]], None]:
     def edit(document: dict[str, Any]) -> None:
         for place, value in values.items():
             document["joints"][names.index(place.part)][place.key] = float(value)
@@ -212,7 +212,7 @@ def _table_edit(names: tuple[str, ...], values: Mapping[Place, float]) -> Callab
     return edit
 
 
-def _tree_edit(values: Mapping[Place, float]) -> Callable[[Tree], None]:
+def _tree_edit(values: Mapping[NumberPlace, float]) -> Callable[[Tree], None]:
     def edit(tree: Tree) -> None:
         for place, value in values.items():
             joint = tree.joints[place.part].element

@@ -18,8 +18,8 @@ from rankdrop.errors import OptionError
 from rankdrop.robot.files import LONGEST_TEXT
 from rankdrop.robot.model import Robot, once
 from rankdrop.robot.numbers import (
-    Change,
-    Numbers,
+    ExactChange,
+    LinkNumbers,
     extent,
     meeting,
     numbers_of,
@@ -137,7 +137,7 @@ def read_tolerance(text: str, *, where: str = "--ideal") -> Tolerance:
 
 def ideal(
     robot: Robot, *, length: float | None = None, angle: float | None = None
-) -> tuple[Robot, tuple[Change, ...]]:
+) -> tuple[Robot, tuple[ExactChange, ...]]:
     """The nearest arm whose structure is exact, to a tolerance, and what was moved.
 
     Axes that are parallel, or at a multiple of 15°, to `angle` are exactly so; those that come within `length` meet,
@@ -281,14 +281,14 @@ def _holding(robot: Robot) -> list[AxesHold]:
     return [*_points(numbers, slides), *_parallels(numbers, slides), *_pairs(numbers, slides)]
 
 
-def _points(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[AxesHold]:
+def _points(numbers: Sequence[LinkNumbers], slides: Sequence[bool]) -> Iterator[AxesHold]:
     """Three joints in a row that turn about axes through one point."""
     for i in range(len(numbers) - 2):
         if not any(slides[i : i + 3]) and _point(numbers, i):
             yield AxesHold(Hold.POINT, (i + 1, i + 2, i + 3))
 
 
-def _parallels(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[AxesHold]:
+def _parallels(numbers: Sequence[LinkNumbers], slides: Sequence[bool]) -> Iterator[AxesHold]:
     """Pairs of parallel axes in a row, and runs of them without an offset along them."""
     for run in parallel_runs(numbers):
         yield from (AxesHold(Hold.PARALLEL, (i + 1, j + 1)) for i, j in pairwise(run))
@@ -297,7 +297,7 @@ def _parallels(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[A
             yield AxesHold(Hold.FLUSH, tuple(k + 1 for k in run))
 
 
-def _pairs(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[AxesHold]:
+def _pairs(numbers: Sequence[LinkNumbers], slides: Sequence[bool]) -> Iterator[AxesHold]:
     """Pairs of axes in a row that are one line, meet, or stand at right angles."""
     for i, (axis, _) in enumerate(pairwise(numbers)):
         pair = (i + 1, i + 2)
@@ -307,7 +307,7 @@ def _pairs(numbers: Sequence[Numbers], slides: Sequence[bool]) -> Iterator[AxesH
             yield AxesHold(Hold.SQUARE, pair)
 
 
-def _point(numbers: Sequence[Numbers], i: int) -> bool:
+def _point(numbers: Sequence[LinkNumbers], i: int) -> bool:
     first, middle = numbers[i], numbers[i + 1]
     lengths = first.a, middle.d, middle.a
     return all(abs(x) < NOTHING for x in lengths) and not parallel(first.twist) and not parallel(middle.twist)

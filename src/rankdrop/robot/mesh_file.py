@@ -45,7 +45,7 @@ _READER = "trimesh"
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class MeshPart:
     """Triangles of a mesh file.
 
     Attributes:
@@ -59,13 +59,13 @@ class Part:
     colour: tuple[float, ...]
 
 
-def read_meshes(paths: Sequence[Path]) -> dict[Path, list[Part] | RankdropError]:
+def read_meshes(paths: Sequence[Path]) -> dict[Path, list[MeshPart] | RankdropError]:
     """The parts of each mesh file, or why it cannot be read. One child process reads all of them.
 
     Where that process crashes or meets a limit, each file is read by a process of its own, until three have crashed.
     """
     files = list(dict.fromkeys(paths))
-    meshes: dict[Path, list[Part] | RankdropError] = {
+    meshes: dict[Path, list[MeshPart] | RankdropError] = {
         path: RobotError("the arm has too many mesh files", where=str(path), allowed=f"at most {MOST_MESHES}")
         for path in files[MOST_MESHES:]
     }
@@ -90,7 +90,7 @@ def read_meshes(paths: Sequence[Path]) -> dict[Path, list[Part] | RankdropError]
     return meshes
 
 
-def _read_together(files: list[Path]) -> dict[Path, list[Part] | RankdropError]:
+def _read_together(files: list[Path]) -> dict[Path, list[MeshPart] | RankdropError]:
     """The parts of each file, or its error, from one child process.
 
     Raises:
@@ -101,12 +101,12 @@ def _read_together(files: list[Path]) -> dict[Path, list[Part] | RankdropError]:
                           cpu=CPU + int(_SECONDS * size / 1e6))  # fmt: skip
     with np.load(io.BytesIO(content)) as arrays:
         about = json.loads(str(arrays["about"]))
-        meshes: dict[Path, list[Part] | RankdropError] = {}
+        meshes: dict[Path, list[MeshPart] | RankdropError] = {}
         for i, (path, told) in enumerate(zip(files, about, strict=True)):
             if "error" in told:
                 meshes[path] = RobotError(**told["error"])
                 continue
-            meshes[path] = [Part(arrays[f"v{i}_{k}"], arrays[f"f{i}_{k}"], tuple(colour))
+            meshes[path] = [MeshPart(arrays[f"v{i}_{k}"], arrays[f"f{i}_{k}"], tuple(colour))
                            for k, colour in enumerate(told["colours"])]  # fmt: skip
     return meshes
 
@@ -168,7 +168,7 @@ def _limited_time(name: str, end: float) -> Iterator[None]:
         signal.signal(signal.SIGPROF, before)
 
 
-def _read_parts(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
+def _read_parts(file: Path, most_faces: int, most_vertices: int) -> list[MeshPart]:
     """The parts of a file that fit into what is left of triangles and vertices.
 
     Raises:
@@ -186,7 +186,7 @@ def _read_parts(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
         raise RobotError(f"the mesh cannot be read: {reason}", where=str(file)) from None
 
 
-def _parse_parts(file: Path, most_faces: int, most_vertices: int) -> list[Part]:
+def _parse_parts(file: Path, most_faces: int, most_vertices: int) -> list[MeshPart]:
     import trimesh
 
     try:
@@ -226,7 +226,7 @@ def check_count(faces: int, vertices: int, file: str, most_faces: int, most_vert
         raise RobotError("the meshes have too many vertices", where=file, allowed=f"{MOST_VERTICES:,} of an arm")
 
 
-def _part(mesh: Any, unit: float, file: str) -> Part:
+def _part(mesh: Any, unit: float, file: str) -> MeshPart:
     with np.errstate(all="ignore"):
         vertices = np.asarray(mesh.vertices, dtype=np.float64) * unit
     faces = np.asarray(mesh.faces, dtype=np.uint32)
@@ -235,7 +235,7 @@ def _part(mesh: Any, unit: float, file: str) -> Part:
                          allowed=allowed_range("length"))  # fmt: skip
     if int(faces.max(initial=0)) >= len(vertices):
         raise RobotError("a triangle of the mesh names a vertex that it does not have", where=file)
-    return Part(vertices, faces, tuple(float(value) for value in _own_colour(mesh)[:3]))
+    return MeshPart(vertices, faces, tuple(float(value) for value in _own_colour(mesh)[:3]))
 
 
 def _unit(scene: Any) -> float:

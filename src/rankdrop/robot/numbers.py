@@ -197,7 +197,7 @@ def _perpendicular(z: Array) -> Array:
 
 
 @dataclass(frozen=True, slots=True)
-class Numbers:
+class LinkNumbers:
     """One joint and the link after it.
 
     Attributes:
@@ -215,7 +215,7 @@ class Numbers:
     tilt: float = 0.0
 
 
-def numbers_of(robot: Robot, *, angle: float, length: float) -> list[Numbers]:
+def numbers_of(robot: Robot, *, angle: float, length: float) -> list[LinkNumbers]:
     """The numbers of all joints of a robot, mimic joints too; the link after the last has no length and no twist.
 
     Args:
@@ -227,7 +227,7 @@ def numbers_of(robot: Robot, *, angle: float, length: float) -> list[Numbers]:
     return section_numbers(lines, common_normals(robot, lines, angle=angle, length=length))
 
 
-def section_numbers(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Numbers]:
+def section_numbers(lines: Sequence[Line], normals: Sequence[Normal]) -> list[LinkNumbers]:
     """The numbers of n axes with their n + 1 normals."""
     numbers = []
     for i, line in enumerate(lines):
@@ -238,11 +238,11 @@ def section_numbers(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Nu
             next_z = lines[i + 1][0]
             twist, a = _turn(z, next_z, after), dot(far - near, after)
             tilt = asin(max(-1.0, min(1.0, dot(next_z, after))))
-        numbers.append(Numbers(phase, d, a, twist, tilt))
+        numbers.append(LinkNumbers(phase, d, a, twist, tilt))
     return numbers
 
 
-def parallel_runs(numbers: Sequence[Numbers]) -> list[list[int]]:
+def parallel_runs(numbers: Sequence[LinkNumbers]) -> list[list[int]]:
     """Indices of axes, from 0, parted where two that follow each other are not exactly parallel."""
     runs = [[0]]
     for i, number in enumerate(numbers[:-1]):
@@ -253,7 +253,7 @@ def parallel_runs(numbers: Sequence[Numbers]) -> list[list[int]]:
     return runs
 
 
-def offsets_along(numbers: Sequence[Numbers], run: Sequence[int]) -> list[float]:
+def offsets_along(numbers: Sequence[LinkNumbers], run: Sequence[int]) -> list[float]:
     """The offsets of axes that are parallel, all in the direction of the first [m]; only their sum moves axes."""
     sign, values = 1.0, []
     for k in run:
@@ -280,7 +280,7 @@ def _turn(one: Array, two: Array, about: Array) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class ExactChange:
     """One number of the chain that was made exact.
 
     Attributes:
@@ -347,7 +347,7 @@ class Change:
         return self.kind not in ("distance", "offset")
 
 
-def changes_between(old: Robot, new: Robot, *, angle: float, length: float) -> tuple[Change, ...]:
+def changes_between(old: Robot, new: Robot, *, angle: float, length: float) -> tuple[ExactChange, ...]:
     """Every number of the chain that differs by more than a nanometre or a billionth of a radian.
 
     Args:
@@ -357,22 +357,23 @@ def changes_between(old: Robot, new: Robot, *, angle: float, length: float) -> t
     before = numbers_of(old, angle=angle, length=length)
     after = numbers_of(new, angle=angle, length=length)
     first, last = (angle_between(x, y) for x, y in zip(_ends(old), _ends(new), strict=True))
-    changes = [*_differences(before, after), Change("base", (1,), first, 0.0), Change("tip", (len(before),), last, 0.0)]
+    ends = [ExactChange("base", (1,), first, 0.0), ExactChange("tip", (len(before),), last, 0.0)]
+    changes = [*_differences(before, after), *ends]
     return tuple(change for change in changes if change.by > NOTHING)
 
 
-def _differences(before: Sequence[Numbers], after: Sequence[Numbers]) -> Iterator[Change]:
+def _differences(before: Sequence[LinkNumbers], after: Sequence[LinkNumbers]) -> Iterator[ExactChange]:
     for run in parallel_runs(after):
         for i in run:
             first, second, pair = before[i], after[i], (i + 1, i + 2)
             if i == run[0]:
                 joints = tuple(k + 1 for k in run)
-                yield Change("offset", joints, sum(offsets_along(before, run)), sum(offsets_along(after, run)))
-            yield Change("angle", (i + 1,), first.phase, second.phase)
-            yield Change("distance", pair, first.a, second.a)
+                yield ExactChange("offset", joints, sum(offsets_along(before, run)), sum(offsets_along(after, run)))
+            yield ExactChange("angle", (i + 1,), first.phase, second.phase)
+            yield ExactChange("distance", pair, first.a, second.a)
             lean = abs(first.tilt) > NOTHING
             turned = hypot(wrap_angle(first.twist - second.twist), first.tilt)
-            yield Change("twist", pair, second.twist + turned if lean else first.twist, second.twist)
+            yield ExactChange("twist", pair, second.twist + turned if lean else first.twist, second.twist)
 
 
 def _ends(robot: Robot) -> tuple[Array, Array]:
@@ -460,7 +461,9 @@ ORDINARY = (0.03, 30.0)
 """Sizes of arms [m]: three decades, so that every arm is of this size in just one of km, m, mm and µm."""
 
 
-def square_up(robot: Robot, *, angle: float = SQUARE, length: float | None = None) -> tuple[Robot, tuple[Change, ...]]:
+def square_up(
+    robot: Robot, *, angle: float = SQUARE, length: float | None = None
+) -> tuple[Robot, tuple[ExactChange, ...]]:
     """The arm whose structure holds exactly where it holds to small tolerances.
 
     Twists and the angles between common normals become multiples of 15° (with a wider tolerance for angles than that of
@@ -588,13 +591,13 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     return ideal
 
 
-def _exact(given: Numbers, unit: float, angle: float, length: float) -> Numbers:
+def _exact(given: LinkNumbers, unit: float, angle: float, length: float) -> LinkNumbers:
     d, a = (0.0 if abs(x) <= length else float(tidy(np.array(x), unit)) for x in (given.d, given.a))
     phase = exact_angle(given.phase, angle, step_for(angle))  # that of a joint that turns counts from anywhere
-    return Numbers(phase, d, a, exact_angle(given.twist, angle))
+    return LinkNumbers(phase, d, a, exact_angle(given.twist, angle))
 
 
-def _cancel_offsets(sections: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
+def _cancel_offsets(sections: Sequence[LinkNumbers], slides: Sequence[bool], length: float) -> list[LinkNumbers]:
     """Offsets along parallel axes add up; where they cancel but for `length`, they cancel exactly."""
     remaining = list(sections)
     for run in parallel_runs(remaining):
@@ -639,7 +642,7 @@ def as_intended(robot: Robot, angles: Angles) -> Robot:
     return replace(intended, notes=(*intended.notes, note))
 
 
-def largest_changes(changes: Sequence[Change]) -> tuple[Moved, Moved]:
+def largest_changes(changes: Sequence[ExactChange]) -> tuple[Moved, Moved]:
     """How many angles and how many lengths were changed, and by how much at most [rad, m]."""
     turned = [change.by for change in changes if change.turns]
     moved = [change.by for change in changes if not change.turns]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rankdrop.errors import MissingExtraError, RankdropError, RobotError
 from rankdrop.options import advise
 from rankdrop.robot.files import Element, read_text, read_xml
-from rankdrop.robot.mesh_file import GREY, MOST_FACES, MOST_VERTICES, Part, check_count, read_meshes
+from rankdrop.robot.mesh_file import GREY, MOST_FACES, MOST_VERTICES, MeshPart, check_count, read_meshes
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import from_xyz_rpy, inverse, times
@@ -275,7 +275,7 @@ def meshes_of(visuals: tuple[Visual, ...]) -> tuple[tuple[Mesh, ...], tuple[str,
     return tuple(meshes), tuple(dict.fromkeys(notes))
 
 
-def _parts(trimesh: Any, visual: Visual, read: Mapping[Path, list[Part] | RankdropError]) -> list[Part]:
+def _parts(trimesh: Any, visual: Visual, read: Mapping[Path, list[MeshPart] | RankdropError]) -> list[MeshPart]:
     """The triangles of a visual before scale and place.
 
     Raises:
@@ -283,7 +283,7 @@ def _parts(trimesh: Any, visual: Visual, read: Mapping[Path, list[Part] | Rankdr
     """
     if visual.file is None:
         solid = _solid(trimesh, visual)
-        return [Part(np.asarray(solid.vertices, dtype=np.float64), np.asarray(solid.faces, dtype=np.uint32), GREY)]
+        return [MeshPart(np.asarray(solid.vertices, dtype=np.float64), np.asarray(solid.faces, dtype=np.uint32), GREY)]
     parts = read[visual.file]
     if isinstance(parts, RankdropError):
         raise parts
@@ -299,7 +299,7 @@ def _solid(trimesh: Any, visual: Visual) -> Any:
     return trimesh.creation.icosphere(radius=size[0], subdivisions=3)
 
 
-def _place_part(part: Part, visual: Visual) -> Mesh:
+def _place_part(part: MeshPart, visual: Visual) -> Mesh:
     if visual.file is None:
         scale = np.ones(3)
     else:

@@ -21,7 +21,7 @@ from rankdrop.codec import (
     table,
 )
 from rankdrop.configuration import Rank
-from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions
+from rankdrop.distance.tolerant import LockedJoint, SelfMotions, TolerantPlace
 from rankdrop.local.circuits import Circuit
 from rankdrop.local.cofactors import Hunt, HuntJoint
 from rankdrop.local.ellipsoids import Ellipsoid, Ellipsoids, Index, PartSet
@@ -513,7 +513,7 @@ TOLERANT_SETTINGS = table(
 )
 TOLERANT_PLACES = table(
     "tolerant_places",
-    of=Place,
+    of=TolerantPlace,
     q=nonempty(num("joint")),
     value=num("1", ge=0),
     slope=num("1/distance", ge=0),

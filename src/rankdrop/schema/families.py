@@ -22,11 +22,11 @@ from rankdrop.codec import (
     text,
     whole,
 )
-from rankdrop.distance.share import Near, SlowShare
+from rankdrop.distance.share import JointSpaceShares, SlowShare
 from rankdrop.exact.determinants import Minor
 from rankdrop.exact.family import EqualLengths, SpecialFamily, UnrealSet
-from rankdrop.exact.lint import Difference, Example
-from rankdrop.exact.signs import Between, Crossing, Flags
+from rankdrop.exact.lint import Example, WrongSet
+from rankdrop.exact.signs import Between, Flags, SegmentCrossing
 from rankdrop.exact.undivided import PolynomialSize, UndividedSet
 from rankdrop.families.contradiction import Contradiction
 from rankdrop.families.corank_families import CorankSummary, Unseen
@@ -271,7 +271,7 @@ NEAR_FAMILIES = table(
     high=(num("1", ge=0, le=1), "", lambda share: share.interval[1]),
 )
 ANALYSIS_NEAR = table(
-    "analysis_near", of=Near, within=num("distance", gt=0), samples=Positive, seed=Count,
+    "analysis_near", of=JointSpaceShares, within=num("distance", gt=0), samples=Positive, seed=Count,
     families=list_of(NEAR_FAMILIES), any=NEAR_FAMILIES,
     slow=(optional(NEAR_FAMILIES | None), "configurations inside the limits at which some straight motion of the tool "
         "is slower than 25 mm/s or 5°/s; null without rate limits"),
@@ -496,7 +496,7 @@ EXAMPLE = table(
     value=num("1"),
     sigma=num("1", ge=0),
 )
-MISSING = table("missing", of=Difference)
+MISSING = table("missing", of=WrongSet)
 TEST = table(
     "test",
     text=(str, "the condition."),
@@ -527,7 +527,7 @@ CONDITIONS_FLAGS = table(
 )
 CROSSINGS = table(
     "crossings",
-    of=Crossing,
+    of=SegmentCrossing,
     at=num("1", ge=0, le=1),
     kind=Literal["crosses", "touches", "starts on", "ends on", "lies in"],
 )

@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import UNSET
 
 from rankdrop.codec import Count, Positive, list_of, nonempty, num, optional, pair, row, table, text, whole
-from rankdrop.cover.spots import Spot
+from rankdrop.cover.spots import UnexplainedBoxes
 from rankdrop.proof.record import Tolerance
 from rankdrop.schema.arm import FRAME, ROBOT, file
 from rankdrop.text.coverings import covering_end_words
@@ -128,7 +128,7 @@ BOXES = table(
 EXPLAINED_FAMILIES = table("explained_families", id=str, name=str, boxes=Count)
 PLACES = table(
     "places",
-    of=Spot,
+    of=UnexplainedBoxes,
     boxes=Count,
     proven=Count,
     kind=Literal["singular, proven", "singular, found", "near miss", "undecided"],

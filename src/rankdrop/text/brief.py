@@ -10,7 +10,7 @@ from itertools import chain
 from math import ceil, degrees, floor
 from typing import Any
 
-from rankdrop.distance.share import Near
+from rankdrop.distance.share import JointSpaceShares
 from rankdrop.families.name import ArmPart
 from rankdrop.families.parts import FamilyParts
 from rankdrop.families.record import Family, Pin, exact_of
@@ -111,8 +111,9 @@ def conditions_table(conditions: Any) -> Section:
 
 
 def _table(
-    robot: Robot, rows: Sequence[tuple[str, ...]], letters: Mapping[str, float], angles: str, near: Near | None
-) -> Section:
+    robot: Robot, rows: Sequence[tuple[str, ...]], letters: Mapping[str, float], angles: str,
+    near: JointSpaceShares | None,
+) -> Section:  # fmt: skip
     columns: tuple[str, ...] = ("rank", "family", "condition")
     named = joints_named(robot)
     after = [f"joints: {named}"] if named else []

@@ -12,13 +12,13 @@ from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import joint_list, triples
-from rankdrop.exact.conjunctions import Conjunction, Derivation, Note, conditions_on
+from rankdrop.exact.conjunctions import Conjunction, Note, SetDerivation, conditions_on
 from rankdrop.exact.decoupling import Decoupling, parting_of
 from rankdrop.exact.derivation import CorankOne
 from rankdrop.exact.determinants import MinorChoice, minor_name
 from rankdrop.exact.stratum import Stratum
-from rankdrop.exact.suppression import Case, Dependence, Proof, Suppression
-from rankdrop.exact.tree import Tree
+from rankdrop.exact.suppression import Case, IndependenceProof, ScrewDependence, Suppression
+from rankdrop.exact.tree import RankTree
 from rankdrop.formula.notation import Step, Text
 from rankdrop.formula.shortest import single_angles
 from rankdrop.formula.sums import fourier
@@ -38,13 +38,13 @@ WRITTEN = 40
 _SHOWN = 40  # conditions that are printed
 
 
-def steps_of(chain: Chain, derived: Decoupling | Suppression | Derivation | Tree | None) -> tuple[Step, ...]:
+def steps_of(chain: Chain, derived: Decoupling | Suppression | SetDerivation | RankTree | None) -> tuple[Step, ...]:
     """The derivation of corank 1 as it is done by hand; long polynomials take seconds to be put shortly."""
     if isinstance(derived, Suppression):
         return tuple(_suppression(derived))
     if isinstance(derived, Decoupling):
         return Step("Structure", structure_sentences(chain)), Step("Decoupling", tuple(_decoupling(derived)))
-    if isinstance(derived, Derivation):
+    if isinstance(derived, SetDerivation):
         return (_method(derived),)
     how = "on each a minor of the order of its rank was factored, and the set cut by every factor"
     lines = () if derived is None else (f"{derived.visited} irreducible sets were derived: {how}",)
@@ -175,7 +175,7 @@ def _case(suppression: Suppression, case: Case) -> Iterator[str]:
     yield from _branches(case)
 
 
-def _suppressed_screw_lines(suppression: Suppression, case: Case, dependence: Dependence) -> Iterator[str]:
+def _suppressed_screw_lines(suppression: Suppression, case: Case, dependence: ScrewDependence) -> Iterator[str]:
     """Which screw is a combination of which others in a case, how that is proven, and which screws are left."""
     screw, on, proof = dependence.screw, dependence.on, dependence.proof
     for j in sorted((screw, *on)):  # with the case's angles put in, where that changes short ones
@@ -195,7 +195,7 @@ def _suppressed_screw_lines(suppression: Suppression, case: Case, dependence: De
     yield f"${screw} is suppressed; left: {_names(case.joints)}"
 
 
-def _proof(suppression: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]:
+def _proof(suppression: Suppression, proof: IndependenceProof, on: Sequence[int]) -> Iterator[str]:
     ring = suppression.chain.ring
     if proof.frame == suppression.frame:
         there = ""
@@ -285,7 +285,7 @@ def _short(six: Sequence[int]) -> str:
     return _joints(six)
 
 
-def _method(derivation: Derivation) -> Step:
+def _method(derivation: SetDerivation) -> Step:
     notes, words, whole = notes_of(derivation), Words(derivation.chain.ring), Words(derivation.chain.ring, whole=True)
     figures = ", ".join(f"{name}: {count:,}" for name, count in derivation.sizes.items())
     shown = [Formula(words.conjunction(conjunction)) for conjunction in derivation.conditions[:_SHOWN]]
@@ -325,7 +325,7 @@ _NOTES = {
 """What the methods note on the way."""
 
 
-def notes_of(derivation: Derivation) -> tuple[str, ...]:
+def notes_of(derivation: SetDerivation) -> tuple[str, ...]:
     """What is to be said of the answer of a method."""
     words = Words(derivation.chain.ring)
     return tuple(flat_map(lambda note: _note(words, note), derivation.notes))

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rankdrop.distance.distance import nearest_turns
-from rankdrop.distance.share import Near, NearShare, SlowShare
+from rankdrop.distance.share import JointSpaceShares, NearShare, SlowShare
 from rankdrop.families.corank_families import CorankSummary
 from rankdrop.families.derivation import Derivation
 from rankdrop.families.record import Check, Family, Pin
@@ -611,7 +611,7 @@ def mistaken_text(corank: int, many: int, followed: int, sigma: float, digits: i
 SPEEDS_INTERRUPTED = "interrupted: the distances that keep the speed are not done"
 
 
-def near_overview(near: Near, families: Sequence[Family]) -> Section:
+def near_overview(near: JointSpaceShares, families: Sequence[Family]) -> Section:
     """Shares of the joint space near the families."""
     names = {family.id: family.name for family in families}
     where = "the joint space inside the limits" if near.limits else "the joint space"
@@ -668,7 +668,7 @@ def share_cell(share: NearShare) -> str:
     return _percent(share)
 
 
-def near_total(near: Near) -> str:
+def near_total(near: JointSpaceShares) -> str:
     """The share near any family, and the share where the tool is slow."""
     total = f"any: {_percent(near.any)} ± {100 * near.any.error:.2g} %"
     if near.slow is None:

@@ -21,7 +21,7 @@ LONGEST = 120
 _SHIFTED = 1e-12  # an angle that conditions count from elsewhere than the joint does [rad]
 
 
-class _Condition(NamedTuple):
+class _PrintedCondition(NamedTuple):
     """A condition for people, the joints it is about, and the lengths that stand in it as letters."""
 
     text: str
@@ -29,7 +29,7 @@ class _Condition(NamedTuple):
     letters: frozenset[str] = frozenset()
 
 
-def _shipped_conditions(robot: Robot, task: Task, family: Family) -> tuple[list[_Condition], Record] | None:
+def _shipped_conditions(robot: Robot, task: Task, family: Family) -> tuple[list[_PrintedCondition], Record] | None:
     """Conditions, beyond pinned joints, and lengths shipped for this family; None for another arm or another family.
 
     Conditions that count an angle from elsewhere than the joint does are left out: they read as if they were of q.
@@ -44,7 +44,7 @@ def _shipped_conditions(robot: Robot, task: Task, family: Family) -> tuple[list[
                 return None
             beyond, letters = len(stored["pinned"]), record["letters"]
             each = zip(stored["conditions"][beyond:], stored["terms"][beyond:], stored["polynomials"], strict=True)
-            return [_Condition(text, _joints(terms), _letters(f, letters)) for text, terms, f in each], letters
+            return [_PrintedCondition(text, _joints(terms), _letters(f, letters)) for text, terms, f in each], letters
     return None
 
 
@@ -149,7 +149,7 @@ def _multiple(factor: int, number: int) -> str:
     return f"{factor} θ{number}"
 
 
-def _long_words(long: Sequence[_Condition], *, exact: bool) -> str:
+def _long_words(long: Sequence[_PrintedCondition], *, exact: bool) -> str:
     """How many conditions are too long to print, on which joints, and where they stand."""
     if len(long) == 1:
         count, them = "a long condition", "it"
@@ -164,11 +164,11 @@ def _long_words(long: Sequence[_Condition], *, exact: bool) -> str:
 
 
 def _conditions_beyond_pins(
-    family: Family, written: tuple[list[_Condition], Record] | None
-) -> tuple[list[_Condition], Record]:
+    family: Family, written: tuple[list[_PrintedCondition], Record] | None
+) -> tuple[list[_PrintedCondition], Record]:
     """The conditions beyond those that only pin joints, exact where they are shipped, and their lengths."""
     fixed = {pin.number for pin in family.pinned}
     if written is None:
-        fitted = [_Condition(f"{equation} = 0", frozenset(equation.joints)) for equation in family.equations]
+        fitted = [_PrintedCondition(f"{equation} = 0", frozenset(equation.joints)) for equation in family.equations]
         return [condition for condition in fitted if not condition.joints <= fixed], {}
     return [condition for condition in written[0] if not condition.joints <= fixed], written[1]

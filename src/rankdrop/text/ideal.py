@@ -8,7 +8,7 @@ from dataclasses import astuple
 import numpy as np
 
 from rankdrop.results.ideal_vs_actual import Here, Idealised, Nearby
-from rankdrop.robot.numbers import Change
+from rankdrop.robot.numbers import ExactChange
 from rankdrop.sections import Section
 from rankdrop.tolerances import DEFAULT
 
@@ -66,7 +66,7 @@ def there_section(nearby: Sequence[Nearby]) -> Section:
     return Section("The arm itself there", "", columns=columns, rows=rows, notes=notes)
 
 
-def _change_cells(change: Change) -> tuple[str, str, str]:
+def _change_cells(change: ExactChange) -> tuple[str, str, str]:
     if change.kind in ("base", "tip"):
         return "", "", f"{np.degrees(change.by):.2g}°"
     before, after = change.ends

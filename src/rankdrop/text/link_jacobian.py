@@ -10,7 +10,7 @@ import numpy as np
 from rankdrop.formula.notation import Latex, latex_name
 from rankdrop.formula.shortest import form_of
 from rankdrop.formula.writing import text_of
-from rankdrop.results.jacobian_in_frame import Agreement, CheckKind, LinkJacobian, Numbers, regular
+from rankdrop.results.jacobian_in_frame import Agreement, CheckKind, JacobianNumbers, LinkJacobian, regular
 from rankdrop.robot.model import Array
 from rankdrop.sections import Section
 from rankdrop.task import ROWS
@@ -158,7 +158,7 @@ def _matrix_cells(matrix: Array) -> Iterator[list[str]]:
         yield [f"{x + 0.0:.6g}".replace("-", "−") for x in row]
 
 
-def _numbers(numbers: Numbers, rows: Sequence[str], joints: Sequence[str]) -> Iterator[Section]:
+def _numbers(numbers: JacobianNumbers, rows: Sequence[str], joints: Sequence[str]) -> Iterator[Section]:
     q = ", ".join(f"{x:.6g}" for x in numbers.q).replace("-", "−")
     yield _as_table(f"At q = ({q}) [rad, m]", rows, joints, _matrix_cells(numbers.matrix))
     lines = [f"singular values, lengths in metres: {', '.join(f'{x:.4g}' for x in numbers.sigma)}"]

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import BlockForm, joint_list, structure_of
-from rankdrop.exact.decoupling import Loss, LostLine
+from rankdrop.exact.decoupling import BlockLoss, LostLine
 from rankdrop.exact.method_reason import MethodReason, Parting, PartingKind
 from rankdrop.exact.remark import chain_remarks, near_structure
 from rankdrop.lists import flat_map
@@ -105,7 +105,7 @@ def _group_text(parting: Parting) -> str:
     return f"planar group: joints {joints} move every point in one plane"
 
 
-def loss_text(loss: Loss) -> str:
+def loss_text(loss: BlockLoss) -> str:
     """The motion that a block loses, by the lines of the arm."""
     axes = joint_list(loss.joints)
     if loss.line is LostLine.ACROSS:

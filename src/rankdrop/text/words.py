@@ -19,7 +19,7 @@ from rankdrop.sections import Section
 from rankdrop.text.families import FREE, joint_symbol
 
 if TYPE_CHECKING:
-    from rankdrop.distance.tolerant import LockedJoint, Place, SelfMotions, Tolerant
+    from rankdrop.distance.tolerant import LockedJoint, SelfMotions, Tolerant, TolerantPlace
     from rankdrop.local.failures import Failures
     from rankdrop.local.screws import Screw
     from rankdrop.local.ways_out import Escape
@@ -488,7 +488,7 @@ def _locked_ranges(locked: LockedJoint, unit: str) -> str:
     return minus(", ".join(parts))
 
 
-def _rows(tolerant: Tolerant, number: int, place: Place, kinds: list[str]) -> Iterator[tuple[str, ...]]:
+def _rows(tolerant: Tolerant, number: int, place: TolerantPlace, kinds: list[str]) -> Iterator[tuple[str, ...]]:
     """One place in rad, and under it in degrees."""
     def cell(j: int, text: str) -> str:
         if j + 1 in tolerant.free:

@@ -8,7 +8,7 @@ from functools import partial
 from itertools import starmap
 from typing import TYPE_CHECKING, Any
 
-from rankdrop.distance.share import Near, SlowShare, check_within, near_shares, slower_than
+from rankdrop.distance.share import JointSpaceShares, SlowShare, check_within, near_shares, slower_than
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import derived_in_units
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
@@ -262,7 +262,9 @@ def _without_exact(families: Sequence[Family]) -> tuple[Family, ...]:
     return tuple(replace(family, exact=None) for family in families)
 
 
-def _shares_near(problem: Problem, families: Sequence[Family], how: AnalyzeOptions, report: Progress) -> Near | None:
+def _shares_near(
+    problem: Problem, families: Sequence[Family], how: AnalyzeOptions, report: Progress
+) -> JointSpaceShares | None:
     """Shares of the joint space near the families, where they are asked for."""
     if how.within is None:
         return None

@@ -46,7 +46,7 @@ from rankdrop.exact.lint import round_points
 from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.remark import DerivationRemark, RemarkOn, chain_remarks, followers, near_structure
 from rankdrop.exact.rows import merge, row_of_set
-from rankdrop.exact.tree import Drop, OpenCase, Tree, rank_tree
+from rankdrop.exact.tree import Drop, OpenCase, RankTree, rank_tree
 from rankdrop.exact.undivided import UndividedSet, cases_in_whole_angles, undivided_sets
 from rankdrop.families.contradiction import Contradiction, ContradictionKind
 from rankdrop.families.descent import FOLLOWED, descents
@@ -71,7 +71,7 @@ from rankdrop.units import into_units, out_of_units
 from rankdrop.verbs.found_coranks import tried_numerically
 
 Made = TypeVar("Made")
-_Derived = tuple[Chain, Tree, Work, tuple[DerivationRemark, ...]]
+_Derived = tuple[Chain, RankTree, Work, tuple[DerivationRemark, ...]]
 _Left = list[Unfinished | Contradiction]
 """The chain that was derived, its rank tree, the work that is left, and remarks."""
 _TREE = 0.85  # of the work left that the tree may take
@@ -98,7 +98,7 @@ def derive_conditions(
     check_method(given, asked.method, basic=basic, frame=asked.frame)
     lowest = _lowest_rank(given, asked.coranks)
     left: _Left = []
-    nothing = Tree(generic_rank(given.own, given.own_task), complete=False)
+    nothing = RankTree(generic_rank(given.own, given.own_task), complete=False)
     underived: _Derived = given, nothing, work, ()
     chain, tree, work, remarks = _guard(
         Phase.TREE, lambda: _tree(given, lowest, optional=asked.lengths == "auto", work=work), underived, left
@@ -123,7 +123,7 @@ def derive_conditions(
         work, left, Phase.HIGHER, lambda _: tried_numerically(first.higher, asked.seed), first.higher
     )
     steps: tuple[Step, ...] = ()
-    if asked.steps or isinstance(first.derived, Tree):
+    if asked.steps or isinstance(first.derived, RankTree):
         steps = _unless_interrupted(work, left, Phase.STEPS, lambda _: every_step(chain, first), ())
     determinants: Determinants | None = None
     if asked.steps:
@@ -295,14 +295,14 @@ def _without_letters(chain: Chain, lowest: int, broken: Sequence[DerivationRemar
     return plain, other, restarted, tuple(broken)
 
 
-def _with_numbers(chain: Chain, lowest: int, work: Work) -> tuple[Chain, Tree, Work]:
+def _with_numbers(chain: Chain, lowest: int, work: Work) -> tuple[Chain, RankTree, Work]:
     """The chain with numbers for all lengths, its rank tree, and the work that is left."""
     plain, restarted = replace(chain, letters={}, written={}), work.restarted()
     with restarted.share(_TREE):
         return plain, rank_tree(plain, restarted, lowest=lowest), restarted
 
 
-def _decided_by_numbers(chain: Chain, tree: Tree, lowest: int, *, optional: bool, work: Work) -> _Derived:
+def _decided_by_numbers(chain: Chain, tree: RankTree, lowest: int, *, optional: bool, work: Work) -> _Derived:
     """The rank tree with numbers where it decides more than the one with letters, else the latter."""
     plain, other, restarted = _with_numbers(chain, lowest, work)
     if decided_by_numbers(chain, tree, other):
@@ -313,14 +313,14 @@ def _decided_by_numbers(chain: Chain, tree: Tree, lowest: int, *, optional: bool
     return plain, other, restarted, (remark,)
 
 
-def _leaves_over(tree: Tree, *, optional: bool) -> bool:
+def _leaves_over(tree: RankTree, *, optional: bool) -> bool:
     """Whether numbers may decide more than a tree with letters did: one cut short, or one with unresolved systems."""
     if tree.complete:
         return bool(tree.unresolved)
     return optional
 
 
-def _why_numbers(tree: Tree, other: Tree, restarted: Work, *, optional: bool) -> DerivationRemark | None:
+def _why_numbers(tree: RankTree, other: RankTree, restarted: Work, *, optional: bool) -> DerivationRemark | None:
     """Why the tree with numbers, `other`, replaces the one with letters; None where it does not."""
     if not tree.complete and optional:
         if not other.complete and not restarted.interrupted:
@@ -332,7 +332,7 @@ def _why_numbers(tree: Tree, other: Tree, restarted: Work, *, optional: bool) ->
 
 
 def _families(
-    chain: Chain, tree: Tree, work: Work, left: _Left, unsettled: list[OpenCase]
+    chain: Chain, tree: RankTree, work: Work, left: _Left, unsettled: list[OpenCase]
 ) -> tuple[list[Family], list[UnrealSet], list[Contradiction]]:
     """(families, sets without real points, disagreements).
 
@@ -424,7 +424,7 @@ def _unless_interrupted(
     return otherwise
 
 
-def _stated_rank(tree: Tree, lowest: int) -> int:
+def _stated_rank(tree: RankTree, lowest: int) -> int:
     """The rank down to which families and cases hold all configurations; as asked for where a tree is left open."""
     if tree.is_stated:
         return max(lowest, tree.lowest)
@@ -432,7 +432,7 @@ def _stated_rank(tree: Tree, lowest: int) -> int:
 
 
 def _undivided_sets(
-    chain: Chain, tree: Tree, families: Sequence[Family], work: Work, left: _Left
+    chain: Chain, tree: RankTree, families: Sequence[Family], work: Work, left: _Left
 ) -> tuple[UndividedSet, ...]:
     """The cases that were not taken apart; one goes to `left` where its configuration is not singular with `DIGITS`
     digits.
@@ -466,7 +466,7 @@ def _undivided_sets(
     return cases
 
 
-def _unstated_cases(tree: Tree) -> list[Unfinished]:
+def _unstated_cases(tree: RankTree) -> list[Unfinished]:
     """What a tree leaves open: nothing where its cases hold the rest."""
     if tree.is_stated:
         return []
@@ -476,7 +476,7 @@ def _unstated_cases(tree: Tree) -> list[Unfinished]:
 
 
 def _assumptions(
-    chain: Chain, tree: Tree, lowest: int, work: Work, left: _Left, *, derive: bool
+    chain: Chain, tree: RankTree, lowest: int, work: Work, left: _Left, *, derive: bool
 ) -> Sequence[Assumption]:
     """What is assumed of the lengths; arms of special lengths are derived where that is wanted and work is left."""
     if derive and not work.interrupted:
@@ -595,7 +595,7 @@ def _wanted_points(points: int, corank: int) -> int:
 
 def _sets_without_points(
     chain: Chain,
-    tree: Tree,
+    tree: RankTree,
     families: Sequence[Family],
     seed: int,
     left: _Left,
@@ -633,7 +633,7 @@ def _sets_without_points(
 
 def _is_settled(
     chain: Chain,
-    tree: Tree,
+    tree: RankTree,
     families: Sequence[Family],
     theta: Array,
     order: int,

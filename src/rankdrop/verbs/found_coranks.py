@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from rankdrop.exact.conjunctions import Derivation
+from rankdrop.exact.conjunctions import SetDerivation
 from rankdrop.exact.higher_coranks import UNTRIED, HigherCorank
 from rankdrop.families.descent import not_singular
 from rankdrop.families.points import cloud
@@ -34,7 +34,7 @@ def _try_corank(corank: HigherCorank, seed: int) -> HigherCorank:
     return replace(corank, singular=_singular(derived, seed), regular=_regular(derived, seed))
 
 
-def _singular(derived: Derivation, seed: int) -> Check:
+def _singular(derived: SetDerivation, seed: int) -> Check:
     """Configurations of the corank, those left out that 50 digits show to have it nowhere but where conditions hold."""
     chain = derived.chain
     points = cloud(chain.own, chain.own_task, derived.corank, _FOUND, seed).q
@@ -50,7 +50,7 @@ def _singular(derived: Derivation, seed: int) -> Check:
     return Check(len(points) - int(wrong.sum()), len(points) - len(off))
 
 
-def _regular(derived: Derivation, seed: int) -> Check:
+def _regular(derived: SetDerivation, seed: int) -> Check:
     """Configurations of the corank below, as far as σ shows that they have no higher one."""
     chain = derived.chain
     q: Array = out_of_units(chain.robot, cloud(chain.own, chain.own_task, derived.corank - 1, _FOUND, seed).q)

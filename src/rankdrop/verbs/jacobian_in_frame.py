@@ -21,7 +21,7 @@ from rankdrop.formula.shortest import single_angles
 from rankdrop.formula.value import Quotient, number_at
 from rankdrop.kinematics import check_robot, jacobian, one_configuration, pose
 from rankdrop.local.block import sample
-from rankdrop.results.jacobian_in_frame import Agreement, CheckKind, LinkJacobian, Numbers, regular
+from rankdrop.results.jacobian_in_frame import Agreement, CheckKind, JacobianNumbers, LinkJacobian, regular
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.transform import rotation, translation
 from rankdrop.task import Task
@@ -166,12 +166,12 @@ def _inverse(chain: Chain, rows: Sequence[Sequence[Polynomial]], seconds: float)
         ) from end  # fmt: skip
 
 
-def _numbers_at(chain: Chain, q: Array, k: int, at: int | None, inverse: bool) -> Numbers:
+def _numbers_at(chain: Chain, q: Array, k: int, at: int | None, inverse: bool) -> JacobianNumbers:
     matrix = numeric(chain, q, k, at)
     sigma = np.linalg.svd(matrix, compute_uv=False)
     square = matrix.shape[0] == matrix.shape[1]
     inverted = inverse and square and regular(matrix)
-    return Numbers(
+    return JacobianNumbers(
         tuple(float(x) for x in q), matrix, float(np.linalg.det(matrix)) if square else None,
         np.asarray(np.linalg.inv(matrix), dtype=np.float64) if inverted else None,
         tuple(float(x) for x in sigma),
@@ -184,7 +184,7 @@ def _checks(
     at: int | None,
     rows: Sequence[Sequence[Polynomial]],
     closed: ClosedInverse | None,
-    numbers: Numbers | None,
+    numbers: JacobianNumbers | None,
 ) -> Iterator[Agreement]:
     """Agreement of the closed forms with the numeric Jacobian, and of the inverses with the matrices."""
     if rows:

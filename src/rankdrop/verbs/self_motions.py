@@ -23,7 +23,7 @@ from rankdrop.kinematics import pose as pose_of
 from rankdrop.local.failures import worst_case
 from rankdrop.poses.branches import self_motion_curves
 from rankdrop.poses.inverse import Aim, within_limits
-from rankdrop.poses.solution_search import Curve
+from rankdrop.poses.solution_search import SelfMotionCurve
 from rankdrop.problem import into_limits, whole_turns
 from rankdrop.questions import InverseOptions
 from rankdrop.robot.model import Array, Robot
@@ -88,7 +88,7 @@ def self_motions(
     )  # fmt: skip
 
 
-def _finer(aim: Aim, pose: Array, curve: Curve) -> Array:
+def _finer(aim: Aim, pose: Array, curve: SelfMotionCurve) -> Array:
     """(K, n) points of a curve, and those between them, each solved for the pose."""
     points = curve.points
     if curve.closed:  # the way from the last point to the first one, wherever whole turns have led

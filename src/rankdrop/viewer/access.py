@@ -255,10 +255,10 @@ class _Uploads(dict[str, Any]):
         if sum(sizes) > LARGEST_UPLOAD or parts > max(1, state["total_bytes"]):
             self._say(f"the file is too large to be opened; allowed: at most {LARGEST_UPLOAD // 2**20} MB")
             return
-        super().__setitem__(key, {**state, "parts": _Parts(state["total_bytes"])})
+        super().__setitem__(key, {**state, "parts": _UploadParts(state["total_bytes"])})
 
 
-class _Parts(dict[int, bytes]):
+class _UploadParts(dict[int, bytes]):
     """The parts of one upload; what goes beyond its length is not kept, and the length then shows it."""
 
     def __init__(self, length: int) -> None:

@@ -21,7 +21,7 @@ from rankdrop.algebra.work import OutOfTime
 from rankdrop.errors import RobotError, TaskError
 from rankdrop.exact.arm.geometry import (
     Deviation,
-    Section,
+    JointAndLink,
     decimals,
     exact_cosine,
     first_and_last,
@@ -181,7 +181,7 @@ class Chain:
 
     robot: Robot
     task: Task
-    sections: tuple[Section, ...]
+    sections: tuple[JointAndLink, ...]
     letters: Mapping[str, Fraction]
     written: Mapping[tuple[int, str], tuple[int, str]]
     roundings: tuple[Deviation, ...]

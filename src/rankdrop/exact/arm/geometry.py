@@ -41,7 +41,7 @@ _QUARTERS: tuple[tuple[Number, Number], ...] = ((ONE, ZERO), (ZERO, ONE), (-ONE,
 
 
 @dataclass(frozen=True, slots=True)
-class Turn:
+class ExactAngle:
     """An angle by its exact cosine and sine.
 
     Attributes:
@@ -73,7 +73,7 @@ class Turn:
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class JointAndLink:
     """Joint i and the link after it.
 
     Attributes:
@@ -92,11 +92,11 @@ class Section:
     """
 
     kind: JointKind
-    phase: Turn
+    phase: ExactAngle
     shift: float
     d: Fraction
     a: Fraction
-    twist: Turn
+    twist: ExactAngle
     variable: int
     multiplier: Fraction
     part: int = 1
@@ -127,7 +127,7 @@ class Deviation:
     counted: float = 1.0
 
 
-def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tuple[Deviation, ...]]:
+def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[JointAndLink, ...], tuple[Deviation, ...]]:
     """The n sections of a chain, the last one up to the tip's foot on the last axis, and what was rounded.
 
     Args:
@@ -179,7 +179,7 @@ def sections(robot: Robot, unit: float = 1.0) -> tuple[tuple[Section, ...], tupl
                 size = unit if what in "ad" else 1.0
                 roundings.append(Deviation(what, (i + 1,), size * error, size * value))
         variable = robot.drivers[i] + 1
-        out.append(Section(joint.kind, phase, shift, exact["d"], exact["a"], twist, variable, multiplier, part))
+        out.append(JointAndLink(joint.kind, phase, shift, exact["d"], exact["a"], twist, variable, multiplier, part))
     return tuple(out), tuple(roundings)
 
 
@@ -204,7 +204,7 @@ def tip_roundings(tip: Array, joint: int, unit: float) -> tuple[Deviation, ...]:
     )  # fmt: skip
 
 
-def turn(angle: float) -> Turn:
+def turn(angle: float) -> ExactAngle:
     """The angle as a multiple of 15° or 18° where it is that to `ALIGNED`, else by a rational tangent of its half.
 
     The rational differs from tan(angle / 2) by less than 1e-12.
@@ -213,12 +213,12 @@ def turn(angle: float) -> Turn:
     error = angle - radians(whole)
     if abs(error) > ALIGNED:
         c, s = rational_circle(angle)
-        return Turn(c, s, remainder(angle - atan2(s, c), 2 * pi))
+        return ExactAngle(c, s, remainder(angle - atan2(s, c), 2 * pi))
     quarters, rest = divmod(whole, 90)
     cosine, sine = surd(rest)
     for _ in range(quarters % 4):
         cosine, sine = -sine, cosine
-    return Turn(cosine, sine, error)
+    return ExactAngle(cosine, sine, error)
 
 
 def rational_circle(angle: float) -> tuple[Fraction, Fraction]:
@@ -321,7 +321,7 @@ Place = tuple[int, str]
 
 def named_lengths(
     robot: Robot,
-    links: Sequence[Section],
+    links: Sequence[JointAndLink],
     lengths: str | Mapping[str, float],
     tip: Sequence[Fraction] | None,
 ) -> tuple[dict[str, Fraction], dict[Place, tuple[int, str]]]:
@@ -398,7 +398,7 @@ def _letter_values(lengths: str | Mapping[str, float]) -> dict[str, Fraction]:
     return {name: Fraction(str(value)) for name, value in lengths.items()}
 
 
-def _values(links: Sequence[Section], tip: Sequence[Fraction] | None) -> dict[Place, Fraction]:
+def _values(links: Sequence[JointAndLink], tip: Sequence[Fraction] | None) -> dict[Place, Fraction]:
     """Every length other than 0 that conditions may depend on; index n is the tip."""
     last = len(links)
     # neither the first nor the last offset moves a screw against another one
@@ -409,7 +409,7 @@ def _values(links: Sequence[Section], tip: Sequence[Fraction] | None) -> dict[Pl
     return {place: value for place, value in values.items() if value != 0}
 
 
-def _without_structure(links: Sequence[Section], values: Mapping[Place, Fraction]) -> bool:
+def _without_structure(links: Sequence[JointAndLink], values: Mapping[Place, Fraction]) -> bool:
     """Whether letters would make conditions too long: several twists that are no quarter turns, or many lengths."""
     turns = flat_map(lambda s: (s.twist, s.phase), links)  # the phase of a variable that turns is of quarter turns
     odd = {abs(float(t.sin)) for t in turns if t.quarters is None}

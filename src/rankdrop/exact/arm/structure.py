@@ -27,7 +27,7 @@ from rankdrop.algebra.matrix import count_terms, entries, submatrix, with_rows
 from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.geometry import Deviation, Section
+from rankdrop.exact.arm.geometry import Deviation, JointAndLink
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.numbers import reach
 from rankdrop.task import BODY
@@ -139,7 +139,7 @@ def _meet(chain: Chain, i: int) -> bool:
     return _is_twisted(chain.sections[i - 1]) and chain.length(i - 1, "a") == 0
 
 
-def _is_twisted(section: Section) -> bool:
+def _is_twisted(section: JointAndLink) -> bool:
     """Whether the axes before and after a link are not parallel."""
     return section.twist.sin != 0
 

@@ -10,14 +10,14 @@ import random
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from rankdrop.algebra.field import Point, random_point, rank, residue
+from rankdrop.algebra.field import ModularPoint, random_point, rank, residue
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.geometry import Section
+from rankdrop.exact.arm.geometry import JointAndLink
 from rankdrop.families.record import Check
 from rankdrop.robot.model import JointKind
 
 
-def random_points(chain: Chain, count: int, seed: int = 0) -> list[Point]:
+def random_points(chain: Chain, count: int, seed: int = 0) -> list[ModularPoint]:
     """Points of the whole joint space modulo P, lengths random too: what almost every arm of this kind does.
 
     Args:
@@ -29,7 +29,7 @@ def random_points(chain: Chain, count: int, seed: int = 0) -> list[Point]:
     return [random_point(chain.ring, rng) for _ in range(count)]
 
 
-def rank_modulo(chain: Chain, point: Point) -> int:
+def rank_modulo(chain: Chain, point: ModularPoint) -> int:
     """Rank of the task Jacobian at a point modulo P.
 
     By forward kinematics of residues along the chain, from the first axis on; the symbolic screws are not used. For a
@@ -49,23 +49,23 @@ def rank_modulo(chain: Chain, point: Point) -> int:
     return rank(_twists(chain, point), point.prime) - (6 - chain.task.m)
 
 
-def rank_check(chain: Chain, points: Iterable[Point]) -> tuple[int, ...]:
+def rank_check(chain: Chain, points: Iterable[ModularPoint]) -> tuple[int, ...]:
     """`rank_modulo` at each of the points."""
     return tuple(rank_modulo(chain, point) for point in points)
 
 
-def rank_agreement(chain: Chain, points: Iterable[Point], claimed: int) -> Check:
+def rank_agreement(chain: Chain, points: Iterable[ModularPoint], claimed: int) -> Check:
     """At how many of the points, one or more of every piece of a family, the rank is exactly as claimed."""
     ranks = rank_check(chain, points)
     return Check(len(ranks), sum(rank == claimed for rank in ranks))
 
 
-def _twists(chain: Chain, point: Point) -> list[list[int]]:
+def _twists(chain: Chain, point: ModularPoint) -> list[list[int]]:
     """Columns (v; ω) in the frame before joint 1, as residues: of a joint v = p × z for a point p of the axis z, summed
     up over the joints that a variable moves; then one for each row that the task leaves out.
     """
     prime = point.prime
-    frame = _Frame([[int(i == j) for j in range(3)] for i in range(3)], [0, 0, 0])
+    frame = _ChainFrame([[int(i == j) for j in range(3)] for i in range(3)], [0, 0, 0])
     twists = [[0] * 6 for _ in range(chain.n)]
     for number, section in enumerate(chain.sections):
         screw = _screw(frame, section, prime)
@@ -80,7 +80,7 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
 
 
 @dataclass(frozen=True)
-class _Frame:
+class _ChainFrame:
     """A frame of the chain, in the frame before joint 1.
 
     Attributes:
@@ -92,7 +92,7 @@ class _Frame:
     origin: list[int]
 
 
-def _screw(frame: _Frame, section: Section, prime: int) -> list[int]:
+def _screw(frame: _ChainFrame, section: JointAndLink, prime: int) -> list[int]:
     """(v; ω) of a joint that moves by one unit about or along the z axis of its frame."""
     z = [row[2] for row in frame.turn]
     if section.kind is JointKind.PRISMATIC:
@@ -100,7 +100,9 @@ def _screw(frame: _Frame, section: Section, prime: int) -> list[int]:
     return [*_moment(frame.origin, z, prime), *z]
 
 
-def _next_frame(chain: Chain, frame: _Frame, number: int, section: Section, point: Point) -> _Frame:
+def _next_frame(
+    chain: Chain, frame: _ChainFrame, number: int, section: JointAndLink, point: ModularPoint
+) -> _ChainFrame:
     """The frame behind a section (from 0): turned and moved along z, then moved and turned along the new x axis."""
     prime = point.prime
     z = [row[2] for row in frame.turn]
@@ -112,10 +114,10 @@ def _next_frame(chain: Chain, frame: _Frame, number: int, section: Section, poin
     a = _length(chain, number, "a", point)
     origin = [(frame.origin[i] + d * z[i] + a * turn[i][0]) % prime for i in range(3)]
     cosine, sine = residue(section.twist.cos, prime), residue(section.twist.sin, prime)
-    return _Frame(_times(turn, [[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]], prime), origin)
+    return _ChainFrame(_times(turn, [[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]], prime), origin)
 
 
-def _angle(section: Section, point: Point) -> tuple[int, int]:
+def _angle(section: JointAndLink, point: ModularPoint) -> tuple[int, int]:
     """(cos, sin) of the angle about z: the phase, and of a turning joint a whole multiple of its variable."""
     prime = point.prime
     cosine, sine = residue(section.phase.cos, prime), residue(section.phase.sin, prime)
@@ -129,7 +131,7 @@ def _angle(section: Section, point: Point) -> tuple[int, int]:
     return cosine, sine
 
 
-def _tip(chain: Chain, frame: _Frame, point: Point) -> list[int]:
+def _tip(chain: Chain, frame: _ChainFrame, point: ModularPoint) -> list[int]:
     """(3,) the tip, given the frame behind the last section."""
     prime, last = point.prime, chain.links
     offset = [_length(chain, last, "a", point), residue(chain.tip[1], prime), _length(chain, last, "d", point)]
@@ -137,7 +139,7 @@ def _tip(chain: Chain, frame: _Frame, point: Point) -> list[int]:
     return [(x + y) % prime for x, y in zip(frame.origin, moved, strict=True)]
 
 
-def _screw_of_row(chain: Chain, frame: _Frame, tip: list[int], row: int, prime: int) -> list[int]:
+def _screw_of_row(chain: Chain, frame: _ChainFrame, tip: list[int], row: int, prime: int) -> list[int]:
     """(v; ω) of the motion that a row of the task would measure: along an axis, or about it through the tip."""
     axis = [residue(x, prime) for x in chain.task_axes[row % 3]]
     if chain.in_body:
@@ -156,7 +158,7 @@ def _moment(point: list[int], axis: list[int], prime: int) -> list[int]:
     return [(point[i - 2] * axis[i - 1] - point[i - 1] * axis[i - 2]) % prime for i in range(3)]
 
 
-def _length(chain: Chain, place: int, which: str, point: Point) -> int:
+def _length(chain: Chain, place: int, which: str, point: ModularPoint) -> int:
     """Length "a" or "d" of a section as a residue: its letter's value at the point, or its own."""
     if (place, which) in chain.written:
         sign, letter = chain.written[place, which]

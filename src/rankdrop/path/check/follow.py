@@ -22,7 +22,7 @@ from rankdrop import _core
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import singular_values
 from rankdrop.path.check.missed_singularity import StraightCrossing, missed_start
-from rankdrop.path.check.passing import Departure, Move, Turn, departures, internal_turn
+from rankdrop.path.check.passing import Departure, StraightMove, Turn, departures, internal_turn
 from rankdrop.path.check.solution_curve import CurvePart, follow_curve
 from rankdrop.path.check.tool_branch import Followed, Passed
 from rankdrop.path.check.tool_line import poses_at
@@ -105,11 +105,11 @@ def follow(
     """
     wanted = np.asarray(poses, dtype=np.float64)
     aim = Aim(robot, resolve_task(task, robot))
-    return _Walk(aim, wanted, limits, pull, tolerance, through).run(one_configuration(robot, start))
+    return _BranchWalk(aim, wanted, limits, pull, tolerance, through).run(one_configuration(robot, start))
 
 
 @dataclass(eq=False)
-class _Progress:
+class _BranchProgress:
     """How far a branch was followed, and how its next step is taken.
 
     Attributes:
@@ -182,7 +182,7 @@ class _Progress:
 
 
 @dataclass(eq=False)
-class _Walk:
+class _BranchWalk:
     aim: Aim
     poses: Array
     limits: bool
@@ -209,9 +209,9 @@ class _Walk:
         now, last = solved[0], len(self.poses) - 1.0
         if self.through and last > 0.0 and self._singular(now):
             now = self._turn_start(now)
-        return self._walk(_Progress(now, self._side(now)))
+        return self._walk(_BranchProgress(now, self._side(now)))
 
-    def _leave_miss(self, singular: Array) -> _Progress | None:
+    def _leave_miss(self, singular: Array) -> _BranchProgress | None:
         """Straight away from a singularity (n,) that the first pose misses; None where that is not asked for, or no row
         ahead is straight on.
         """
@@ -221,12 +221,12 @@ class _Walk:
         if rows is None:
             return None
         self.missed.update(rows.missed)
-        progress = _Progress(singular, 0.0)
+        progress = _BranchProgress(singular, 0.0)
         progress.keep(rows.place, rows.q, between=True, growth=_GROWING)
         progress.side = self._side(progress.now)
         return progress
 
-    def _walk(self, progress: _Progress) -> Followed:
+    def _walk(self, progress: _BranchProgress) -> Followed:
         """From where a branch has begun to where it ends."""
         last = len(self.poses) - 1.0
         while progress.place < last:
@@ -236,7 +236,7 @@ class _Walk:
             progress.tries += 1
         return self._cut_at_miss(self._as_followed(progress, last))
 
-    def _look_at_work(self, progress: _Progress) -> None:
+    def _look_at_work(self, progress: _BranchProgress) -> None:
         """Note whether the work of one path is used up, or the branch creeps."""
         if progress.tries > 0 and progress.tries % _STALLED == 0:
             progress.creeps = self._creeps(progress)
@@ -244,7 +244,7 @@ class _Walk:
         most = _TRIES[0] + _TRIES[1] * len(self.poses)
         progress.spent = progress.creeps or progress.tries > most or progress.size > _ROWS
 
-    def _creeps(self, progress: _Progress) -> bool:
+    def _creeps(self, progress: _BranchProgress) -> bool:
         """Whether the branch is where it was `_STALLED` tries before, and no nearer to a singularity, nor farther.
 
         Where it passes by a singularity, σ_r falls and rises by orders of magnitude while the joints hardly move, and
@@ -257,7 +257,7 @@ class _Walk:
         sigma = singular_values(self.aim.robot, np.stack([q, progress.now]), self.aim.task)[:, self.aim.rank - 1]
         return bool(sigma.max() <= _NO_NEARER * sigma.min())
 
-    def _take_step(self, progress: _Progress, last: float) -> bool:
+    def _take_step(self, progress: _BranchProgress, last: float) -> bool:
         """Take one step or halve it, and return True; at the end of the branch, note why and return False."""
         step = None
         self.growth = _GROWING
@@ -290,7 +290,7 @@ class _Walk:
             return -1
         return self._joint_beyond_limit(step[1])
 
-    def _as_followed(self, progress: _Progress, last: float) -> Followed:
+    def _as_followed(self, progress: _BranchProgress, last: float) -> Followed:
         """What was followed, and why it ended."""
         q, place = np.concatenate(progress.rows), np.concatenate(progress.places) + 1.0
         reason, sigma = "", np.inf
@@ -303,7 +303,7 @@ class _Walk:
         return Followed(q, place, not reason, progress.place + 1.0, progress.now, reason, progress.joint + 1, sigma,
                         passed=tuple(passed), folds=progress.folds, turn=progress.turn)  # fmt: skip
 
-    def _reason(self, progress: _Progress, sigma: float) -> str:
+    def _reason(self, progress: _BranchProgress, sigma: float) -> str:
         """Why a branch ended before the last pose."""
         if progress.turn is not None:
             return "turn"
@@ -355,7 +355,7 @@ class _Walk:
             return end
         return q
 
-    def _step_from_singularity(self, progress: _Progress) -> tuple[tuple[Array, Array] | None, Array | None]:
+    def _step_from_singularity(self, progress: _BranchProgress) -> tuple[tuple[Array, Array] | None, Array | None]:
         """From a configuration at or next to a singularity: a step ahead, and the direction of the solution curve at
         its end, where it was followed. Without a step, note whether the branch folds back, and the turn that it needs.
         """
@@ -371,7 +371,7 @@ class _Walk:
             if across is not None:
                 return across, None
         if self.aim.square and (sigma > _SINGULAR or progress.heading is not None):
-            move = Move(self.aim, self.poses, place)
+            move = StraightMove(self.aim, self.poses, place)
             move.seen_from(now)
             part = follow_curve(move, now, progress.heading)
             if part is not None:
@@ -380,7 +380,7 @@ class _Walk:
                 return None, None
         return self._step_by_geometry(progress, sigma), None
 
-    def _step_across_miss(self, progress: _Progress) -> tuple[Array, Array] | None:
+    def _step_across_miss(self, progress: _BranchProgress) -> tuple[Array, Array] | None:
         """Straight on over a singularity that lies on the branch, or next to it by as little as poses are rounded.
 
         Returns:
@@ -400,7 +400,7 @@ class _Walk:
             self.passed.append(Passed(progress.place + _NEXT_TO + 1.0, rest=False))
         return across.place, across.q
 
-    def _step_by_geometry(self, progress: _Progress, sigma: float) -> tuple[Array, Array] | None:
+    def _step_by_geometry(self, progress: _BranchProgress, sigma: float) -> tuple[Array, Array] | None:
         """As `_step_from_singularity`, by the local geometry of a singular configuration."""
         now, place = progress.now, progress.place
         ways, folds = departures(self.aim, self.poses, place, now)
@@ -419,7 +419,7 @@ class _Walk:
         return None
 
     def _step_along_curve(
-        self, progress: _Progress, move: Move, part: CurvePart
+        self, progress: _BranchProgress, move: StraightMove, part: CurvePart
     ) -> tuple[tuple[Array, Array] | None, Array | None]:
         """As `_step_from_singularity`, for a part of the solution curve that was followed from `progress.now`."""
         at, q = np.array([move.place_at(w) for w in part.w]), part.q
@@ -461,7 +461,7 @@ class _Walk:
         return np.concatenate([piece[0] for piece in pieces]), np.concatenate([piece[1] for piece in pieces])
 
     def _step_over_crossing(
-        self, progress: _Progress, at: Array, q: Array, crossing: Array
+        self, progress: _BranchProgress, at: Array, q: Array, crossing: Array
     ) -> tuple[Array, Array] | None:
         """As `_join_rows`, without rows so near to a crossing that their rates are ill-conditioned, those before the
         first one too; None where no row leads over it.
@@ -480,7 +480,7 @@ class _Walk:
             progress.rows, progress.places = [rows[: base + 1]], [places[: base + 1]]
         return over
 
-    def _sort_by_turn(self, progress: _Progress, ways: list[Departure]) -> list[Departure]:
+    def _sort_by_turn(self, progress: _BranchProgress, ways: list[Departure]) -> list[Departure]:
         """Departures, those first that go on in the direction in which the joints arrive.
 
         Where two solution curves cross at a singularity, a change from one to the other is a corner of the joint path

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.local.block import singular_values
-from rankdrop.path.check.passing import Move
+from rankdrop.path.check.passing import StraightMove
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.poses.inverse import Aim
 from rankdrop.robot.model import Array, first_joint_beyond_limit
@@ -185,7 +185,7 @@ class StraightCrossing:
         """The place as far ahead of a place as that of a configuration is behind it; None beyond the last pose."""
         way = float(np.linalg.norm(self.aim.error(poses_at(self.poses, np.array([place])), behind[None])))
         while place < len(self.poses) - 1.0:
-            move = Move(self.aim, self.poses, place)
+            move = StraightMove(self.aim, self.poses, place)
             move.seen_from(singular)
             if move.size > 0.0 and way <= move.room:
                 return move.place_at(way)

@@ -40,7 +40,7 @@ _AT_ZERO = 1e-6  # a joint so near to a quarter turn has either sign [rad]
 _MOST_TURNS = 4096  # combinations of whole turns of one solution
 
 
-class Cause(StrEnum):
+class EndCause(StrEnum):
     """Why a move could not be followed."""
 
     UNREACHED = "out of reach"
@@ -61,7 +61,7 @@ class Ended:
     """
 
     move: Move
-    cause: Cause
+    cause: EndCause
     branch: Followed | None = None
     available: tuple[tuple[int, int, int], ...] = ()
 
@@ -128,7 +128,7 @@ class MoveFollower:
             followed.rows.append(self._joints(move))
             return
         first = self._at_first_pose(move, before)
-        if isinstance(first, Cause):
+        if isinstance(first, EndCause):
             followed.ended = self._ended(move, first)
             return
         followed.rows.append(first)
@@ -141,7 +141,7 @@ class MoveFollower:
         else:
             followed.begins = "before"
 
-    def _at_first_pose(self, move: Move, before: Array | None) -> Array | Cause:
+    def _at_first_pose(self, move: Move, before: Array | None) -> Array | EndCause:
         """A configuration at the pose of a move: in the posture it names, else near to the one before; or why none."""
         goal, posture = self._pose(move), move.target.posture
         if before is not None and posture == Posture():
@@ -157,8 +157,8 @@ class MoveFollower:
         if chosen is not None:
             return chosen
         if len(solutions):
-            return Cause.POSTURE
-        return Cause.UNREACHED
+            return EndCause.POSTURE
+        return EndCause.UNREACHED
 
     def _reached_from(self, before: Array, goal: Array) -> Array | None:
         """A configuration at a pose on the branch of another one; None where a joint reaches its limit on the way."""
@@ -184,7 +184,7 @@ class MoveFollower:
                 solutions = self._solutions(goal)
             chosen = self._in_posture(solutions, self._near(move, now), move.target.posture)
             if chosen is None:
-                followed.ended = self._ended(move, Cause.POSTURE if len(solutions) else Cause.UNREACHED)
+                followed.ended = self._ended(move, EndCause.POSTURE if len(solutions) else EndCause.UNREACHED)
                 return
             end = chosen
         step = np.abs(end - now)
@@ -222,7 +222,7 @@ class MoveFollower:
             end = pose(self.robot, self._joints(move))
         way = self._way(move, begin, end)
         if way is None:
-            followed.ended = Ended(move, Cause.NO_CIRCLE)
+            followed.ended = Ended(move, EndCause.NO_CIRCLE)
             return
         length = float(np.linalg.norm(np.diff(way[:, :3, 3], axis=0), axis=1).sum())
         turn = float(np.linalg.norm(rotation_vector((end[:3, :3] @ begin[:3, :3].T)[None])[0]))
@@ -249,7 +249,7 @@ class MoveFollower:
         if branch.passed:
             followed.passed.append(index)
         if not branch.complete:
-            followed.ended = Ended(move, Cause.BRANCH, _as_shares(branch, len(way) - 1))
+            followed.ended = Ended(move, EndCause.BRANCH, _as_shares(branch, len(way) - 1))
 
     @property
     def _height(self) -> float:
@@ -346,9 +346,9 @@ class MoveFollower:
             self.solved[key] = within_limits(self.robot, goal, self.task)
         return self.solved[key]
 
-    def _ended(self, move: Move, cause: Cause) -> Ended:
+    def _ended(self, move: Move, cause: EndCause) -> Ended:
         """A move to a pose that was not made; where its target states another posture, with those that there are."""
-        if cause is not Cause.POSTURE or move.target.posture.quarters is None or self.robot.n < 6:
+        if cause is not EndCause.POSTURE or move.target.posture.quarters is None or self.robot.n < 6:
             return Ended(move, cause)
         every = np.concatenate([self._add_whole_turns(solution) for solution in self._solutions(self._pose(move))])
         quarters = np.floor(every[:, [0, 3, 5]] / (pi / 2) + _AT_ZERO).astype(int).tolist()

@@ -48,7 +48,7 @@ class Overrun(Fastest):
 
 
 @dataclass(frozen=True, eq=False)
-class _Pieces:
+class _RatePieces:
     """Joint rates on pieces of a path, P to each stretch.
 
     Attributes:
@@ -99,7 +99,7 @@ def fastest(robot: Robot, path: Curve) -> Fastest | None:
     return Fastest(joint + 1, float(pieces.rates[k, joint]), float(limits[joint]), place)
 
 
-def _pieces(path: Curve, first: int, last: int | None) -> _Pieces | None:
+def _pieces(path: Curve, first: int, last: int | None) -> _RatePieces | None:
     """The rates between two rows; None without times or without a stretch."""
     rates = path.rates
     if rates is None or path.times is None or not len(rates[first:last]):
@@ -107,21 +107,21 @@ def _pieces(path: Curve, first: int, last: int | None) -> _Pieces | None:
     lasts = np.diff(path.times)[first:last]
     if path.degree == 1:
         travel = np.abs(path.control[first:last, -1] - path.control[first:last, 0])
-        return _Pieces(rates[first:last], travel, lasts, 1)
+        return _RatePieces(rates[first:last], travel, lasts, 1)
     stretch = np.repeat(np.arange(first, first + len(lasts)), _PARTS)
     share = np.tile((np.arange(_PARTS) + 0.5) / _PARTS, len(lasts))
     slope = np.abs(path.slope(stretch, share))
     each = np.repeat(lasts, _PARTS)
-    return _Pieces(slope / each[:, None], slope / _PARTS, each / _PARTS, _PARTS)
+    return _RatePieces(slope / each[:, None], slope / _PARTS, each / _PARTS, _PARTS)
 
 
-def _shares(pieces: _Pieces, limits: Array) -> Array:
+def _shares(pieces: _RatePieces, limits: Array) -> Array:
     """(K, n) rates as shares of their limits; 0 for a joint that stands still, whatever its limit."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(pieces.rates > 0.0, pieces.rates / limits, 0.0)
 
 
-def _overrun(robot: Robot, path: Curve, pieces: _Pieces, shares: Array, joint: int, first: int) -> Overrun:
+def _overrun(robot: Robot, path: Curve, pieces: _RatePieces, shares: Array, joint: int, first: int) -> Overrun:
     """The overrun of a joint, counted from 0, by its shares (K,) of the limit."""
     over = np.flatnonzero(shares > _KEPT)
 

@@ -82,7 +82,7 @@ class Turn:
     rest_reached: float = 0.0
 
 
-class Move:
+class StraightMove:
     """One straight move of a tool path, the one that begins or goes on at a place, seen from a configuration there."""
 
     def __init__(self, aim: Aim, poses: Array, place: float) -> None:
@@ -170,7 +170,7 @@ def departures(aim: Aim, poses: Array, place: float, q: Array) -> tuple[list[Dep
         Departures, smooth ones first, then those that begin with a larger step; and whether there is none because the
         branch folds back: the path was followed by finite motion, and all of it is behind.
     """
-    move = Move(aim, poses, place)
+    move = StraightMove(aim, poses, place)
     xi = move.seen_from(q)
     if move.size <= _STILL:
         return [], False
@@ -184,7 +184,7 @@ def departures(aim: Aim, poses: Array, place: float, q: Array) -> tuple[list[Dep
     return _departures_from_rest(move, q, kernel, room)
 
 
-def _crossing_departures(move: Move, q: Array, xi: Array, room: float) -> list[Departure]:
+def _crossing_departures(move: StraightMove, q: Array, xi: Array, room: float) -> list[Departure]:
     """Curves that cross where the move has no share along the direction that is lost, flattest first.
 
     The kernel of (J, −ξ) is a plane of (x, w) there. On solution curves uᵀe vanishes to second order, which is a
@@ -202,7 +202,7 @@ def _crossing_departures(move: Move, q: Array, xi: Array, room: float) -> list[D
     return [departure for departure in departing if departure is not None]
 
 
-def _departure_along(move: Move, y: Array, way: Array, room: float) -> Departure | None:
+def _departure_along(move: StraightMove, y: Array, way: Array, room: float) -> Departure | None:
     """A smooth departure from y = (x, w) along a unit vector."""
     for step in _STEPS:
         guess = y + step * way
@@ -214,7 +214,7 @@ def _departure_along(move: Move, y: Array, way: Array, room: float) -> Departure
     return None
 
 
-def _second_order(move: Move, y: Array, u: Array, plane: Array) -> Array:
+def _second_order(move: StraightMove, y: Array, u: Array, plane: Array) -> Array:
     """(2, 2) the quadratic form d²(uᵀe) on a plane (2, n + 1) on which uᵀe vanishes to first order."""
 
     def second(way: Array) -> float:
@@ -241,7 +241,7 @@ def _zeros(form: Array, plane: Array) -> list[Array]:
     return zeros
 
 
-def _smooth_departures(move: Move, q: Array, xi: Array, kernel: Array, room: float) -> Iterator[Departure]:
+def _smooth_departures(move: StraightMove, q: Array, xi: Array, kernel: Array, room: float) -> Iterator[Departure]:
     """Δq proportional to Δw."""
     aim = move.aim
     ahead = aim.step(q[None], xi[None])[0] / aim.joints
@@ -274,7 +274,7 @@ def _smooth_departures(move: Move, q: Array, xi: Array, kernel: Array, room: flo
             return
 
 
-def _departures_from_rest(move: Move, q: Array, kernel: Array, room: float) -> tuple[list[Departure], bool]:
+def _departures_from_rest(move: StraightMove, q: Array, kernel: Array, room: float) -> tuple[list[Departure], bool]:
     """Δq along the kernel first."""
     count = kernel.shape[1]
     ways = [np.eye(count)[i] for i in range(count)]
@@ -302,7 +302,7 @@ class _Lead(Enum):
     UNKNOWN = auto()
 
 
-def _lead(move: Move, q: Array, kernel: Array, way: Array, room: float) -> tuple[_Lead, float, Array | None]:
+def _lead(move: StraightMove, q: Array, kernel: Array, way: Array, room: float) -> tuple[_Lead, float, Array | None]:
     """Where a way along the kernel leads; ahead: w at the end of a step, and the configuration there."""
     for step in _STEPS:
         half = _point_along_kernel(move, q, kernel, 0.5 * step * way)
@@ -319,7 +319,7 @@ def _lead(move: Move, q: Array, kernel: Array, way: Array, room: float) -> tuple
     return _Lead.UNKNOWN, 0.0, None
 
 
-def _point_along_kernel(move: Move, q: Array, kernel: Array, offset: Array) -> tuple[Array, float] | None:
+def _point_along_kernel(move: StraightMove, q: Array, kernel: Array, offset: Array) -> tuple[Array, float] | None:
     """Configuration on the path whose kernel part is `offset` (k,), and w there; None where Newton fails."""
     aim = move.aim
     x0 = q / aim.joints
@@ -346,7 +346,7 @@ def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: boo
     Returns:
         (n,), or None where the tool does not stand still along any curve through q, or no such point of it was found.
     """
-    move = Move(aim, poses, place)
+    move = StraightMove(aim, poses, place)
     if _local_geometry(aim, q)[2].shape[1] != 1:
         return None
     turns = [_first_turn(move, q, sign, limits=limits) for sign in (1.0, -1.0)]
@@ -357,7 +357,7 @@ def internal_turn(aim: Aim, poses: Array, place: float, q: Array, *, limits: boo
     return None
 
 
-def _first_turn(move: Move, q: Array, sign: float, *, limits: bool) -> tuple[float, Array] | None:
+def _first_turn(move: StraightMove, q: Array, sign: float, *, limits: bool) -> tuple[float, Array] | None:
     """Along the self-motion from q one way, the first configuration where the lost direction leaves the path free.
 
     There the tool's next move ξ has no part along the lost direction u: uᵀξ changes its sign.
@@ -411,7 +411,7 @@ def _joint_distance(aim: Aim, q: Array, other: Array) -> float:
     return float(np.linalg.norm(apart / aim.joints))
 
 
-def _next_of_self_motion(move: Move, now: Array, heading: Array, step: float) -> Array | None:
+def _next_of_self_motion(move: StraightMove, now: Array, heading: Array, step: float) -> Array | None:
     """The next configuration with the same pose."""
     _, _, kernel = _local_geometry(move.aim, now)
     along = kernel @ (kernel.T @ heading)
@@ -425,7 +425,7 @@ def _next_of_self_motion(move: Move, now: Array, heading: Array, step: float) ->
     return new
 
 
-def _zero_between(move: Move, a: Array, b: Array, u: Array, at_a: float, at_b: float) -> Array:
+def _zero_between(move: StraightMove, a: Array, b: Array, u: Array, at_a: float, at_b: float) -> Array:
     """The configuration between two of a self-motion at which u·ξ = 0, by regula falsi on the curve."""
     low, high = 0.0, 1.0
     best = a

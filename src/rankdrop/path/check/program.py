@@ -83,7 +83,7 @@ class MoveCheck:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class ProgramPart:
     """A part of a program without a gap.
 
     Attributes:
@@ -239,7 +239,7 @@ class ProgramCheck(Result):
     robot: Robot
     task: Task
     program: Program
-    parts: tuple[Part, ...]
+    parts: tuple[ProgramPart, ...]
     raised: float
     interrupted: int = 0
     tool: Array | None = None
@@ -369,7 +369,7 @@ def check_program(
     else:
         raised = 0.0
     follower = MoveFollower(robot, task, program, question, raised)
-    parts: list[Part] = []
+    parts: list[ProgramPart] = []
     runs = _runs(program)
     start = _start(question, runs)
     waiting, before = runs[::-1], start
@@ -410,7 +410,7 @@ def _with_tool(robot: Robot, tool: Array | None) -> Robot:
 
 def _check_part(
     robot: Robot, question: PathQuestion, followed: FollowedMoves, progress: Callable[[int, int], None] | None
-) -> Part:
+) -> ProgramPart:
     """A part with its path checked."""
     check = None
     if followed.rows:
@@ -422,7 +422,7 @@ def _check_part(
         task = asked_for(robot, question.task, question.analysis)
         check = check_curve(robot, path, task, question.options, question.analysis, progress=progress)
         check = replace(check, rows=len(q))
-    return Part(
+    return ProgramPart(
         tuple(followed.moves), check, np.array(followed.owner, dtype=np.int64), followed.begins, followed.ended,
         followed.off, followed.turned, tuple(followed.passed), followed.untimed,
     )  # fmt: skip

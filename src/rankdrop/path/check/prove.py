@@ -170,7 +170,7 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class StretchParts:
     """Parts of stretches.
 
     Attributes:
@@ -187,14 +187,14 @@ class Pieces:
     def __len__(self) -> int:
         return len(self.stretch)
 
-    def __getitem__(self, which: Mask | slice) -> Pieces:
-        return Pieces(self.stretch[which], self.start[which], self.end[which], self.control[which])
+    def __getitem__(self, which: Mask | slice) -> StretchParts:
+        return StretchParts(self.stretch[which], self.start[which], self.end[which], self.control[which])
 
-    def halves(self) -> Pieces:
+    def halves(self) -> StretchParts:
         """Both halves of each, in order."""
         middle = (self.start + self.end) / 2
         start, end = np.stack([self.start, middle], axis=1), np.stack([middle, self.end], axis=1)
-        return Pieces(np.repeat(self.stretch, 2), start.reshape(-1), end.reshape(-1), halves(self.control))
+        return StretchParts(np.repeat(self.stretch, 2), start.reshape(-1), end.reshape(-1), halves(self.control))
 
 
 Sliver = tuple[Spot, Spot, bool]
@@ -244,7 +244,7 @@ class Proof:
         if self.progress is not None:
             self.attempt(0, partial(self.progress, self.stretches - open_stretches, self.stretches))
 
-    def give_up(self, pieces: Pieces, *, narrow: bool) -> None:
+    def give_up(self, pieces: StretchParts, *, narrow: bool) -> None:
         """Leave pieces open."""
         ends = zip(pieces.stretch.tolist(), pieces.start.tolist(), pieces.end.tolist(), strict=True)
         self.rest += [(*span, narrow) for span in ends]
@@ -274,7 +274,7 @@ def prove(
     work = Proof(setting, evaluations, len(path.control), progress)
     stretch = stretches_left(path, lambda low, high: free_boxes(robot, low, high, work))
     work.report(len(stretch))
-    pieces = Pieces(stretch, np.zeros(len(stretch)), np.ones(len(stretch)), path.control[stretch])
+    pieces = StretchParts(stretch, np.zeros(len(stretch)), np.ones(len(stretch)), path.control[stretch])
     along = Along(robot, setting)
     while len(pieces):
         work.report(len(np.unique(pieces.stretch)))
@@ -287,8 +287,8 @@ def prove(
             work.give_up(split[1], narrow=True)
             halved.append(split[0].halves())
         columns = (np.concatenate([getattr(part, name) for part in halved] or [getattr(pieces, name)[:0]])
-                   for name in Pieces.__dataclass_fields__)  # fmt: skip
-        pieces = Pieces(*columns)
+                   for name in StretchParts.__dataclass_fields__)  # fmt: skip
+        pieces = StretchParts(*columns)
     return work
 
 
@@ -361,7 +361,9 @@ def centre_and_half_sides(low: Array, high: Array, setting: Setting) -> tuple[Ar
     return centre, ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
 
 
-def _split_undecided(along: Along, pieces: Pieces, work: Proof, singular: float) -> tuple[Pieces, Pieces]:
+def _split_undecided(
+    along: Along, pieces: StretchParts, work: Proof, singular: float
+) -> tuple[StretchParts, StretchParts]:
     """Those that are not free: to be halved, and as narrow as can be."""
     middle, chord, extra = chord_form(pieces.control)
     scale, matters = along.setting.scale, along.setting.matters
@@ -379,7 +381,7 @@ def _split_undecided(along: Along, pieces: Pieces, work: Proof, singular: float)
     return pieces[~free & ~stuck], pieces[stuck & ~free]
 
 
-def _stuck(along: Along, pieces: Pieces, enclosed: Enclosed, length: Array, singular: float) -> Mask:
+def _stuck(along: Along, pieces: StretchParts, enclosed: Enclosed, length: Array, singular: float) -> Mask:
     """Pieces that halving does not help: narrow ones, and those singular to rounding wherever one looks."""
     stuck = length <= NARROW
     rows = np.flatnonzero(~enclosed.free & ~stuck & _hopeless(enclosed.sigma, enclosed.floor, singular))

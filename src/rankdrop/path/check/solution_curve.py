@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.path.check.passing import Move
+from rankdrop.path.check.passing import StraightMove
 from rankdrop.robot.model import Array
 
 _FIRST, _LONGEST, _SHORTEST = 1e-5, 0.02, 1e-8  # of a step [rad; slides scaled]
@@ -44,7 +44,7 @@ _GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 
 
 @dataclass(frozen=True, eq=False)
-class Crossing:
+class CurveCrossing:
     """A singularity through which a solution curve goes on.
 
     Attributes:
@@ -72,13 +72,13 @@ class CurvePart:
 
     w: Array
     q: Array
-    crossings: tuple[Crossing, ...]
+    crossings: tuple[CurveCrossing, ...]
     folds: bool
     heading: Array
 
 
 @dataclass(frozen=True, eq=False)
-class _Point:
+class _CurvePoint:
     """A point y = (x, w) of the curve.
 
     Attributes:
@@ -94,7 +94,7 @@ class _Point:
     sigma: float
 
 
-def follow_curve(move: Move, q: Array, heading: Array | None) -> CurvePart | None:
+def follow_curve(move: StraightMove, q: Array, heading: Array | None) -> CurvePart | None:
     """Follow the solution curve through a configuration ahead: to where it folds back, to the end of the move, or far
     enough to leave a singularity behind.
 
@@ -115,10 +115,10 @@ def follow_curve(move: Move, q: Array, heading: Array | None) -> CurvePart | Non
 
 
 class _CurveWalk:
-    def __init__(self, move: Move) -> None:
+    def __init__(self, move: StraightMove) -> None:
         self.move, self.aim, self.room = move, move.aim, move.room
-        self.points: list[_Point] = []
-        self.crossings: list[Crossing] = []
+        self.points: list[_CurvePoint] = []
+        self.crossings: list[CurveCrossing] = []
         self.step, self.length, self.goal = _FIRST, 0.0, _LENGTH
 
     def run(self) -> CurvePart | None:
@@ -140,13 +140,13 @@ class _CurveWalk:
                 return self.part(folds=False)
         return None
 
-    def is_doubtful(self, new: _Point) -> bool:
+    def is_doubtful(self, new: _CurvePoint) -> bool:
         """A point on a self-motion, or one behind the last one though w grows."""
         if new.slope > 0.0 and new.y[-1] <= self.points[-1].y[-1]:
             return True
         return abs(new.sigma) <= _SELF_MOTION and bool(new.y[-1] < self.room)
 
-    def take_point(self, new: _Point) -> bool:
+    def take_point(self, new: _CurvePoint) -> bool:
         """Go on to a point, and note a singularity on the way; False where the step jumps to another curve."""
         before = self.points[-1]
         if np.sign(new.sigma) != np.sign(before.sigma):
@@ -161,10 +161,10 @@ class _CurveWalk:
         touched = self.find_touch()
         if touched is not None:
             self.points[-2] = touched
-            self.crossings.append(Crossing(float(touched.y[-1]), touched.y[:-1] * self.aim.joints, True))
+            self.crossings.append(CurveCrossing(float(touched.y[-1]), touched.y[:-1] * self.aim.joints, True))
         return True
 
-    def first_point(self, y: Array, heading: Array | None) -> _Point | None:
+    def first_point(self, y: Array, heading: Array | None) -> _CurvePoint | None:
         """The first point, with a way along the curve; None where that has no direction."""
         if heading is not None:
             return self._point(y, heading)
@@ -173,7 +173,7 @@ class _CurveWalk:
             return None
         return self._point(y, vt[-1] * np.sign(vt[-1, -1]))
 
-    def step_along(self, start: _Point, step: float) -> _Point | None:
+    def step_along(self, start: _CurvePoint, step: float) -> _CurvePoint | None:
         """The point a step on; None where the step is too long."""
         guess = start.y + step * start.way
         y = self.move.on_plane(guess, start.way)
@@ -185,7 +185,7 @@ class _CurveWalk:
             return None
         return self._point(y, way)
 
-    def _point(self, y: Array, way: Array) -> _Point | None:
+    def _point(self, y: Array, way: Array) -> _CurvePoint | None:
         matrix = self.move.slopes(y)
         jacobian = matrix[:, :-1]
         sigma = np.linalg.svd(jacobian, compute_uv=False)
@@ -193,9 +193,9 @@ class _CurveWalk:
             return None
         tangent = np.linalg.svd(matrix)[2][-1]
         slope = float(tangent[-1]) * float(np.sign(tangent @ way))
-        return _Point(y, way, slope, float(sigma[-1] * np.linalg.slogdet(jacobian)[0]))
+        return _CurvePoint(y, way, slope, float(sigma[-1] * np.linalg.slogdet(jacobian)[0]))
 
-    def find_crossing(self, start: _Point, step: float) -> Crossing | None:
+    def find_crossing(self, start: _CurvePoint, step: float) -> CurveCrossing | None:
         """The zero of det J within a step; None where it jumps across zero, from one curve to another."""
         low, high = 0.0, step
         best = start
@@ -211,9 +211,9 @@ class _CurveWalk:
                 high = middle
         if abs(best.sigma) > _SINGULAR:
             return None
-        return Crossing(float(best.y[-1]), best.y[:-1] * self.aim.joints, False)
+        return CurveCrossing(float(best.y[-1]), best.y[:-1] * self.aim.joints, False)
 
-    def find_touch(self) -> _Point | None:
+    def find_touch(self) -> _CurvePoint | None:
         """The point next to the last one but one at which σ_r is zero without a change of sign."""
         if len(self.points) < 3:
             return None
@@ -226,7 +226,7 @@ class _CurveWalk:
             return None
         return least
 
-    def _best(self, start: _Point, length: float, value: Callable[[_Point], float]) -> _Point:
+    def _best(self, start: _CurvePoint, length: float, value: Callable[[_CurvePoint], float]) -> _CurvePoint:
         """The point of the largest value within a length from a point, by golden sections."""
         low, high, best = 0.0, length, start
         for _ in range(_SECTIONS):
@@ -242,7 +242,7 @@ class _CurveWalk:
                 low = left
         return best
 
-    def part_to_fold(self, new: _Point) -> CurvePart | None:
+    def part_to_fold(self, new: _CurvePoint) -> CurvePart | None:
         """The part up to the largest w before a point; where that is the end of the move, the curve has reached it."""
         last = self.points[-1]
         top = self._best(last, float(np.linalg.norm(new.y - last.y)), lambda point: float(point.y[-1]))
@@ -252,7 +252,7 @@ class _CurveWalk:
             self.points.append(top)
         return self.part(folds=True)
 
-    def part_to_end(self, new: _Point) -> CurvePart | None:
+    def part_to_end(self, new: _CurvePoint) -> CurvePart | None:
         """The part up to the end of the move, next to a point."""
         before = self.points[-1]
         gone = new.y - before.y

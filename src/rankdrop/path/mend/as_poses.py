@@ -97,7 +97,7 @@ def mended_poses(
 
 
 @dataclass(frozen=True, eq=False)
-class _Rows:
+class _PoseRows:
     """Rows to be written: (K, 4, 4) poses, (K,) times, (K,) poses of the file, (K, n) configurations of the remedy."""
 
     matrices: Array
@@ -127,7 +127,7 @@ class _Writer:
         self.robot, self.task = self.check.robot, self.poses.task
         self.aim = Aim(self.robot, self.task)
 
-    def rows(self) -> _Rows:
+    def rows(self) -> _PoseRows:
         """The rows of the file to be written."""
         made = self.remedy.trajectory
         now = pose(self.robot, made.q)
@@ -136,7 +136,7 @@ class _Writer:
         kept, now = self._needed_rows(now, given, times)
         of_file = given >= 0
         now[of_file] = self.poses.matrices[given[of_file]]
-        return _Rows(now[kept], None if times is None else times[kept], given[kept], made.q[kept])
+        return _PoseRows(now[kept], None if times is None else times[kept], given[kept], made.q[kept])
 
     def _match_poses(self, now: Array) -> Index:
         """(K,) which pose of the file each of the rows (K, 4, 4) is, increasing; −1: none.
@@ -229,7 +229,7 @@ class _Writer:
         turn = np.linalg.norm(rotation_vector(one[:, :3, :3] @ other[:, :3, :3].swapaxes(1, 2)), axis=1).max()
         return bool(far <= away and turn <= turned)
 
-    def proven_times(self, rows: _Rows, changed: Mask) -> Array | NoPoses | None:
+    def proven_times(self, rows: _PoseRows, changed: Mask) -> Array | NoPoses | None:
         """(K,) times at which all changed parts are proven free and within the limits."""
         times = rows.times
         for low, high in self._parts(changed):
@@ -257,7 +257,7 @@ class _Writer:
                 parts.append((low, high))
         return parts
 
-    def _proven_part(self, rows: _Rows, low: int, high: int) -> Array | NoPoses | None:
+    def _proven_part(self, rows: _PoseRows, low: int, high: int) -> Array | NoPoses | None:
         """Times of a part of the rows at which it is proven."""
         part = slice(low, high + 1)
         matrices, q = rows.matrices[part], rows.q[part]

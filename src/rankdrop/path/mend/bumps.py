@@ -39,7 +39,7 @@ from rankdrop.local.block import joint_scale
 from rankdrop.path.check.record import CROSSING, FREE, PathCheck, Stretch
 from rankdrop.path.check.survey import Signs, signs
 from rankdrop.path.curve import Curve, Spot
-from rankdrop.path.mend.candidates import ToolPath
+from rankdrop.path.mend.candidates import JointToolPath
 from rankdrop.path.mend.local_change import largest_move, step, tool_off
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.mend.retime import derivatives
@@ -143,7 +143,7 @@ class Bumper:
     """
 
     check: PathCheck
-    tool: ToolPath
+    tool: JointToolPath
     families: tuple[Family, ...]
     bound: float
     rates: Array

@@ -49,13 +49,13 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import about_axis, translation
 from rankdrop.task import Task
 
-Run = Callable[["ToolPath"], Followed]
+Run = Callable[["JointToolPath"], Followed]
 """A joint path at the places of a tool path, however many."""
 Progress = Callable[[int, int], None]
 """report(done, all)."""
 Parameter = tuple[str, float | tuple[float, ...], str]
 """A number, or some, that a remedy is made with: name, value, and unit ("rad, m": joint values; "": none)."""
-Start = tuple["ToolPath", Array | None, Pull | None, str, tuple[Parameter, ...]]
+Start = tuple["JointToolPath", Array | None, Pull | None, str, tuple[Parameter, ...]]
 """Tool path, start (None: the first pose is not reached), null-space motion, what is done, and with which numbers."""
 Layer = tuple[Array, Array, Index]
 """Configurations (M, n) at one place, what they cost from the start, and which of the layer before each is from."""
@@ -91,7 +91,7 @@ _OFF = 0.1  # of a configuration between layers from the curve through them [rad
 
 
 @dataclass(frozen=True, eq=False)
-class ToolPath:
+class JointToolPath:
     """Where the tool is at places of a joint path, all samples among them; joint paths made anew from it.
 
     Attributes:
@@ -145,7 +145,7 @@ class ToolPath:
         """(K,) of the joint path up to each place, increasing [rad; slides divided by the length scale]."""
         return np.concatenate([[0.0], np.cumsum(self._steps(self.q) + 1e-9)])
 
-    def shift(self, left: Array, right: Array) -> ToolPath:
+    def shift(self, left: Array, right: Array) -> JointToolPath:
         """The tool's path left · T · right: the base moved by left⁻¹, or the tool held in another way."""
         return replace(self, poses=left @ self.poses @ right, moved=(left @ self.moved[0], self.moved[1] @ right))
 
@@ -241,7 +241,7 @@ def _slope(values: Array, times: Array) -> Array:
     return np.asarray(np.gradient(values, times, axis=0, edge_order=2 if len(times) > 2 else 1))
 
 
-def tool_path(robot: Robot, task: Task, path: Curve) -> ToolPath:
+def tool_path(robot: Robot, task: Task, path: Curve) -> JointToolPath:
     """The tool's path of a joint path: at all samples, and between samples that are far apart.
 
     Args:
@@ -257,10 +257,10 @@ def tool_path(robot: Robot, task: Task, path: Curve) -> ToolPath:
     place = np.append(stretch + part / parts[stretch], float(len(parts)))
     limits = bool(within_limits(robot, path.control.reshape(-1, robot.n)).all())
     q = path.at(*path.split(place))
-    return ToolPath(robot, task, path, place, q, pose(robot, q), limits)
+    return JointToolPath(robot, task, path, place, q, pose(robot, q), limits)
 
 
-def start_moved(tool: ToolPath) -> Array | None:
+def start_moved(tool: JointToolPath) -> Array | None:
     """(n,) a configuration at the first pose as it is moved: followed to from the path's first one, else the one that
     Newton's method finds near it; None where neither gets there.
     """
@@ -288,7 +288,7 @@ class Candidate:
         kept: it begins where the path does.
     """
 
-    tool: ToolPath
+    tool: JointToolPath
     run: Run
     how: str
     parameters: tuple[Parameter, ...]
@@ -321,14 +321,16 @@ def rank_starts(starts: Iterable[Start], count: int, report: Progress) -> Rankin
             ended[run.reason] += 1
             continue
         unchanged = bool((start == tool.q[0]).all())
-        followed_from = partial(ToolPath.follow_branch, start=start, pull=pull)
+        followed_from = partial(JointToolPath.follow_branch, start=start, pull=pull)
         candidates.append(Candidate(tool, followed_from, how, parameters, float(tool.room(run.q).min()), unchanged))
     candidates.sort(key=lambda candidate: -candidate.room)
     report(count, count)
     return candidates, ended
 
 
-def _begin_turn_away(tool: ToolPath, start: Array, pull: Pull | None, followed: Followed) -> tuple[Followed, Array]:
+def _begin_turn_away(
+    tool: JointToolPath, start: Array, pull: Pull | None, followed: Followed
+) -> tuple[Followed, Array]:
     """The same branch with a joint that reaches its limit begun a whole turn away, where there is room."""
     robot = tool.robot
     over = np.flatnonzero((followed.last > robot.upper - 1e-4) | (followed.last < robot.lower + 1e-4))
@@ -342,7 +344,7 @@ def _begin_turn_away(tool: ToolPath, start: Array, pull: Pull | None, followed: 
     return followed, start
 
 
-def branches(tool: ToolPath, report: Progress) -> Ranking:
+def branches(tool: JointToolPath, report: Progress) -> Ranking:
     """Other branches of the inverse kinematics at the first pose."""
     starts = _branches(tool)
     if tool.robot.n > tool.task.m:
@@ -360,7 +362,7 @@ def _entry(name: str, values: Array, unit: str = "rad, m") -> Parameter:
     return name, tuple((values + 0.0).tolist()), unit
 
 
-def _branches(tool: ToolPath) -> list[Array]:
+def _branches(tool: JointToolPath) -> list[Array]:
     """Configurations at the first pose on other branches than the path's, near to it in whole turns."""
     robot, task = tool.robot, tool.task
     low, high = sampling_box(robot, task, limits=tool.limits)
@@ -380,7 +382,7 @@ def _branches(tool: ToolPath) -> list[Array]:
     return list(distinct(robot, task, branches[sigma > _SAME], near, known, most))
 
 
-def _self_motion(tool: ToolPath) -> Array | None:
+def _self_motion(tool: JointToolPath) -> Array | None:
     """(N, n) points of the self-motion through the beginning; None where there is more than one, or none is traced."""
     if tool.robot.n - tool.rank != 1:
         return None
@@ -399,7 +401,7 @@ def _self_motion(tool: ToolPath) -> Array | None:
     return np.concatenate(parts)
 
 
-def _pull(tool: ToolPath, strength: float) -> Pull | None:
+def _pull(tool: JointToolPath, strength: float) -> Pull | None:
     """Towards larger σ_r, the stronger the smaller it is."""
     if strength == 0.0:
         return None
@@ -414,7 +416,7 @@ def _pull(tool: ToolPath, strength: float) -> Pull | None:
     return pull
 
 
-def null_spaces(tool: ToolPath, report: Progress) -> Ranking:
+def null_spaces(tool: JointToolPath, report: Progress) -> Ranking:
     """The same tool path with other null-space motion: from the same start, planned over the self-motions; pulled to
     larger σ; begun elsewhere on the self-motion.
     """
@@ -435,7 +437,7 @@ def null_spaces(tool: ToolPath, report: Progress) -> Ranking:
     return ranking
 
 
-def shifts(tool: ToolPath, most: float, report: Progress) -> Ranking:
+def shifts(tool: JointToolPath, most: float, report: Progress) -> Ranking:
     """The base moved by up to a length [m], in directions that the task knows."""
     steps = [most * share * way for way, share in product(_ways([row for row in tool.task.rows if row < 3]), _SHARES)]
     moved = ((tool.shift(translation(*(-step)), np.eye(4)), (_entry("base shift", step, "m"),)) for step in steps)
@@ -443,7 +445,7 @@ def shifts(tool: ToolPath, most: float, report: Progress) -> Ranking:
     return rank_starts(starts, len(steps), report)
 
 
-def tilts(tool: ToolPath, most: float, report: Progress) -> Ranking:
+def tilts(tool: JointToolPath, most: float, report: Progress) -> Ranking:
     """The tool tilted about its tip by up to an angle [rad]: about axes square to Z of the tip, where the task allows.
     """
     rows = [row - 3 for row in tool.task.rows if row >= 3]
@@ -463,7 +465,7 @@ def _ways(axes: Sequence[int]) -> Iterator[Array]:
             yield way / np.linalg.norm(way)
 
 
-def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], report: Progress, *, around: bool) -> bool:
+def _plan(ranking: Ranking, tool: JointToolPath, starts: Sequence[Array], report: Progress, *, around: bool) -> bool:
     """One more for a ranking, planned over all self-motions; whether there is one."""
     remedy, ended = ranking
     place, plan, free = plan_path(tool, np.array(starts), report, around=around)
@@ -478,7 +480,7 @@ def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], report: Pro
     return True
 
 
-def plan_path(tool: ToolPath, starts: Array, report: Progress, *, around: bool) -> tuple[Array, Array, float]:
+def plan_path(tool: JointToolPath, starts: Array, report: Progress, *, around: bool) -> tuple[Array, Array, float]:
     """The best joint path that was found for a tool path of a redundant arm.
 
     Args:
@@ -513,7 +515,7 @@ def plan_path(tool: ToolPath, starts: Array, report: Progress, *, around: bool) 
 def plan_as_run(place: Array, plan: Array) -> Run:
     """A plan (K, n) at places (K,) as a joint path at the places of any tool path, polished to the poses there."""
 
-    def run(tool: ToolPath) -> Followed:
+    def run(tool: JointToolPath) -> Followed:
         guess = _interpolate_plan(place, plan, tool.place)
         q, arrived = tool.aim.solve(tool.poses, guess)
         off = np.linalg.norm((q - guess) / tool.aim.joints, axis=1)
@@ -538,12 +540,12 @@ def _interpolate_plan(place: Array, q: Array, wanted: Array) -> Array:
     )  # fmt: skip
 
 
-def _room(tool: ToolPath, q: Array) -> Array:
+def _room(tool: JointToolPath, q: Array) -> Array:
     """(N,) first-order distance from the singular set, no more than is of use."""
     return np.minimum(_FAR, tool.room(q))
 
 
-def _next_layer(tool: ToolPath, now: Layer, k: int) -> Layer:
+def _next_layer(tool: JointToolPath, now: Layer, k: int) -> Layer:
     aim, (before, paid, _) = tool.aim, now
     guess, origin = _null_motion_guesses(aim, before)
     q, arrived = aim.solve(np.broadcast_to(tool.poses[k], (len(guess), 4, 4)), guess)
@@ -558,7 +560,7 @@ def _next_layer(tool: ToolPath, now: Layer, k: int) -> Layer:
     return _cheapest(tool, q, paid[origin] + far**2 / (_sizes(aim)[0] * free**2), origin)
 
 
-def _self_motion_layer(tool: ToolPath, now: Layer) -> Layer:
+def _self_motion_layer(tool: JointToolPath, now: Layer) -> Layer:
     """All of the self-motions of the first layer, as far as they are inside the limits and regular."""
     q = fresh = now[0]
     while len(fresh) and len(q) < _WIDEST:
@@ -575,7 +577,7 @@ def _self_motion_layer(tool: ToolPath, now: Layer) -> Layer:
     return q, np.zeros(len(q)), np.full(len(q), -1)
 
 
-def _cheapest(tool: ToolPath, q: Array, cost: Array, parent: Index) -> Layer:
+def _cheapest(tool: JointToolPath, q: Array, cost: Array, parent: Index) -> Layer:
     """The cheapest of configurations that are nearer to each other than the spacing."""
     robot, spacing = tool.robot, _sizes(tool.aim)[1]
     bounded = tool.limits & np.isfinite(robot.upper - robot.lower)
@@ -597,7 +599,7 @@ def _cheapest(tool: ToolPath, q: Array, cost: Array, parent: Index) -> Layer:
     return q[rows], cost[rows], parent[rows]
 
 
-def _smooth(tool: ToolPath, q: Array, *, fixed: bool) -> Array:
+def _smooth(tool: JointToolPath, q: Array, *, fixed: bool) -> Array:
     """The path drawn straight as far as it does not come much nearer to a singularity."""
     least = _KEPT * float(_room(tool, q).min())
     first = 1 if fixed else 0

@@ -22,7 +22,7 @@ import numpy as np
 from rankdrop.kinematics import pose
 from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.mend.bumps import Bumper, Core
-from rankdrop.path.mend.candidates import ToolPath
+from rankdrop.path.mend.candidates import JointToolPath
 from rankdrop.path.mend.local_change import Change, largest_move, step, tool_off
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.read.trajectory import Trajectory, regular_times
@@ -103,7 +103,7 @@ class NoDetour:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MovedTool(ToolPath):
+class MovedTool(JointToolPath):
     """A tool path with the tool moved along a task direction in a window.
 
     Attributes:
@@ -287,7 +287,7 @@ class Detourer:
         u = np.linspace(-1.0, 1.0, _LOOKS)
         close = window.middle + np.where(u < 0.0, window.middle - low, high - window.middle) * np.sign(u) * u * u
         place = np.unique(np.concatenate([rows, close.clip(low, high), [low, high]]))
-        plain = {name: getattr(bumper.tool, name) for name in ToolPath.__dataclass_fields__}
+        plain = {name: getattr(bumper.tool, name) for name in JointToolPath.__dataclass_fields__}
         moved = MovedTool(**plain, twist=twist, ends=window.ends, clock=bumper.clock).at_places(place)
         return moved, moved.follow_branch(self._begin(window))
 
@@ -301,7 +301,7 @@ class Detourer:
         """A detour at rows so close that the tool stays on its way between them; None where it comes too near."""
         start = self._begin(window)
 
-        def run(path: ToolPath) -> Followed:
+        def run(path: JointToolPath) -> Followed:
             return path.follow_branch(start)
 
         fine, followed = moved.refine_run(run)
@@ -362,7 +362,7 @@ class Detourer:
         between = tool.place[(tool.place > low) & (tool.place < high)]
         place = np.concatenate([[low], between, [high]])
 
-        def run(path: ToolPath) -> Followed:
+        def run(path: JointToolPath) -> Followed:
             return path.follow_branch(start)
 
         fine, followed = tool.at_places(place).refine_run(run)

@@ -23,7 +23,7 @@ from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.check.tool_path import tip_tolerance
 from rankdrop.path.curve import Curve, Place
-from rankdrop.path.mend.candidates import ToolPath
+from rankdrop.path.mend.candidates import JointToolPath
 from rankdrop.path.mend.detours import Hindrance
 from rankdrop.path.mend.local_change import step
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
@@ -48,7 +48,7 @@ _MOST = 12  # windows
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
+class PoseWindow:
     """A part of the poses that is moved.
 
     Attributes:
@@ -131,7 +131,8 @@ class PoseDetourer:
         self.tolerance = tip_tolerance(self.check.options, self.robot)
         self.clock = self._lengths() if times is None else times
         still = np.zeros((1, 1, self.robot.n))
-        self.tool = ToolPath(self.robot, self.task, Curve(still, None), np.zeros(0), np.zeros(0), np.zeros(0), True)
+        nothing = np.zeros(0)
+        self.tool = JointToolPath(self.robot, self.task, Curve(still, None), nothing, nothing, nothing, True)
         self.rows: list[tuple[Array, Array]] = []  # places and configurations that are kept, in order
 
     def _lengths(self) -> Array:
@@ -141,13 +142,13 @@ class PoseDetourer:
         turned = np.linalg.norm(orientation_coordinates(turn, "rotvec"), axis=1)
         return np.concatenate([[0.0], np.cumsum(move + turned + 1e-9)])
 
-    def find_windows(self, report: Callable[[int, int], None]) -> list[Window] | Blocked:
+    def find_windows(self, report: Callable[[int, int], None]) -> list[PoseWindow] | Blocked:
         """Windows after which the whole path is followed; else where there is none."""
         tool = self.check.tool
         assert tool is not None
         if not len(tool.q):
             return Blocked(0.0, Hindrance.END)
-        place, start, windows = 0.0, tool.q[0], list[Window]()
+        place, start, windows = 0.0, tool.q[0], list[PoseWindow]()
         for _ in range(_MOST + 1):
             at = self._places_from(place)
             run = self._checked_branch(tool) if not windows else self._follow_branch(at, start)
@@ -221,7 +222,7 @@ class PoseDetourer:
             return None
         return len(run.q) - 1
 
-    def _window_around(self, at: Array, run: Followed, end: int) -> tuple[Window, float, Array] | Blocked:
+    def _window_around(self, at: Array, run: Followed, end: int) -> tuple[PoseWindow, float, Array] | Blocked:
         """A window around a row of a run, where the path goes on after it, and the configuration there."""
         if not len(run.q):
             return Blocked(float(at[0]), Hindrance.REST)
@@ -247,7 +248,7 @@ class PoseDetourer:
 
     def _led_along(
         self, motion: Array, spans: list[Span], places: Array, q: Array, place: float
-    ) -> tuple[Window, float, Array] | Blocked:
+    ) -> tuple[PoseWindow, float, Array] | Blocked:
         """A window in which the poses are moved along a tool motion (m,) of size 1."""
         sizes = self._sizes()
         looks = self._looks(spans, q, motion, sizes)
@@ -384,7 +385,7 @@ class PoseDetourer:
     def _inside_limits(self, q: Array) -> Mask:
         return np.asarray(((q >= self.robot.lower) & (q <= self.robot.upper)).all(axis=1))
 
-    def _follow_window(self, look: Look, q: Array) -> tuple[Window, Array, Array] | None:
+    def _follow_window(self, look: Look, q: Array) -> tuple[PoseWindow, Array, Array] | None:
         """A window followed as any tool path is: its places and rows; None where it is not free."""
         span = look.span
         inner = np.arange(np.floor(span.low) + 1.0, np.ceil(span.high))
@@ -398,7 +399,7 @@ class PoseDetourer:
         apart = np.linalg.norm(moved[:, :3, 3] - old[:, :3, 3], axis=1)
         turn = orientation_coordinates(moved[:, :3, :3] @ old[:, :3, :3].swapaxes(1, 2), "rotvec")
         off = float(apart.max()), float(np.linalg.norm(turn, axis=1).max())
-        return Window(span.low, span.high, off), self._places(at, run), run.q
+        return PoseWindow(span.low, span.high, off), self._places(at, run), run.q
 
     def _time(self, place: Array) -> Array:
         return np.asarray(np.interp(place, np.arange(len(self.clock)), self.clock))

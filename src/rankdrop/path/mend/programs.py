@@ -19,9 +19,9 @@ from rankdrop.codec import record_of
 from rankdrop.kinematics import pose
 from rankdrop.local.rates import rate_limits
 from rankdrop.path.check.first_pose import within_limits
-from rankdrop.path.check.moves import Cause
+from rankdrop.path.check.moves import EndCause
 from rankdrop.path.check.passing import Turn
-from rankdrop.path.check.program import Part, ProgramCheck
+from rankdrop.path.check.program import ProgramCheck, ProgramPart
 from rankdrop.path.check.record import FREE, PathCheck
 from rankdrop.path.curve import Place
 from rankdrop.path.mend.local_change import Change
@@ -105,12 +105,12 @@ def remedies_to_dict(remedies: Sequence[LineRemedy], robot: Robot) -> list[dict[
     return [record_of("program_remedies", (remedy, robot)) for remedy in remedies]
 
 
-def _ways_on(check: ProgramCheck, part: Part) -> Iterator[LineRemedy]:
+def _ways_on(check: ProgramCheck, part: ProgramPart) -> Iterator[LineRemedy]:
     """What lets the arm go on where a line ends before its target."""
     ended = part.ended
     assert ended is not None
     branch = ended.branch
-    if ended.cause is not Cause.BRANCH or branch is None:
+    if ended.cause is not EndCause.BRANCH or branch is None:
         return
     if branch.turn is not None:
         yield LineRemedy(ended.move, Advice.TURN, turn=branch.turn)
@@ -128,7 +128,7 @@ def _ways_on(check: ProgramCheck, part: Part) -> Iterator[LineRemedy]:
         yield LineRemedy(ended.move, Advice.UNREACHED)
 
 
-def _slower(part: Part, check: PathCheck) -> Iterator[LineRemedy]:
+def _slower(part: ProgramPart, check: PathCheck) -> Iterator[LineRemedy]:
     """Lines and joint moves that are too fast, with the share of their speed that keeps the limits."""
     rates = check.curve.rates
     if rates is None:
@@ -142,7 +142,9 @@ def _slower(part: Part, check: PathCheck) -> Iterator[LineRemedy]:
             yield LineRemedy(move, Advice.SLOWER, factor=_SPARE / float(of_move.max()))
 
 
-def _local_change(part: Part, check: PathCheck, analysis: Analysis | None, how: RemedyOptions) -> Iterator[LineRemedy]:
+def _local_change(
+    part: ProgramPart, check: PathCheck, analysis: Analysis | None, how: RemedyOptions
+) -> Iterator[LineRemedy]:
     """The least local change of a part that crosses singularities on its straight lines."""
     met = [stretch for stretch in check.stretches if stretch.verdict != FREE]
     lines = [stretch for stretch in met if part.moves[part.move_at(stretch.closest.place)].kind != "joint"]
@@ -166,7 +168,7 @@ def _spot(check: PathCheck, position: float) -> tuple[int, float]:
     return int(stretch[0]), float(share[0])
 
 
-def _share(part: Part, check: PathCheck, index: int, place: Place) -> float:
+def _share(part: ProgramPart, check: PathCheck, index: int, place: Place) -> float:
     """Share of a move at which a place of the path is, by the way of the tip; 0 before it and 1 after it."""
     rows = np.flatnonzero(part.owner == index)
     first, last = int(rows[0]), int(rows[-1]) + 1

@@ -31,9 +31,9 @@ from rankdrop.path.curve import Curve
 from rankdrop.path.mend.bumps import CLEARANCE, ON_PATH, SPARE, Bump, Bumper, NoBump, Obstacle
 from rankdrop.path.mend.candidates import (
     Candidate,
+    JointToolPath,
     Parameter,
     Ranking,
-    ToolPath,
     branches,
     null_spaces,
     shifts,
@@ -227,7 +227,7 @@ def blends(check: PathCheck, most: float) -> Iterator[Proposal]:
             yield Proposal(("blend" if len(cut) == 1 else "blends", rows), parameters, trajectory, (off, np.nan))
 
 
-def _poses_determine(tool: ToolPath) -> bool:
+def _poses_determine(tool: JointToolPath) -> bool:
     """Whether poses of the tool determine its task, so that the joints can follow them."""
     try:
         tool.aim  # noqa: B018  # refuses a task that poses do not determine
@@ -420,7 +420,7 @@ class _Mender:
             yield self._blend(most.blend)
         yield from self._rank_paths(tool, most)
 
-    def _rank_paths(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+    def _rank_paths(self, tool: JointToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """Every kind that ranks whole paths of the joints."""
         kinds: dict[str, Callable[[Callable[[int, int], None]], Ranking]] = {
             NULL: partial(null_spaces, tool), FLIP: partial(branches, tool),
@@ -466,7 +466,7 @@ class _Mender:
         proposal = Proposal(("detour", len(windows)), (), work.trajectory(), off, changes)
         yield self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
 
-    def _local(self, tool: ToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+    def _local(self, tool: JointToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """The joints moved aside; where they have to go to the other side, the tool led around it."""
         local = self.found
         if sum(stretch.verdict != FREE for stretch in local.stretches) > MANY:

@@ -35,8 +35,9 @@ def arc_poses(begin: Array, via: Array, end: Array, height: float) -> Array | No
         >>> there[:3, 3] = [2.0, 0.0, 0.0]
         >>> arc_poses(np.eye(4), np.array([1.0, 1.0, 0.0]), there, 0.1)[:, :3, 3].round(3) + 0.0
         array([[0.   , 0.   , 0.   ],
-               [0.5  , 0.866, 0.   ],
-               [1.5  , 0.866, 0.   ],
+               [0.293, 0.707, 0.   ],
+               [1.   , 1.   , 0.   ],
+               [1.707, 0.707, 0.   ],
                [2.   , 0.   , 0.   ]])
     """
     circle = _circle(begin[:3, 3], via, end[:3, 3])

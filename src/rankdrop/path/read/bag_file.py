@@ -97,7 +97,7 @@ def bag_rows(name: str, joints: list[str], topic: str | None) -> bytes:
             if connection.digest and connection.digest != digest(connection.msgtype):
                 raise TrajectoryError("this is another version of the type", where=where, got=connection.msgtype,
                                       allowed="the fields of ROS's own message")  # fmt: skip
-        promised, number, rows = sum(connection.msgcount for connection in chosen), 0, _Rows(where, joints)
+        promised, number, rows = sum(connection.msgcount for connection in chosen), 0, _BagRows(where, joints)
         with _reading(where):
             for connection, stamp, data in bag.messages(connections=chosen):
                 number += 1
@@ -242,7 +242,7 @@ Row = tuple[Array, Array | None, Array | None, int, int, int, str]
 
 
 @dataclass
-class _Rows:
+class _BagRows:
     """What was read so far.
 
     Attributes:

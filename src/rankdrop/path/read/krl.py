@@ -103,7 +103,7 @@ def read(text: str, name: str, declarations: str = "") -> Program:
     lines = list(_statements(text, name))
     for count, line in lines:
         declare(names, line, f"{name}, line {count}")
-    reader = _Reader(name, names, listing)
+    reader = _KrlReader(name, names, listing)
     reader.turns_as_usual = _UNUSUAL_TURN.search(text) is None and _UNUSUAL_TURN.search(declarations) is None
     for count, line in lines:
         if not line.lstrip().startswith("&"):
@@ -138,7 +138,7 @@ def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
         yield begun, " ".join(kept)
 
 
-class _Reader:
+class _KrlReader:
     """Takes statements in the order of the program, and lists the moves and what was not read."""
 
     def __init__(self, name: str, names: Names, listing: Listing) -> None:

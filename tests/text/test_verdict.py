@@ -53,3 +53,12 @@ def test_a_rise_has_digits_that_show_it_and_a_speed_that_is_not_checked_is_said(
     assert "Lost: nothing. Get" in out
     asked = " ".join(run(*words, "--speed", "250mm/s").out.split())
     assert "Lost: nothing. Speed is not checked: the arm's file has no joint rates." in asked
+
+
+def test_where_turning_alone_is_nearly_lost_the_answer_says_how_fast_the_tool_turns() -> None:
+    """An xArm 6 near its zero pose cannot turn about X; its slowest translation, 361 mm/s, says nothing of that."""
+    found = explain(open_robot("xarm6"), [0.0, 0.0, 0.0, 0.0, np.radians(0.5), 0.0])
+    turning = next(motion for motion in found.straight if motion.unit == "rad/s")
+    answer = " ".join(summary_lines(found))
+    assert f"; turning at most {speed_text(turning.speed, 'rad/s')} about" in answer
+    assert "straight motion" not in answer

@@ -213,11 +213,9 @@ def _summary_facts(explanation: Explanation, summary: Summary) -> dict[str, obje
         place = f"; offsets of {_offset_words(summary)} keep it from being exact"
     else:
         place = f", {degrees_words(summary.distance or 0.0)} away"
-    slowest = straight = proven = ""
+    slowest = proven = ""
     if summary.slowest is not None:
         slowest = _speed_words(summary.slowest)
-        if not isinf(summary.slowest.speed):
-            straight = f"; straight motion at most {slowest}"
     if summary.radius:
         proven = f"; none within {short(below(degrees(summary.radius), 3))}° (proven)"
     return _measured_values(explanation) | {
@@ -226,11 +224,25 @@ def _summary_facts(explanation: Explanation, summary: Summary) -> dict[str, obje
         "place": place,
         "never": motions_words(explanation.lost.never.tolist()),
         "slowest": slowest,
-        "straight": straight,
+        "straight": _still_moves_words(explanation),
         "jog": _jog_words(explanation),
         "source": "the exact conditions" if summary.exact else _SOURCES[summary.source],
         "proven": proven,
     }
+
+
+def _still_moves_words(explanation: Explanation) -> str:
+    """How fast the tool still moves straight, or turns where turning alone is nearly lost; "" without joint rates."""
+    rows = [np.array(row) for row in explanation.summary.lost]
+    moves = any(np.linalg.norm(row[:3]) > _MIXED * np.linalg.norm(row) for row in rows)
+    if moves:
+        unit, what = "m/s", "straight motion"
+    else:
+        unit, what = "rad/s", "turning"
+    for motion in explanation.straight:
+        if motion.unit == unit and not isinf(motion.speed):
+            return f"; {what} at most {_speed_words(motion)}"
+    return ""
 
 
 def _telling_family(explanation: Explanation) -> Family | None:

@@ -129,8 +129,13 @@ TURNED = PROGRAMS["a.mod"][1].replace("[[350,80,450],[0.6,0,0.8,0]", "[[350,80,4
 LONG = PROGRAMS["a.mod"][1].replace("[[370,40,450]", "[[420,40,450]")
 
 
+CALLED = PROGRAMS["a.mod"][1].replace("MoveC", "Grip;\nMoveC")
+OTHER_TOOL = PROGRAMS["a.mod"][1].replace("MoveC", "MoveC", 1).replace(
+    "]],v100,fine,tool0;\nENDPROC", "]],v100,fine,tGun;\nENDPROC")  # fmt: skip
+
+
 @pytest.mark.parametrize(("name", "text"), [
-    ("a.mod", TURNED), ("a.mod", LONG),
+    ("a.mod", CALLED), ("a.mod", OTHER_TOOL), ("a.mod", TURNED), ("a.mod", LONG),
     ("a.src", PROGRAMS["a.src"][1].replace("C 180}\nEND", "C 180}, CA 90\nEND")),
     ("a.src", PROGRAMS["a.src"][1].replace("$VEL.CP=0.1", "$CIRC_TYPE = #PATH")),
     ("a.src", PROGRAMS["a.src"][1].replace("$VEL.CP=0.1", "$ORI_TYPE = #CONSTANT")),

@@ -157,3 +157,33 @@ END
     assert first.ended is not None
     assert (first.ended.move.line, second.ended) == (4, None)
     assert [move.line for move in second.moves] == [5, 6]
+
+
+GUN = "{X 0, Y 0, Z 150, A 0, B 0, C 0}"
+WELD = "LIN {X 560, Y -40, Z 580, A 156, B -68, C -153}"
+
+
+def tools(program: Program) -> list[float | None]:
+    """How far the tool of each move is from the flange along Z [m]; None: not known."""
+    return [None if move.tool is None else float(move.tool[2, 3]) for move in program.moves]
+
+
+@pytest.mark.parametrize(("lines", "expected"), [
+    ([f"S{WELD} WITH $TOOL = {GUN}", WELD], [0.15, 0.0]),
+    ([f"S{WELD} WITH $TOOL = GRIPPER", WELD], [None, 0.0]),
+    ([f"SPLINE WITH $TOOL = {GUN}", f"S{WELD}", "ENDSPLINE", WELD], [0.15, 0.0]),
+    ([f"$TOOL = {GUN}", f"S{WELD} WITH $TOOL = $NULLFRAME", WELD], [0.0, 0.15]),
+    ([f"$TOOL = {GUN}", WELD, "BAS(#TOOL, 0)", WELD], [0.15, 0.0]),
+])  # fmt: skip
+def test_a_tool_behind_with_is_that_of_its_move_or_block_alone(
+    lines: list[str], expected: list[float | None], tmp_path: Path
+) -> None:
+    program = read_program(written(tmp_path, "a.src", "\n".join(["DEF a()", *lines, "END", ""])))
+    assert tools(program) == expected
+    assert program.tool is None
+
+
+def test_a_move_relative_to_a_pose_of_another_tool_is_not_read(tmp_path: Path) -> None:
+    text = f"DEF a()\n{WELD}\n$TOOL = {GUN}\nLIN_REL {{Z 10}}\nEND\n"
+    program = read_program(written(tmp_path, "a.src", text))
+    assert [skipped.reason.value for skipped in program.skipped] == ["relative"]

@@ -83,6 +83,8 @@ def test_a_branch_that_winds_a_joint_up_is_followed_from_a_whole_turn_away_too()
         if np.allclose(branch.start - taken.start, [0, 0, 0, 0, 0, -2 * np.pi], atol=1e-9)
     ]  # fmt: skip
     assert [(branch.complete, branch.free, branch.posture) for branch in turned] == [(True, True, taken.posture)]
+    for branch in check.tool.branches:  # and none from outside the limits
+        assert ((branch.start >= arm.lower) & (branch.start <= arm.upper)).all()
     again = check_poses(arm, poses, start=turned[0].start)
     assert again.verdict == "free"
     assert again.curve.control[-1, -1, 5] - again.curve.control[0, 0, 5] == pytest.approx(np.radians(500.0), abs=1e-6)

@@ -45,14 +45,11 @@ from rankdrop.path.read.program_record import (
     Speed,
     Target,
     angle_target,
-    check_length,
     in_base,
     joint_target,
-    lines_of,
-    open_brackets,
     positive,
     split_bracket,
-    without_comment,
+    statements_of,
 )
 from rankdrop.robot.model import Array
 
@@ -112,30 +109,18 @@ def read(text: str, name: str, declarations: str = "") -> Program:
 
 
 def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
-    """Statements without comments, with the number of the line on which each begins.
+    """Statements without comments, with the number of the line on which each begins."""
+    return statements_of(text, name, ";", _begins_statement)
 
-    A statement ends with its line, or, where a bracket is open there, with the line that closes it; a line that begins
-    with a word of `_BEGINS` is a statement of its own.
-    """
-    begun, depth, size = 0, 0, 0
-    kept: list[str] = []
-    for count, line in lines_of(text, name):
-        plain = without_comment(line, ";")
-        first = _WORD.match(plain)
-        if kept and first is not None and first[1].upper() in _BEGINS:
-            yield begun, " ".join(kept)
-            kept, depth, size = [], 0, 0
-        if not kept:
-            begun = count
-        kept.append(plain)
-        size += len(plain) + 1
-        check_length(size - 1, f"{name}, line {begun}")
-        depth = open_brackets(plain, depth)
-        if depth == 0:
-            yield begun, " ".join(kept)
-            kept, size = [], 0
-    if kept:
-        yield begun, " ".join(kept)
+
+def _begins_statement(line: str) -> bool:
+    """Whether a line begins with a word that stands in no bracket."""
+    first = _WORD.match(line)
+    return first is not None and first[1].upper() in _BEGINS
+
+
+_Tool = tuple[str, Array | None]
+"""The text that set a tool, and its frame (4, 4); None: not known."""
 
 
 class _KrlReader:
@@ -144,6 +129,7 @@ class _KrlReader:
     def __init__(self, name: str, names: Names, listing: Listing) -> None:
         self.name, self.names, self.listing = name, names, listing
         self.state, self.routines, self.turns_as_usual = _State(), 0, True
+        self.outside = self.outside_block = self._tool_now()  # the tools outside WITH of a move, and of a block
         self.last: Target | None = None  # of the move before, its pose in the base frame of the arm; None: not known
         self.frames: tuple[Array | None, str] = (None, "")  # the base and the tool in which it is programmed
 
@@ -164,7 +150,7 @@ class _KrlReader:
         elif word in _RELATIVE:
             self._relative_move(count, line, word, rest)
         elif word in _BLOCKS:
-            self.state.begin_or_end_block(word, rest, self.names)
+            self._block(count, line, word, rest)
         elif _sets_frames(word, rest):
             self._set_frames(count, line, word, rest)
         elif not is_read_assignment(line, self.names):
@@ -238,14 +224,17 @@ class _KrlReader:
     def _relative_move(self, count: int, line: str, word: str, rest: str) -> None:
         """A move from the target before it."""
         base = self._base_of(count, line, rest)
-        target, after = _relative_target(rest, self.last, base, f"{self.name}, line {count}")
+        last = self.last
+        if last is not None and last.joints is None and self.frames[1] != self.state.tool:
+            last = None  # a pose of another tool
+        target, after = _relative_target(rest, last, base, f"{self.name}, line {count}")
         self._keep(count, line, _RELATIVE[word], target, after, base)
 
     def _base_of(self, count: int, line: str, after: str) -> Array | None:
-        """The base frame of a move, which WITH $BASE = … may set; a tool that it sets is named."""
+        """The base frame of a move, which WITH may set; a tool behind WITH is taken until the move is kept."""
         settings, where = settings_of(after), f"{self.name}, line {count}"
-        if "$TOOL" in settings:
-            self._set_tool(count, line, settings["$TOOL"], tool_of(settings["$TOOL"], self.names, where))
+        self.outside = self._tool_now()
+        self._set_tool_behind_with(count, line, settings)
         if self.state.fixed_tool or "#TCP" in settings.get("$IPO_MODE", "").upper():
             return None
         if "$BASE" in settings:
@@ -272,6 +261,31 @@ class _KrlReader:
         self.last, self.frames = None, (base, self.state.tool)
         if isinstance(target, Target):
             self.last = target
+        self._back_to_tool(self.outside)
+
+    def _tool_now(self) -> _Tool:
+        return self.state.tool, self.listing.tool
+
+    def _set_tool_behind_with(self, count: int, line: str, settings: dict[str, str]) -> None:
+        """The tool behind WITH, which counts for its move or block alone."""
+        text = settings.get("$TOOL")
+        if text is not None:
+            self._set_tool(count, line, text, tool_of(text, self.names, f"{self.name}, line {count}"))
+
+    def _back_to_tool(self, tool: _Tool) -> None:
+        """The tool that counted before a move or a block."""
+        if tool[0] != self.state.tool:
+            self.state.tool, self.listing.tool = tool
+            self.listing.last = None
+
+    def _block(self, count: int, line: str, word: str, rest: str) -> None:
+        """SPLINE WITH …, PTP_SPLINE, ENDSPLINE: settings of a block count in it alone."""
+        if word == "ENDSPLINE":
+            self._back_to_tool(self.outside_block)
+        self.state.begin_or_end_block(word, rest, self.names)
+        if word != "ENDSPLINE":
+            self.outside_block = self._tool_now()
+            self._set_tool_behind_with(count, line, settings_of(rest))
 
     def _skip(self, count: int, line: str, reason: Reason | None) -> None:
         """Keep a line that was not read, with the reason; after some of them nobody knows where the arm is."""

@@ -402,6 +402,40 @@ def number(text: str) -> float | None:
     return value if isfinite(value) else None
 
 
+def statements_of(
+    text: str, name: str, mark: str, begins: Callable[[str], bool]
+) -> Iterator[tuple[int, str]]:  # fmt: skip
+    """Statements without comments, with the number of the line on which each begins.
+
+    A statement ends with its line, or, where a bracket is open there, with the line that closes it; a line that begins
+    with a word that stands in no bracket is a statement of its own.
+
+    Args:
+        text: of the program.
+        name: of its file, for errors.
+        mark: what a comment begins with.
+        begins: whether a line begins with such a word.
+    """
+    begun, depth, size = 0, 0, 0
+    kept: list[str] = []
+    for count, line in lines_of(text, name):
+        plain = without_comment(line, mark)
+        if kept and begins(plain):
+            yield begun, " ".join(kept)
+            kept, depth, size = [], 0, 0
+        if not kept:
+            begun = count
+        kept.append(plain)
+        size += len(plain) + 1
+        check_length(size - 1, f"{name}, line {begun}")
+        depth = open_brackets(plain, depth)
+        if depth == 0:
+            yield begun, " ".join(kept)
+            kept, size = [], 0
+    if kept:
+        yield begun, " ".join(kept)
+
+
 def without_comment(line: str, mark: str) -> str:
     """A line up to a mark outside quotes."""
     for place, letter in _outside_quotes(line):

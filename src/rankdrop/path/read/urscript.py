@@ -22,19 +22,16 @@ from rankdrop.path.read.program_record import (
     Reason,
     Speed,
     Target,
-    check_length,
     flat,
     in_range,
     joint_target,
-    lines_of,
     number,
     numbers_of,
-    open_brackets,
     parts_of,
     positive,
     split_bracket,
+    statements_of,
     turned_target,
-    without_comment,
 )
 from rankdrop.poses.inverse import rotation
 from rankdrop.robot.files import LARGEST_ANGLE
@@ -104,30 +101,14 @@ def _tool(rest: str, names: Names, where: str) -> Array | None:
 
 
 def _statements(text: str, name: str) -> Iterator[tuple[int, str]]:
-    """Statements without comments, with the number of the line on which each begins.
+    """Statements without comments, with the number of the line on which each begins."""
+    return statements_of(text, name, "#", _begins_statement)
 
-    A statement ends with its line, or, where a bracket is open there, with the line that closes it; a line that begins
-    with a word of `_BEGINS` is a statement of its own.
-    """
-    begun, depth, size = 0, 0, 0
-    kept: list[str] = []
-    for count, line in lines_of(text, name):
-        plain = without_comment(line, "#")
-        first = _WORD.match(plain)
-        if kept and first is not None and first[1] in _BEGINS:
-            yield begun, " ".join(kept)
-            kept, depth, size = [], 0, 0
-        if not kept:
-            begun = count
-        kept.append(plain)
-        size += len(plain) + 1
-        check_length(size - 1, f"{name}, line {begun}")
-        depth = open_brackets(plain, depth)
-        if depth == 0:
-            yield begun, " ".join(kept)
-            kept, size = [], 0
-    if kept:
-        yield begun, " ".join(kept)
+
+def _begins_statement(line: str) -> bool:
+    """Whether a line begins with a word that stands in no bracket."""
+    first = _WORD.match(line)
+    return first is not None and first[1] in _BEGINS
 
 
 def _why_skipped(word: str, rest: str, names: Names) -> Reason | None:

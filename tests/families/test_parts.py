@@ -24,6 +24,7 @@ S, E, W = ArmPart
         ("gen3", "k1.f1", FamilyParts((S, E, W), either=True)),
         ("panda", "k1.f3", FamilyParts((E,))),
         ("panda", "k1.f5", FamilyParts((E, W), either=True)),
+        ("yumi", "k1.f1", FamilyParts((E, W), either=True)),
         ("yumi", "k1.f6", FamilyParts((E, W))),
         ("gen72", "k1.f1", FamilyParts((W,))),
         ("crx10ial", "k2.f1", FamilyParts((S, E))),

@@ -54,3 +54,21 @@ def test_a_mistake_is_named(changed: tuple[int, int, float], said: str) -> None:
 ])  # fmt: skip
 def test_other_texts_are_none(text: str) -> None:
     assert matrix_of_text(text, "--pose") is None
+
+
+def test_numpy_prints_four_digits_and_the_rotation_is_mended_with_a_note() -> None:
+    text = np.array2string(POSE, precision=4, suppress_small=True)
+    read = matrix_of_text(text, "--pose")
+    assert read is not None
+    assert read.pose == pytest.approx(POSE, abs=2e-4)
+    assert read.pose[:3, :3] @ read.pose[:3, :3].T == pytest.approx(np.eye(3), abs=1e-12)
+    assert [note.startswith("the rotation of one pose is replaced") for note in read.notes] == [True]
+
+
+def test_numbers_column_by_column_are_said_to_be_read_so() -> None:
+    """libfranka's O_T_EE; a matrix in rows is not turned over: its translation in the last row is a mistake."""
+    read = matrix_of_text(" ".join(map(repr, POSE.T.ravel().tolist())), "--pose")
+    assert read is not None
+    assert [note.startswith("a matrix written column by column") for note in read.notes] == [True]
+    with pytest.raises(OptionError, match="transposed"):
+        matrix_of_text(f"{POSE.T.tolist()}", "--pose")

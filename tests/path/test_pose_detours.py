@@ -5,6 +5,7 @@ Checked by forward kinematics of the mended rows, σ along it, and the poses out
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -13,9 +14,11 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
+from rankdrop.path.check.follow import follow
 from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.tool_path import check_poses
-from rankdrop.path.mend.detours import lost_motions
+from rankdrop.path.mend import pose_detours
+from rankdrop.path.mend.detours import Hindrance, lost_motions
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
 from rankdrop.path.mend.remedies import LOCAL, mend_path
 from rankdrop.robot.model import Array
@@ -122,3 +125,16 @@ def test_a_planar_arm_stays_inside_its_reach() -> None:
     for row in np.flatnonzero(early | late):
         assert np.abs(now - poses[row]).max(axis=(1, 2)).min() < 1e-9
     assert np.abs(np.sin(one.trajectory.q[:, 1])).min() > 1e-3
+
+
+def test_a_joint_that_stays_inside_its_limits_needs_no_wider_range(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Followed without limits the branch may lead elsewhere: a range of less than nothing was advised."""
+    arm = open_robot("ur5")
+    start = np.array([0.3, -1.2, 1.4, -1.0, 1.2, 0.4])
+    poses = pose(arm, [start, start + 0.1])
+    work = PoseDetourer(check_poses(arm, poses, start=start, branches=False), 0.03, CLEARANCE)
+    blocked = Blocked(0.5, Hindrance.RANGE)
+    assert work._with_excess(blocked, np.array([0.0, 1.0]), start) is blocked
+    wound = replace(follow(arm, poses, start), q=np.stack([start, start + 7.0 * np.eye(6)[5]]))
+    monkeypatch.setattr(pose_detours, "follow", lambda *given, **options: wound)
+    assert work._with_excess(blocked, np.array([0.0, 1.0]), start).joint == 6

@@ -9,7 +9,8 @@ import pytest
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
-from rankdrop.poses.branches import inverse, matrix_of
+from rankdrop.local.block import singular_values
+from rankdrop.poses.branches import inverse, matrix_of, self_motion_curves
 from rankdrop.poses.inverse import Aim, joint_difference, rotation
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
@@ -236,3 +237,19 @@ def test_a_self_motion_is_shown_in_the_posture_that_people_use() -> None:
     first = found.continua[0]
     assert first.beyond == ()
     assert np.abs(first.q - usual).max() < 0.05
+
+
+@pytest.mark.parametrize("name", ["panda", "lbr_iiwa_7_r800"])
+def test_a_self_motion_is_not_shown_near_a_singularity(name: str) -> None:
+    """σ at the configuration that is shown, against the largest on the same curve."""
+    arm = open_robot(name)
+    goal = pose(arm, 0.5 * (arm.lower + arm.upper) + 0.2)
+    curves, _ = self_motion_curves(arm, goal)
+    found = inverse(arm, goal)
+    for continuum in found.continua:
+        if continuum.beyond:
+            continue
+        away = [np.abs(np.angle(np.exp(1j * (curve.points - continuum.q)))).max(axis=1).min() for curve in curves]
+        on_it = curves[int(np.argmin(away))].points
+        largest = singular_values(arm, on_it, found.task)[:, -1].max()
+        assert singular_values(arm, continuum.q[None], found.task)[0, -1] > 0.3 * largest

@@ -35,7 +35,6 @@ _STEP, _STEPS = 0.08, 500  # along a curve [rad]; steps each way
 _ENOUGH = 8  # singular solutions looked at where one of them is on a surface
 _INWARDS = 20  # projections of the points of a surface into the joint limits
 _CURVES = 64  # curves that are followed at most
-_CLEAR = 0.3  # a self-motion is shown where σ_r is at least this share of its largest on it
 
 
 @dataclass(frozen=True, eq=False)
@@ -314,11 +313,11 @@ class SolutionSearch:
         )  # fmt: skip
 
     def _best_known(self, placed: Array, outside: Array) -> int:
-        """The point (of N, n) by which a self-motion is shown: inside the limits and far enough from singularities the
-        posture that people use; else the least outside, and of these the farthest from singularities.
+        """The point (of N, n) by which a self-motion is shown: of those inside the limits and not singular the posture
+        that people use; else the least outside, and of these the farthest from singularities.
         """
         sigma = self.sigma(placed)
-        usable = np.flatnonzero((outside <= 0.0) & (sigma > _CLEAR * sigma.max()))
+        usable = np.flatnonzero((outside <= 0.0) & (sigma > SINGULAR))
         if len(usable):
             return int(usable[by_habit(self.robot, self.task, placed[usable])[0]])
         return int(np.lexsort((-sigma, outside))[0])

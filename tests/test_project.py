@@ -137,6 +137,18 @@ def test_every_package_of_the_plain_install_has_its_licence_in_the_docs() -> Non
     assert f"brings {len(listed)} packages" in page
 
 
+def test_no_file_of_tests_imports_another() -> None:
+    """What several share stands in a file of its own beside them."""
+    imported = [
+        (path.name, node.module)
+        for path in KEPT
+        if path.is_relative_to(HERE) and path.suffix == ".py"
+        for node in ast.walk(ast.parse(read(path)))
+        if isinstance(node, ast.ImportFrom) and "test_" in (node.module or "")
+    ]
+    assert imported == []
+
+
 UNNAMED = 53
 """Modules that have no file of tests in the folder of their room whose name begins with theirs."""
 

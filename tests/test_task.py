@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from known.test_what_callers_hand_in import ARM, A
+from known.planar import ARM, A
 
 import rankdrop
 from rankdrop.errors import TaskError

@@ -6,8 +6,8 @@ from math import prod
 from typing import Any
 
 import pytest
-from algebra.test_gcd import long_polynomial
-from algebra.test_roots import RING
+from algebra.number_fields import RING
+from algebra.polynomials import long_polynomial
 
 from rankdrop.algebra import factoring
 from rankdrop.algebra.factoring import factor

@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-import random
-
 import pytest
-from algebra.test_roots import RING
+from algebra.number_fields import RING
+from algebra.polynomials import long_polynomial
 
 from rankdrop.algebra import field
 from rankdrop.algebra.field import ModularPoint, roots_at, value_at
 from rankdrop.algebra.gcd import _Images, gcd, image_modulo, quotient
 from rankdrop.algebra.polynomial import flint, is_number, primitive, reduced_roots
 from rankdrop.algebra.roots import ROOTS, embeddings, primes_with
-
-
-def long_polynomial(seed: int, terms: int = 60):
-    """A random polynomial over √2 and √3 in three variables, irreducible but for chance."""
-    rng = random.Random(seed)
-    x, y, a, h = RING.t[1], RING.t[2], RING.letter_half["a"], RING.letter_half
-    roots = (1, h["sqrt2"], h["sqrt3"], h["sqrt2"] * h["sqrt3"])
-    parts = (rng.randrange(1, 99) * rng.choice(roots) * x ** rng.randrange(4) * y ** rng.randrange(4)
-             * a ** rng.randrange(3) for _ in range(terms))  # fmt: skip
-    return 1 + sum(parts, RING.half.constant(0))
 
 
 def test_images_read_once_are_those_of_the_polynomial() -> None:

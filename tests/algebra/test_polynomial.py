@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from algebra.test_roots import RING, number_of, numbers
+from algebra.number_fields import RING, number_of, numbers
 from hypothesis import given, settings
 
 from rankdrop.algebra.polynomial import flint, norm, primitive, reciprocal, reduced_roots

@@ -6,6 +6,7 @@ from math import cos, pi, prod, radians
 
 import numpy as np
 import pytest
+from algebra.number_fields import RING, number_of, numbers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -22,8 +23,6 @@ from rankdrop.families.record import exact_of
 from rankdrop.kinematics import jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.verbs.conditions import conditions
-
-RING = Ring([1, 2], letters=["a", *ROOTS])
 
 
 def b44(twist: float = pi / 4):
@@ -64,15 +63,6 @@ def test_a_length_that_is_no_decimal_is_rounded_unless_it_is_a_letter() -> None:
 
 def test_a_ring_has_the_roots_in_the_squares_of_its_roots() -> None:
     assert Ring([1], letters=["b", "cos18"]).letters == ("b", "cos18", "sqrt5")
-
-
-def numbers():
-    return st.lists(st.integers(-3, 3), min_size=4, max_size=4).filter(any)
-
-
-def number_of(values):
-    h = RING.letter_half
-    return sum(v * w for v, w in zip(values, [1, h["sqrt2"], h["sqrt3"], h["sqrt2"] * h["sqrt3"]], strict=True))
 
 
 @pytest.mark.slow

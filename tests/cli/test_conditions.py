@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cli.test_schema import closed
+from closed_schema import closed
 from jsonschema import Draft202012Validator
+from printed import one_line
 
 import rankdrop
 from rankdrop.cli import exits
@@ -27,10 +28,6 @@ screw = [0, 0, 0.1, 0, 0, 1]
 [[joints]]
 screw = [0, 0, 0, 0, 1, 0]
 """
-
-
-def one_line(text: str) -> str:
-    return " ".join(text.split())
 
 
 # what is printed

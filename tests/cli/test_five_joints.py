@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from printed import one_line
 
 from rankdrop.distance.monitor import Monitor, arm_header
 from rankdrop.errors import ConfigurationError
@@ -23,10 +24,6 @@ from rankdrop.verbs.explain import explain
 REPORT = Path(__file__).parents[1] / "data" / "reports"
 KUKA, ACROSS = str(REPORT / "05-kr120-without-a6.toml"), str(REPORT / "05-five-joints.csv")
 NEVER = "can never turn about its tool axis"
-
-
-def one_line(text: str) -> str:
-    return " ".join(text.split())
 
 
 def test_a_wrist_of_five_joints_is_singular_at_zero(run) -> None:

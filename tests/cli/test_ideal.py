@@ -8,19 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cli.calibrated import CALIBRATED, TOLERANCE, Q
+from printed import one_line
 
 from rankdrop.cli import exits
 from rankdrop.robot.ideal import intended_tolerance
 from rankdrop.robot.model import Joint
 from rankdrop.robot.open import open_robot
-
-CALIBRATED = str(Path(__file__).parents[1] / "data" / "ur5_calibrated.toml")
-TOLERANCE = "1mm,0.5deg"
-Q = "0.1,-2,1.5,1,0.005,0"
-
-
-def one_line(text: str) -> str:
-    return " ".join(text.split())
 
 
 @pytest.mark.slow_at("command1")

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cli.path_files import FREE, saved
 from jsonschema import Draft202012Validator
 from patience import until
 
 from rankdrop.cli import main
 from rankdrop.schema import load_schema
 
-FREE = [[0.0, 0.5, 0.1], [0.2, 0.9, 0.3]]
 CROSSING = [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3]]
 
 
@@ -29,11 +29,6 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
         return (code, *capsys.readouterr())
 
     return once
-
-
-def saved(folder: Path, name: str, q: object) -> Path:
-    np.save(folder / name, np.array(q))
-    return folder / name
 
 
 @pytest.mark.by_hand

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from closed_schema import closed
 from jsonschema import Draft202012Validator
 
 from rankdrop.codec import json_text, record_of
@@ -143,17 +144,6 @@ def test_letters_for_lengths_are_described() -> None:
     check.validate(record)
     for wrong in ({"a": "635 mm"}, {"a": -1.0}, ["a"]):
         assert not check.is_valid(record | {"robot": record["robot"] | {"lengths": wrong}})
-
-
-def closed(schema: Any) -> Any:
-    if isinstance(schema, list):
-        return [closed(part) for part in schema]
-    if not isinstance(schema, dict):
-        return schema
-    inner = {key: closed(part) for key, part in schema.items()}
-    kind = schema.get("type")
-    closes = "properties" in schema and (kind == "object" or (isinstance(kind, list) and "object" in kind))
-    return inner | {"additionalProperties": False} if closes else inner
 
 
 BROKEN = {

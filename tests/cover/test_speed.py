@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cover.regions import family_of, region_of
 from scipy.optimize import linprog
 
 import rankdrop
@@ -16,18 +17,12 @@ from rankdrop.errors import OptionError
 from rankdrop.families.speed_distance import SpeedDistances
 from rankdrop.local.rates import rate_limits
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.units import scale_lengths
 
 WRISTS = [("irb120", 5, (0.0,)), ("ur5e", 5, (0.0, np.pi)), ("kr6r900", 5, (0.0,))]
 FEW = np.radians(8.0)
-
-
-def region_of(name: str, speed: float = 0.25, **given) -> SpeedRegion:
-    arm = open_robot(name)
-    return SpeedRegion(arm, resolve_task(None, arm), speed, **given)
 
 
 def speeds(robot, q: np.ndarray) -> np.ndarray:
@@ -77,10 +72,6 @@ def test_the_rest_of_a_bound_is_of_second_order(rng) -> None:
         least = region.least(region.around[None], np.where(region.matters, half, 0.0)[None])[0]
         gaps.append(region.slowest(region.around + half * corners).min() - least)
     assert 0.0 < gaps[1] < gaps[0] / 3
-
-
-def family_of(name: str, number: str):
-    return next(one for one in shipped(name).families if one.id == number)
 
 
 def inside(region: SpeedRegion, low: np.ndarray, high: np.ndarray, rng, count: int) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cover.test_speed import family_of, region_of
+from cover.regions import family_of, region_of
 
 import rankdrop
 from rankdrop.cover.speed import SpeedRegion

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cross.test_models import package
+from cross.model_packages import package
 from rankdrop import analyze, conditions, explain, jacobian, jacobian_derivative, open_robot, pose
 from rankdrop.task import TIP, Frame
 

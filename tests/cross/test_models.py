@@ -6,10 +6,7 @@ each package that is missing is skipped with the reason.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
-from functools import cache
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -17,6 +14,7 @@ import pytest
 from known.arms import KINDS, STRUCTURES
 from reference.measure import relative
 
+from cross.model_packages import PACKAGES, package
 from cross.real_files import FILES
 from rankdrop.errors import RobotError
 from rankdrop.kinematics import jacobian, pose
@@ -38,7 +36,6 @@ from rankdrop.robot.screws import from_screws
 from rankdrop.robot.urdf import from_urdf
 
 TOLERANCE = 1e-12
-PACKAGES = {"pinocchio": "cross", "mujoco": "mujoco", "roboticstoolbox": "cross", "yourdfpy": "cross"}
 FROM: dict[str, Callable[..., Robot]] = {
     "pinocchio": from_pinocchio, "mujoco": from_mujoco, "roboticstoolbox": from_toolbox, "yourdfpy": from_yourdfpy,
 }  # fmt: skip
@@ -50,16 +47,6 @@ CATALOGUE = [
     pytest.param(name, marks=[] if name in USUAL else pytest.mark.by_hand) for name in sorted(robot_names())
 ]
 """All; one of each kind and structure, the others by hand."""
-
-
-@cache
-def package(name: str) -> ModuleType:
-    """The package; the test is skipped where it is missing."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # theirs, while they are imported
-        module = pytest.importorskip(name, reason=f'the extra "{PACKAGES[name]}" is not installed')
-    assert isinstance(module, ModuleType)
-    return module
 
 
 def theirs(name: str, model: Any, robot: Robot, q: Array) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cli.test_schema import closed
+from closed_schema import closed
 from jsonschema import Draft202012Validator
 
 import rankdrop

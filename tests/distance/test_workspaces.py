@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from families.test_slices import known
+from families.known_families import known
 
 from rankdrop.distance.workspaces import _normals_to, section_of, workspace
 from rankdrop.kinematics import pose

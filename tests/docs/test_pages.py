@@ -11,7 +11,7 @@ import shlex
 from pathlib import Path
 
 import pytest
-from golden.test_golden import without_noise, without_time
+from golden.noise import without_noise, without_time
 
 from rankdrop.cli import main
 

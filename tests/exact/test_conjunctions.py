@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from exact.test_methods import SRS, chain_of
+from exact.chains import SRS, chain_of
 
 from rankdrop.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain

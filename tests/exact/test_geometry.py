@@ -6,11 +6,12 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 import pytest
-from algebra.test_roots import RING
-from exact.test_chain import HALF
+from algebra.number_fields import RING
 
 from rankdrop.algebra.roots import roots_of
 from rankdrop.exact.arm.geometry import exact_cosine, turn
+
+HALF = pi / 2
 
 
 @pytest.mark.parametrize("angle", [*range(-180, 181, 15), *range(-180, 181, 18)])

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from exact.derived import derived
 
 from rankdrop.algebra.halt import Halt, HaltKind
 from rankdrop.exact import higher_coranks
 from rankdrop.exact.conjunctions import SetDerivation
-from rankdrop.robot.open import open_robot
-from rankdrop.verbs.conditions import conditions
-
-
-def derived(arm: str, coranks: int = 2, **given):
-    return conditions(open_robot(arm), method="reciprocity", coranks=coranks, points=20, **given)
 
 
 @pytest.mark.slow

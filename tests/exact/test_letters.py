@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from exact.lettered import arm
 from reference.trig import value
 
 pytest.importorskip("flint")
@@ -16,19 +17,10 @@ from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.remark import chain_remarks
 from rankdrop.kinematics import jacobian
 from rankdrop.results.analysis import robot_from_dict, robot_to_dict
-from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
 KG = {"a": Fraction("0.635"), "c": Fraction("0.504"), "d": Fraction("6.85")}
-
-
-def arm(lengths=None, *, tool=0.0, task="pose"):
-    """A 4R arm with a2 = 0.5, a3 = −0.4, d3 = 0.5 and a tip at (0.3, `tool`, 0.2) in the last link's frame."""
-    rows = [(0, "pi/2", 1, 0), (0.5, 0, 0, 0), (-0.4, "pi/2", 0.5, 0), (0.3, 0, 0.2, 0)]
-    end = np.eye(4)
-    end[1, 3] = tool
-    return from_dh(rows, convention="standard", lengths=lengths, tool=end, task=task)
 
 
 def test_canadarm2_has_the_letters_of_kg():

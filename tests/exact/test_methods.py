@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from exact.chains import SRS, chain_of
 
 from rankdrop.algebra.field import ModularPoint, P, bivariate, common_zeros, complete, holds, roots, univariate
 from rankdrop.algebra.polynomial import SIMPLE, Equality
@@ -18,7 +19,7 @@ from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work, work_spent
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
-from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.conjunctions import Conjunction, SetDerivation
 from rankdrop.exact.derivation import _too_long
@@ -46,11 +47,6 @@ PAIRS = [
     for method in METHODS
     if method != "decomposition" or name in WRIST
 ]
-
-
-@cache
-def chain_of(name: str) -> Chain:
-    return exact_chain(open_robot(name))
 
 
 @cache
@@ -473,11 +469,6 @@ def test_an_unknown_method_is_refused_with_the_list() -> None:
 def test_the_docstring_names_every_method() -> None:
     assert methods.__doc__ is not None
     assert all(f"| {name} |" in methods.__doc__ for name in METHODS)
-
-
-SRS = [(0, -np.pi / 2, 0.34, 0), (0, np.pi / 2, 0.03, 0), (0, -np.pi / 2, 0.4, 0), (0, np.pi / 2, 0.02, 0),
-       (0, -np.pi / 2, 0.3, 0), (0, np.pi / 2, 0, 0), (0, 0, 0.1, 0)]  # fmt: skip
-"""An S-R-S arm with offsets along axes 2 and 4."""
 
 
 @pytest.mark.by_hand

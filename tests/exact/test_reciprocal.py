@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from exact.test_higher_coranks import derived
+from exact.derived import derived
 
 from rankdrop.exact import reciprocal
 from rankdrop.exact.conjunctions import Conjunction

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exact.test_letters import arm
+from exact.lettered import arm
 
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.remark import chain_remarks

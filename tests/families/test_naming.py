@@ -7,6 +7,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from families.named import H, name, ur
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.exact.families import _one_of_each_first
@@ -18,7 +19,6 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
-H = pi / 2
 Z = (0.0, pi)  # 0 and π
 Q = (H, -H)  # ±π/2
 
@@ -31,11 +31,6 @@ def pa10() -> Robot:
 def puma(offset: float = 0.15, elbow: float = 0.02) -> Robot:
     rows = [(0, H, 0, 0), (0.43, 0, 0, 0), (elbow, -H, offset, 0), (0, H, 0.4, 0), (0, -H, 0, 0), (0, 0, 0.06, 0)]
     return from_dh(rows, convention="standard", name="b")
-
-
-def ur() -> Robot:
-    rows = [(0, H, 0.09, 0), (-0.425, 0, 0, 0), (-0.392, 0, 0, 0), (0, H, 0.11, 0), (0, -H, 0.095, 0), (0, 0, 0.08, 0)]
-    return from_dh(rows, convention="standard", name="c")
 
 
 def canadarm() -> Robot:
@@ -65,10 +60,6 @@ def points(robot: Robot, pinned: dict[int, tuple[float, ...]], count: int = 8, s
     for number, values in pinned.items():
         q[:, number - 1] = rng.choice(values, count)
     return np.asarray(q)
-
-
-def name(robot: Robot, q: Array, task: str | None = None) -> str:
-    return str(name_family(robot, resolve_task(task, robot), q))
 
 
 PA10_ROWS = [

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from families.known_families import known
 
 from rankdrop.families.points import general_member, members
 from rankdrop.families.slices import (
@@ -21,15 +22,9 @@ from rankdrop.families.slices import (
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.problem import wrap
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.known import shipped
 
 ARMS = ["pa10", "ur5", "stanford", "planar2r", "scara", "canadarm2"]
 SINGULAR = 1e-9
-
-
-@cache
-def known(name: str) -> Analysis:
-    return shipped(name)
 
 
 @cache

@@ -8,11 +8,11 @@ After a change that is meant, write the files again and read the difference:
 from __future__ import annotations
 
 import os
-import re
 import shlex
 from pathlib import Path
 
 import pytest
+from golden.noise import without_noise, without_time
 
 from rankdrop.cli import main
 
@@ -63,18 +63,6 @@ ERRORS = [
     "conditions files/model.urdf.xacro",
     "conditions files/model.urdf.xacro --arg model:=x --arg sde:=right",
 ]
-
-
-def without_time(text: str) -> str:
-    """The same text, whatever the time taken."""
-    return re.sub(r"Time\s+taken:\s+[\d.]+\s+s\.", "Time taken: (some) s.", text)
-
-
-def without_noise(text: str) -> str:
-    """The same text, whichever of two equal motions was taken, and however many searches ended at the nearest."""
-    text = re.sub(r"\d+\s+of\s+\d+\s+searches agree;\s+σ there at most [^ \n]+", "(most) searches agree", text)
-    text = re.sub(r"best (direction|two joints):[^σ]*σ", r"best \1: (motion) σ", text)  # an ascent, near a flat top
-    return re.sub(r"[+−](?=[\d.]+(°| m\b))", "±", text)
 
 
 def compare(name: str, text: str) -> None:

@@ -14,13 +14,12 @@ import numpy as np
 import pytest
 
 import rankdrop
+from known.planar import ARM, A
 from rankdrop import path as paths
 from rankdrop.errors import ConfigurationError
 from rankdrop.poses.branches import self_motion_curves
 from rankdrop.results.known import shipped
 
-ARM = rankdrop.open_robot("planar3r")
-A = [0.1, 0.5, 0.3]
 MASKED = np.ma.masked_array(A, [False, True, False])
 
 

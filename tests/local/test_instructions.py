@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from local.test_ordered import GR
+from local.gupta import GR
 from reference import arms
 
 from rankdrop.errors import RankdropError

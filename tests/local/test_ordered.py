@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from local.gupta import GR, SCREWS
 from reference import arms
 
 from rankdrop.errors import OptionError, RobotError
@@ -19,13 +20,6 @@ from rankdrop.robot.screws import from_screws
 from rankdrop.task import SPACE, resolve_task
 
 DOC = Path(__file__).resolve().parents[2] / "docs" / "gallardo-rico.md"
-R = 0.5**0.5
-SCREWS = np.array([
-    [1, 0, 0, 0, 0, -1], [0, 0, 0, 0, 1, 0], [0, 1, 0, 0, 0, 0], [0, 1, 0, 0, 0, 5], [1, 0, 0, 0, 0, 0],
-    [0, R, R, 0, -10 * R, 10 * R], [0, R, -R, 0, 10 * R, 10 * R],
-])  # fmt: skip
-"""GR section 5."""
-GR = OrderedScrewSet(SCREWS)
 RUNS = ((1, 5), (1, 6), (2, 7), (1, 7))
 
 

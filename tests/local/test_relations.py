@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from local.related import relation_words
 from reference import arms
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.local.relations import Relation, relations_at
+from rankdrop.local.relations import relations_at
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
-
-
-def told(found: tuple[Relation, ...]) -> list[tuple[bool, str]]:
-    return [(relation.structural, relation.words) for relation in found]
 
 
 @pytest.mark.parametrize(("theta", "words"), [(0.0, "axes 2, 3, 4, 6 parallel"), (np.pi, "axes 2, 3, 4, 6 parallel")])
 def test_what_is_special_stands_first(theta: float, words: str) -> None:
     found = relations_at(open_robot("ur5"), [0.1, -0.5, 0.7, 0.3, theta, 0.2])
-    assert told(found)[0] == (False, words)
+    assert relation_words(found)[0] == (False, words)
     assert [relation.structural for relation in found] == sorted(relation.structural for relation in found)
 
 
 def test_a_structural_pair_inside_a_special_group_is_not_repeated() -> None:
-    words = [text for _, text in told(relations_at(open_robot("puma560"), [0.1, 0.2, 0.3, 0.0, 0.7, 0.6]))]
+    words = [text for _, text in relation_words(relations_at(open_robot("puma560"), [0.1, 0.2, 0.3, 0.0, 0.7, 0.6]))]
     assert "axes 2, 3, 5 parallel" in words
     assert "axes 2, 3 parallel" not in words
 
@@ -32,8 +29,8 @@ def test_a_structural_pair_inside_a_special_group_is_not_repeated() -> None:
 def test_the_tolerance_is_that_of_angles() -> None:
     robot = open_robot("puma560")
     near = [0.1, 0.2, 0.3, 0.4, 1e-4, 0.6]
-    assert (False, "axes 4, 6 aligned") not in told(relations_at(robot, near))
-    assert (False, "axes 4, 6 aligned") in told(relations_at(robot, near, tolerance=1e-3))
+    assert (False, "axes 4, 6 aligned") not in relation_words(relations_at(robot, near))
+    assert (False, "axes 4, 6 aligned") in relation_words(relations_at(robot, near, tolerance=1e-3))
 
 
 def test_slides_have_a_direction_but_no_place() -> None:
@@ -41,7 +38,7 @@ def test_slides_have_a_direction_but_no_place() -> None:
         [revolute((0, 0, 1), (0, 0, 0)), prismatic((0, 0, 1)), revolute((0, 0, 1), (1, 0, 0)), prismatic((1, 0, 0))],
         order="linear-first",
     )
-    assert told(relations_at(robot, np.zeros(4))) == [(True, "axes 1, 3 and slide 2 parallel")]
+    assert relation_words(relations_at(robot, np.zeros(4))) == [(True, "axes 1, 3 and slide 2 parallel")]
 
 
 def test_planted_groups_against_all_pairs(rng: np.random.Generator) -> None:
@@ -72,9 +69,9 @@ def test_planted_groups_against_all_pairs(rng: np.random.Generator) -> None:
 def test_relations_do_not_depend_on_base_tool_or_sign(name: str, rng: np.random.Generator) -> None:
     robot = open_robot(name)
     q = np.zeros(robot.n)
-    expected = told(relations_at(robot, q))
+    expected = relation_words(relations_at(robot, q))
     for same in arms.in_other_words(robot, rng):
-        assert told(relations_at(same, q)) == expected
+        assert relation_words(relations_at(same, q)) == expected
     back = arms.reversed_chain(robot)
     mirrored = {(r.kind, tuple(sorted(robot.n + 1 - i for i in r.joints)), r.structural) for r in relations_at(back, q)}
     assert mirrored == {(r.kind, r.joints, r.structural) for r in relations_at(robot, q)}

@@ -8,6 +8,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from local.screws import C, Z, concurrent, other, parallel, slides
 from reference import arms
 
 from rankdrop.kinematics import jacobian
@@ -19,31 +20,11 @@ from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws, helical, prismatic, revolute
 from rankdrop.task import SPACE, resolve_task
 
-Z = (0.0, 0.0, 1.0)
-C = (0.3, -0.2, 0.5)  # where axes meet
-
 
 def built(*screws: Array) -> Robot:
     home = np.eye(4)
     home[:3, 3] = (0.9, 0.4, 1.3)
     return from_screws(screws, order="linear-first", home=home)
-
-
-def other(count: int, seed: int = 5) -> list[Array]:
-    """Axes in general position."""
-    return [joint.screw for joint in arms.random_chain(np.random.default_rng(seed), "r" * count).joints]
-
-
-def concurrent(count: int, seed: int = 6) -> list[Array]:
-    return [revolute(axis, C) for axis in np.random.default_rng(seed).normal(size=(count, 3))]
-
-
-def parallel(count: int, seed: int = 7) -> list[Array]:
-    return [revolute(Z, point) for point in np.random.default_rng(seed).normal(size=(count, 3))]
-
-
-def slides(count: int, seed: int = 8) -> list[Array]:
-    return [prismatic(axis) for axis in np.random.default_rng(seed).normal(size=(count, 3))]
 
 
 def rank(robot: Robot, q: Array, numbers: tuple[int, ...]) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from local.test_screw_systems import C, Z, concurrent, other, parallel, slides
+from local.screws import C, Z, concurrent, other, parallel, slides
 
 from rankdrop.local.subgroups import closure
 from rankdrop.robot.model import Array

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from path.test_pose_detours import CLEARANCE, checked
+from path.planar_detours import CLEARANCE, checked
 from rankdrop.local.block import singular_values
 from rankdrop.path.mend.detours import Hindrance, lost_motions
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, PoseWindow

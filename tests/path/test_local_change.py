@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from path.test_remedies import mended
+from path.dipping import mended
 from rankdrop.path.mend.local_change import step
 
 

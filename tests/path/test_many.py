@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from cli.test_path import FREE, saved
+from cli.path_files import FREE, saved
 
 from rankdrop.errors import ResultFileError
 from rankdrop.path.check.many import check_chunk

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
+from printed import one_line
 
-from rankdrop.local.rates import rate_limits
+from path.overrun import ARM, LIMIT
 from rankdrop.path.check.check import check_path
 from rankdrop.path.check.overrun import fastest, overruns
 from rankdrop.path.check.path_file import PathQuestion
@@ -18,13 +19,6 @@ from rankdrop.path.mend.programs import program_remedies
 from rankdrop.questions import PathOptions
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
-
-ARM = open_robot("ur5")  # 180°/s
-LIMIT = float(rate_limits(ARM)[3])
-
-
-def one_line(text: object) -> str:
-    return " ".join(str(text).split())
 
 
 def test_a_cubic_is_above_its_limit_for_a_part_of_a_stretch() -> None:

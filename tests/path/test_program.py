@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from path.program_data import ASK, DATA
 from rankdrop.cli import main
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.kinematics import pose
@@ -22,9 +23,6 @@ from rankdrop.path.read.program_record import MOVES, Move, Posture, Program, Rea
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.questions import PathOptions
 from rankdrop.robot.open import open_robot
-
-DATA = Path(__file__).parents[1] / "data" / "programs"
-ASK = PathQuestion(None, None, PathOptions())
 
 
 def about(axis: str, degrees: float) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from path.test_remedies import smooth
+from path.dipping import smooth
 from rankdrop.path.check.turns import far_turns
 from rankdrop.path.curve import curve
 from rankdrop.robot.open import open_robot

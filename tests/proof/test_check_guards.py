@@ -9,6 +9,7 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
+from proof.tasks import covers_task
 from reference import arms
 from reference.coverings import covering
 
@@ -79,12 +80,6 @@ def test_a_box_is_enclosed_wider_than_its_rounded_centre_can_be_off():
             assert centre + reach > end
             slack = 1e-15 * max(1.0, abs(found.plan.lower[place]))
             assert reach - width / 2 > slack  # the allowance itself, not luck of one rounding
-
-
-def covers_task(robot: Any) -> Any:
-    from rankdrop.task import resolve_task
-
-    return resolve_task(None, robot)
 
 
 def test_two_signs_need_more_than_rounding(monkeypatch):

@@ -9,7 +9,7 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from proof.test_check_guards import covers_task
+from proof.tasks import covers_task
 from reference import arms
 from reference.coverings import covering
 

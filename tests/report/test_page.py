@@ -6,7 +6,6 @@ import csv
 import json
 import re
 from dataclasses import replace
-from functools import cache
 from io import StringIO
 
 import numpy as np
@@ -16,26 +15,17 @@ from rankdrop.distance.share import NearShare, SlowShare
 from rankdrop.families.record import Check
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import skeleton
-from rankdrop.report.content import Content, content, page_data, standing
+from rankdrop.report.content import content, page_data, standing
 from rankdrop.report.page import page
 from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh
 from rankdrop.text.lost import lost_sentences
 from rankdrop.verbs.analyze import analyze
+from report.pages import shown, text_of
 
 from .lost import arrows
 
 LARGEST = 15_000_000
-
-
-@cache
-def shown(name: str, *, exact: bool = True) -> Content:
-    return content(shipped(name), exact=exact)
-
-
-@cache
-def text_of(name: str) -> str:
-    return page(shown(name))
 
 
 @pytest.mark.by_hand_at("stanford")

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from report.test_page import text_of
+from report.pages import text_of
 
 
 @pytest.mark.slow

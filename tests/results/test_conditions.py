@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli.test_conditions import one_line
-from cli.test_schema import closed
+from closed_schema import closed
 from jsonschema import Draft202012Validator
+from printed import one_line
 
 import rankdrop
 from rankdrop.cli import exits

@@ -21,7 +21,7 @@ from rankdrop.robot.numbers import ExactChange, extent, numbers_of
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.text.robots import near_text
 from rankdrop.tolerances import SQUARE
-from robot.test_numbers import noisy
+from robot.calibrated import noisy
 
 NEAR = {
     "baxter": 0.01, "gen3": 0.01275, "gen3_6dof": 0.001, "gen3_lite": 0.01, "h2017": 0.0099, "h2515": 0.0099,

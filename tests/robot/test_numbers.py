@@ -13,46 +13,15 @@ from reference.kinematics import exponential, pose
 from rankdrop.exact.arm.geometry import sections
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import from_dh
-from rankdrop.robot.model import Array, Mimic, Robot
+from rankdrop.robot.model import Mimic, Robot
 from rankdrop.robot.numbers import LinkNumbers, axis_lines, extent, meeting, numbers_of, square_up
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.transform import frame_on_axis
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.task import resolve_task
 from rankdrop.tolerances import MEETING, SQUARE
+from robot.calibrated import noisy
 from robot.urdf_text import joint, robot
-
-ANGLE, LENGTH = 1e-5, 1e-6
-
-
-def small(rng: np.random.Generator, angle: float, length: float) -> Array:
-    """(4, 4) a turn and a shift, each of a random direction and this size."""
-    turn, shift = rng.normal(size=(2, 3))
-    found = exponential(np.concatenate([np.zeros(3), turn / np.linalg.norm(turn)]), angle)
-    found[:3, 3] = length * shift / np.linalg.norm(shift)
-    return found
-
-
-def noisy(arm: Robot, rng: np.random.Generator, angle: float = ANGLE, length: float = LENGTH) -> Robot:
-    """The arm with noise on the pose of every link in the one before; an axis goes with the frame it stands on."""
-    moved = np.eye(4)  # from the true place of the link before to where noise has brought it
-    joints = []
-    for entry in arm.joints:
-        carried = moved
-        moved = moved @ entry.frame @ small(rng, angle, length) @ np.linalg.inv(entry.frame)
-        frame = moved if stands(entry.screw, entry.frame) else carried
-        joints.append(replace(entry, screw=carried_screw(frame, entry.screw), frame=moved @ entry.frame))
-    return replace(arm, joints=tuple(joints), home=moved @ arm.home)
-
-
-def stands(screw: Array, frame: Array) -> bool:
-    return bool(np.linalg.norm(screw[:3] - np.cross(frame[:3, 3], screw[3:])) < 1e-9)
-
-
-def carried_screw(transform: Array, screw: Array) -> Array:
-    turn, shift = transform[:3, :3], transform[:3, 3]
-    omega = turn @ screw[3:]
-    return np.concatenate([turn @ screw[:3] + np.cross(shift, omega), omega])
 
 
 @pytest.mark.spread(60)

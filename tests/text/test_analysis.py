@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from text.test_family_conditions import bent
+from text.bent import bent
 
 from rankdrop import analyze
 

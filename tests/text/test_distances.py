@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 
-from cli.test_explain import REGULAR
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import exits
 from rankdrop.schema import load_schema
+
+REGULAR = ("ur5", "--deg", "--q", "0,-135,45,90,-90,0")
 
 
 def test_nearest_prints_a_distance_and_a_proof(run) -> None:

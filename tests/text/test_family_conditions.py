@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from text.bent import bent
 
 from rankdrop import analyze, conditions
 from rankdrop.families.record import with_exact
 from rankdrop.results.known import known_names, shipped
 from rankdrop.results.stored_conditions import shipped_conditions
-from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
@@ -87,12 +87,6 @@ def test_the_report_shows_the_exact_conditions_in_place_of_the_fitted_ones() -> 
     assert conditions_of(found.families[4])[0][0] != "exactly"
     other = replace(found.families[4], corank=2)
     assert with_exact([other], derived.families)[0].exact is None
-
-
-def bent() -> Robot:
-    """A planar arm whose second joint stands at −0.4 where the arm is stretched."""
-    table = [DHRow(a=0.3), DHRow(a=0.2, theta=0.4), DHRow(a=0.1)]
-    return from_dh(table, convention="standard", name="bent")
 
 
 def test_where_conditions_count_an_angle_from_elsewhere_the_joints_own_value_is_told() -> None:

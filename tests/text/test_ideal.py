@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 
 import pytest
-from cli.test_ideal import CALIBRATED, TOLERANCE, Q, one_line
+from cli.calibrated import CALIBRATED, TOLERANCE, Q
+from printed import one_line
 
 from rankdrop.cli import exits
 

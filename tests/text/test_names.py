@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from families.test_naming import name, ur
+from families.named import name, ur
 
 from rankdrop.families.searching import search
 from rankdrop.task import resolve_task

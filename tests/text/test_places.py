@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from path.test_overrun import ARM, LIMIT, one_line
+from path.overrun import ARM, LIMIT
+from printed import one_line
 
 from rankdrop.kinematics import pose
 from rankdrop.path.check.overrun import fastest, overruns

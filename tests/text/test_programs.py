@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
-from path.test_program import ASK, DATA
+from path.program_data import ASK, DATA
 
 from rankdrop.cli import main
 from rankdrop.kinematics import pose

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from local.test_relations import told
+from local.related import relation_words
 
 from rankdrop.local.relations import relations_at
 from rankdrop.robot.open import open_robot
@@ -11,7 +11,7 @@ from rankdrop.robot.open import open_robot
 
 def test_the_zero_pose_of_the_pa10() -> None:
     found = relations_at(open_robot("pa10"), np.zeros(7))
-    assert told(found) == [
+    assert relation_words(found) == [
         (False, "axes 1, 3, 5, 7 aligned"),
         (False, "axes 1, 2, 3, 5, 7 meet in one point"),
         (False, "axes 1, 3, 4, 5, 7 meet in one point"),
@@ -26,7 +26,7 @@ def test_the_zero_pose_of_the_pa10() -> None:
 
 def test_a_regular_configuration_has_structure_only() -> None:
     found = relations_at(open_robot("ur5"), [0.1, -0.5, 0.7, 0.3, 0.9, 0.2])
-    assert told(found) == [
+    assert relation_words(found) == [
         (True, "axes 1, 2 intersect"), (True, "axes 4, 5 intersect"), (True, "axes 5, 6 intersect"),
         (True, "axes 2, 3, 4 parallel"),
     ]  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from path.test_pose_detours import CLEARANCE, planar
+from path.planar_detours import CLEARANCE, planar
 
 from rankdrop.kinematics import pose
 from rankdrop.path.check.tool_path import check_poses

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cli.test_commands import SMALL
+SMALL = ("--starts", "200", "--quiet")
 
 
 def test_an_arm_that_is_always_singular_is_told_so(run) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from reference.kinematics import jacobian
-from robot.test_numbers import noisy
+from robot.calibrated import noisy
 
 from rankdrop.families.points import members
 from rankdrop.results.conditions import Conditions

@@ -37,6 +37,27 @@ _SHOWN = 60  # characters of a value in an error
 _LARGEST = 2**53
 """Whole numbers up to here are the same in every reader of JSON."""
 
+_GETTERS: dict[type, dict[str, Callable[[Any], Any]]] = {}
+_TABLES: dict[type, type[Struct]] = {}  # of record classes
+
+_AS_IT_IS = frozenset((str, int, bool, NoneType))
+
+_STEERING = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")  # JSON itself escapes the others
+
+_ROOM = {
+    "analysis": "families", "find": "families", "explanation": "explanation", "escape": "explanation",
+    "nearest": "explanation", "tolerant": "explanation", "conditions": "families", "jacobian": "design",
+    "path": "motion", "paths": "motion", "aspects": "motion", "through": "motion", "path-rows": "motion",
+    "inverse": "motion", "program": "motion",
+    "cover": "proof", "certificate": "proof", "verified": "proof", "sweep": "design", "side-by-side": "design",
+}  # fmt: skip
+_PARTS = {
+    "robot": "arm", "family": "families", "inside": "families", "remedies": "motion", "program_remedies": "motion",
+}  # fmt: skip
+NAMES = tuple(_ROOM)
+"""Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation,
+`compare` the side-by-side."""
+
 
 def num(unit: str, **bounds: Any) -> Any:
     """Type of a number with its unit ("1": none) and bounds: ge, gt, le, lt."""
@@ -112,10 +133,6 @@ def table(name: str, about: str = "", /, *, of: type | None = None, **entries: A
     if of is not None:
         _TABLES.setdefault(of, record)
     return record
-
-
-_GETTERS: dict[type, dict[str, Callable[[Any], Any]]] = {}
-_TABLES: dict[type, type[Struct]] = {}  # of record classes
 
 
 def _json_name(key: str) -> str:
@@ -280,9 +297,6 @@ def _plain_of_python(value: Any) -> Any:
     return value
 
 
-_AS_IT_IS = frozenset((str, int, bool, NoneType))
-
-
 @cache
 def _fields_of(kind: type[Any]) -> tuple[str, ...] | None:
     """The fields of a record that files hold; None for what is no record, or is a text."""
@@ -308,9 +322,6 @@ def restore(kind: Any, data: Any) -> Any:
         return msgspec.convert(data, kind, dec_hook=lambda _, numbers: np.array(numbers))
     except msgspec.ValidationError as error:
         raise ValueError(str(error)) from error
-
-
-_STEERING = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")  # JSON itself escapes the others
 
 
 def json_text(record: Any) -> str:
@@ -383,21 +394,6 @@ def json_schema(kind: type[Struct]) -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of a table, other tables under `$defs`."""
     _, rest = msgspec.json.schema_components([kind], ref_template="#/$defs/{name}")
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **rest.pop(kind.__name__), "$defs": rest}
-
-
-_ROOM = {
-    "analysis": "families", "find": "families", "explanation": "explanation", "escape": "explanation",
-    "nearest": "explanation", "tolerant": "explanation", "conditions": "families", "jacobian": "design",
-    "path": "motion", "paths": "motion", "aspects": "motion", "through": "motion", "path-rows": "motion",
-    "inverse": "motion", "program": "motion",
-    "cover": "proof", "certificate": "proof", "verified": "proof", "sweep": "design", "side-by-side": "design",
-}  # fmt: skip
-_PARTS = {
-    "robot": "arm", "family": "families", "inside": "families", "remedies": "motion", "program_remedies": "motion",
-}  # fmt: skip
-NAMES = tuple(_ROOM)
-"""Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation,
-`compare` the side-by-side."""
 
 
 def table_of(kind: str) -> type[Struct]:

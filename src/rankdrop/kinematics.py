@@ -33,6 +33,8 @@ LARGEST_SEED = 2**63 - 1
 """What the core takes."""
 _ALL_ROWS = (0, 1, 2, 3, 4, 5)
 
+_handles: dict[int, Handles] = {}  # by id: a weak dictionary would cost as much as a Jacobian
+
 
 class Handles:
     """Everything the core keeps for one robot."""
@@ -50,9 +52,6 @@ class Handles:
         self.samples: dict[tuple[int, float], Array] = {}  # random configurations that stand for almost all
         self.idle: dict[tuple[Frame, tuple[int, ...], float, bool], NDArray[np.bool_]] = {}  # joints that do nothing
         self.world = _make_view(self.chain, robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)
-
-
-_handles: dict[int, Handles] = {}  # by id: a weak dictionary would cost as much as a Jacobian
 
 
 def check_robot(robot: object) -> None:

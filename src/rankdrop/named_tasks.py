@@ -7,6 +7,8 @@ from dataclasses import dataclass
 BASE = 0
 TIP = -1
 
+ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
+
 
 @dataclass(frozen=True, slots=True)
 class Frame:
@@ -30,7 +32,6 @@ BODY = Frame(TIP, TIP)
 WORLD_ALIGNED = Frame(BASE, TIP)
 """Base axes, reference point at the tip: the default."""
 
-ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 NAMED: dict[str, tuple[tuple[int, ...], Frame]] = {
     "pose": ((0, 1, 2, 3, 4, 5), WORLD_ALIGNED),

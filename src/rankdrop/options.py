@@ -33,6 +33,8 @@ from rankdrop.errors import OptionError
 
 Verb = TypeVar("Verb", bound=Callable[..., Any])
 
+_typed = False  # in every thread: the viewer's words are made in threads of its server
+
 
 def option(
     help: str, *, unit: str = "", name: str = "", writes: tuple[str, ...] | None = None, **bounds: Any
@@ -49,9 +51,6 @@ def option(
     schema = {"unit": unit} if unit else None
     extra = ({"name": name} if name else {}) | ({} if writes is None else {"writes": writes})
     return Meta(description=help, extra_json_schema=schema, extra=extra or None, **bounds)
-
-
-_typed = False  # in every thread: the viewer's words are made in threads of its server
 
 
 @contextmanager

@@ -10,6 +10,11 @@ from typing import Annotated, Literal
 from rankdrop.options import Options, option
 from rankdrop.tolerances import EVALUATIONS, MOST_EVALUATIONS, NEAR, SLOW, SLOW_TURN, SMALL, SPAN, TIE
 
+_SEED = option("Seed of every random choice; the same seed gives the same result", ge=0, le=2**63 - 1)
+_STARTS = option("Random starts for each corank", ge=1, le=10_000_000)
+_THREADS = option("Processors to use; 0 means all. The result does not depend on it", ge=0, le=1024)
+_LIMITS = option("Within the joint limits only; otherwise in the whole joint space")
+
 
 @dataclass(frozen=True)
 class ExplainOptions(Options):
@@ -35,12 +40,6 @@ class ExplainOptions(Options):
         Literal["base", "tool", "link"] | None,
         option("Axes in which motions are reported; link: where they are simplest"),
     ] = None
-
-
-_SEED = option("Seed of every random choice; the same seed gives the same result", ge=0, le=2**63 - 1)
-_STARTS = option("Random starts for each corank", ge=1, le=10_000_000)
-_THREADS = option("Processors to use; 0 means all. The result does not depend on it", ge=0, le=1024)
-_LIMITS = option("Within the joint limits only; otherwise in the whole joint space")
 
 
 @dataclass(frozen=True)

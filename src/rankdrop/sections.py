@@ -9,6 +9,38 @@ from html import escape
 from importlib import import_module
 from types import ModuleType
 
+_WORDED = {
+    "Analysis": "rankdrop.text.analysis", "Conditions": "rankdrop.text.conditions",
+    "Covered": "rankdrop.text.coverings", "PartSet": "rankdrop.text.explanation", "Progress": "rankdrop.text.jobs",
+    "Verified": "rankdrop.text.certificates",
+    "Explanation": "rankdrop.text.explanation", "Far": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
+    "FamilyEvidence": "rankdrop.text.family",
+    "FamilyName": "rankdrop.text.names", "Dependence": "rankdrop.text.names",
+    "ExactConditions": "rankdrop.text.conditions",
+    "Assumption": "rankdrop.text.conditions", "UnrealSet": "rankdrop.text.conditions",
+    "UndividedSet": "rankdrop.text.conditions", "Designs": "rankdrop.text.designs",
+    "SideBySide": "rankdrop.text.designs", "Parting": "rankdrop.text.structure",
+    "BlockForm": "rankdrop.text.structure", "BlockLoss": "rankdrop.text.structure",
+    "LintResult": "rankdrop.text.condition_tests",
+    "Flags": "rankdrop.text.condition_tests", "Between": "rankdrop.text.condition_tests",
+    "Executed": "rankdrop.text.procedure", "Remark": "rankdrop.text.procedure",
+    "Disagreement": "rankdrop.text.procedure",
+    "Representation": "rankdrop.text.orientation", "Representations": "rankdrop.text.orientation",
+    "LinkJacobian": "rankdrop.text.link_jacobian", "Agreement": "rankdrop.text.link_jacobian",
+    "LostDirection": "rankdrop.text.directions", "FramedDirections": "rankdrop.text.directions",
+    "Idealised": "rankdrop.text.ideal", "Escape": "rankdrop.text.ways_out", "Nearest": "rankdrop.text.nearest",
+    "ScrewSystem": "rankdrop.text.screw_systems", "AlwaysSingular": "rankdrop.text.screw_systems",
+    "Unfinished": "rankdrop.text.unfinished", "NotDerived": "rankdrop.text.unfinished",
+    "Determinants": "rankdrop.text.determinants", "MinorsLeft": "rankdrop.text.determinants",
+    "Minor": "rankdrop.text.determinants",
+    "Search": "rankdrop.text.searches", "Unseen": "rankdrop.text.searches",
+    "Contradiction": "rankdrop.text.contradictions",
+    "DerivationRemark": "rankdrop.text.remarks", "RobotNote": "rankdrop.text.robots",
+    "Robot": "rankdrop.text.robots", "Relation": "rankdrop.text.relations",
+    "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",
+}  # fmt: skip
+"""Class of a record -> module that words it."""
+
 
 class Formula(str):
     """A line that is broken as mathematics: after a comma, before a sign or a bracket, not between any two words."""
@@ -44,39 +76,6 @@ class Section:
     after: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     tone: str = ""
-
-
-_WORDED = {
-    "Analysis": "rankdrop.text.analysis", "Conditions": "rankdrop.text.conditions",
-    "Covered": "rankdrop.text.coverings", "PartSet": "rankdrop.text.explanation", "Progress": "rankdrop.text.jobs",
-    "Verified": "rankdrop.text.certificates",
-    "Explanation": "rankdrop.text.explanation", "Far": "rankdrop.text.explanation", "Family": "rankdrop.text.family",
-    "FamilyEvidence": "rankdrop.text.family",
-    "FamilyName": "rankdrop.text.names", "Dependence": "rankdrop.text.names",
-    "ExactConditions": "rankdrop.text.conditions",
-    "Assumption": "rankdrop.text.conditions", "UnrealSet": "rankdrop.text.conditions",
-    "UndividedSet": "rankdrop.text.conditions", "Designs": "rankdrop.text.designs",
-    "SideBySide": "rankdrop.text.designs", "Parting": "rankdrop.text.structure",
-    "BlockForm": "rankdrop.text.structure", "BlockLoss": "rankdrop.text.structure",
-    "LintResult": "rankdrop.text.condition_tests",
-    "Flags": "rankdrop.text.condition_tests", "Between": "rankdrop.text.condition_tests",
-    "Executed": "rankdrop.text.procedure", "Remark": "rankdrop.text.procedure",
-    "Disagreement": "rankdrop.text.procedure",
-    "Representation": "rankdrop.text.orientation", "Representations": "rankdrop.text.orientation",
-    "LinkJacobian": "rankdrop.text.link_jacobian", "Agreement": "rankdrop.text.link_jacobian",
-    "LostDirection": "rankdrop.text.directions", "FramedDirections": "rankdrop.text.directions",
-    "Idealised": "rankdrop.text.ideal", "Escape": "rankdrop.text.ways_out", "Nearest": "rankdrop.text.nearest",
-    "ScrewSystem": "rankdrop.text.screw_systems", "AlwaysSingular": "rankdrop.text.screw_systems",
-    "Unfinished": "rankdrop.text.unfinished", "NotDerived": "rankdrop.text.unfinished",
-    "Determinants": "rankdrop.text.determinants", "MinorsLeft": "rankdrop.text.determinants",
-    "Minor": "rankdrop.text.determinants",
-    "Search": "rankdrop.text.searches", "Unseen": "rankdrop.text.searches",
-    "Contradiction": "rankdrop.text.contradictions",
-    "DerivationRemark": "rankdrop.text.remarks", "RobotNote": "rankdrop.text.robots",
-    "Robot": "rankdrop.text.robots", "Relation": "rankdrop.text.relations",
-    "SelfMotion": "rankdrop.text.redundancy", "Redundancy": "rankdrop.text.redundancy",
-}  # fmt: skip
-"""Class of a record -> module that words it."""
 
 
 def words_of(record: object) -> ModuleType:

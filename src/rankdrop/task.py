@@ -21,6 +21,8 @@ __all__ = ["BASE", "BODY", "FRAMES", "ROWS", "SPACE", "TIP", "WORLD_ALIGNED", "F
 FRAMES = {"base": WORLD_ALIGNED, "tip": BODY, "space": SPACE}
 """Frames by name, by their axes: a reference point at the tip, but for "space"."""
 
+WIDEST = 100.0  # a length scale is at most so many times longer or shorter than the reach: σ keeps its meaning
+
 
 def frame_of(frame: Frame | str) -> Frame:
     """A frame, or the one of that name.
@@ -50,9 +52,6 @@ def link_index(link: int, joints: int, what: str) -> int:
     if 0 <= link <= joints:
         return link
     raise TaskError(f"there is no such link for the {what} of a frame", got=link, allowed=f"0 … {joints}, or TIP")
-
-
-WIDEST = 100.0  # a length scale is at most so many times longer or shorter than the reach: σ keeps its meaning
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,6 +35,11 @@ WRITTEN = {
 }
 """Units of what every JSON file holds; `unit` in its schema says which of them an entry has (docs/json.md)."""
 
+DECIMALS = 14
+"""Places kept of a length in its arm's unit: some fifty times what rounding leaves, a tenth of `Tolerances.target`."""
+
+_Made = TypeVar("_Made")
+
 
 def heading(schema: str) -> dict[str, Any]:
     """The first entries of every JSON file: what it is, and in which units.
@@ -44,13 +49,6 @@ def heading(schema: str) -> dict[str, Any]:
         'rad'
     """
     return {"schema": schema, "units": dict(WRITTEN)}
-
-
-DECIMALS = 14
-"""Places kept of a length in its arm's unit: some fifty times what rounding leaves, a tenth of `Tolerances.target`."""
-
-
-_Made = TypeVar("_Made")
 
 
 def _once(make: Callable[[Robot], _Made]) -> Callable[[Robot], _Made]:

@@ -42,6 +42,8 @@ from rankdrop.algebra.work import Work, tick
 from rankdrop.algebra.zeroset import ZeroSet, independent
 from rankdrop.lists import leave_out
 
+_TRIPLES = 3  # of conditions that are tried
+
 
 class StepsTaken(NamedTuple):
     """Steps on the way to a system that are not taken again inside it.
@@ -65,7 +67,6 @@ class StepsTaken(NamedTuple):
 
 
 NOTHING_DONE = StepsTaken()
-
 
 
 def decompose(
@@ -351,9 +352,6 @@ def _from_three(ring: Ring, pins: dict[int, str], system: list[Polynomial], work
             if pieces.samples:
                 return [pieces]
     return None
-
-
-_TRIPLES = 3  # of conditions that are tried
 
 
 def _curves_alone(ring: Ring, pins: dict[int, str], system: list[Polynomial], work: Work) -> list[ZeroSet] | None:

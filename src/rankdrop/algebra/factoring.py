@@ -26,6 +26,12 @@ from rankdrop.algebra.polynomial import (
 from rankdrop.algebra.roots import residues_of_roots
 from rankdrop.lists import flat_map
 
+_SMALL = ((1 << 31) - 249, (1 << 31) - 2289)  # modulo which all roots exist; flint factors by no larger ones
+_SHIFTS = 8  # each fails for few polynomials only
+
+_SLICED = 10_000  # slices are at random whole numbers below this
+_SLICED_FROM = 500  # terms from which slices are taken first where there are no roots
+
 
 def factor(f: Polynomial) -> list[tuple[Polynomial, int]]:
     """Irreducible factors with their multiplicities; over the roots they are primitive.
@@ -111,10 +117,6 @@ def _components(f: Polynomial) -> list[Polynomial]:
     return [f.context().from_dict(part) for part in parts.values()]
 
 
-_SMALL = ((1 << 31) - 249, (1 << 31) - 2289)  # modulo which all roots exist; flint factors by no larger ones
-_SHIFTS = 8  # each fails for few polynomials only
-
-
 def _split(f: Polynomial) -> list[Polynomial]:
     """The different irreducible factors of a polynomial over the roots."""
     if _stays_irreducible(f):
@@ -162,10 +164,6 @@ def _stays_irreducible(f: Polynomial) -> bool:
         if image.total_degree() == _degree(f) and [power for _, power in image.factor()[1]] == [1]:
             return True
     return False
-
-
-_SLICED = 10_000  # slices are at random whole numbers below this
-_SLICED_FROM = 500  # terms from which slices are taken first where there are no roots
 
 
 def _slices_irreducible(f: Polynomial) -> bool:

@@ -27,6 +27,13 @@ _SHORT = 24  # terms up to which a polynomial is evaluated term by term: a call 
 
 _SEEN = 3  # evaluations modulo one prime without an image modulo it
 
+Terms = list[tuple[int, list[tuple[str, int]]]]
+"""Coefficient modulo a prime, and (variable, power) of each variable that occurs, of each term."""
+Image = tuple[Polynomial, Polynomial, tuple[str, ...], Terms]
+"""A polynomial, so that its id is no other one's, `modulo_prime`, names of the variables, the terms of a short one."""
+
+_LARGEST = 400  # terms that a resultant of three conditions on the way to their zeros may have
+
 
 class ModularPoint(dict[str, int]):
     """Values modulo a prime of the variables of both rings, by name; t_j is absent where θ_j = π.
@@ -76,12 +83,6 @@ def modulo_prime(f: Polynomial, prime: int = P) -> Polynomial:
     context = module.nmod_mpoly_ctx.get(list(f.context().names()), prime, module.Ordering.lex)
     values = (modulo(value, prime) for value in f.coeffs())
     return context.from_dict(dict(zip(f.monoms(), values, strict=True)))
-
-
-Terms = list[tuple[int, list[tuple[str, int]]]]
-"""Coefficient modulo a prime, and (variable, power) of each variable that occurs, of each term."""
-Image = tuple[Polynomial, Polynomial, tuple[str, ...], Terms]
-"""A polynomial, so that its id is no other one's, `modulo_prime`, names of the variables, the terms of a short one."""
 
 
 class Uses(NamedTuple):
@@ -274,9 +275,6 @@ def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
         f_at_y, g_at_y = (module.nmod_poly(dense(h.subs({"y": y}), 0), prime) for h in (f, g))
         for x in roots([int(value) for value in f_at_y.gcd(g_at_y).coeffs()], prime):
             yield x, y
-
-
-_LARGEST = 400  # terms that a resultant of three conditions on the way to their zeros may have
 
 
 def plane_size(f: Polynomial, g: Polynomial, place: int) -> int:

@@ -12,6 +12,10 @@ from rankdrop.algebra.matrix import entries
 from rankdrop.algebra.polynomial import Polynomial, flint, look, primitive, root_relations, roots_in, variables_of
 from rankdrop.algebra.roots import PRIMES, embeddings, primes_with, residues_of_roots
 
+_LIFTED = 256  # primes, for coefficients of 8,000 bits
+
+Combine = Callable[[Polynomial, Polynomial], Polynomial | None]
+
 
 def quotient(f: Polynomial, g: Polynomial) -> Polynomial | None:
     """f / g; None where g does not divide f. Over the roots from images modulo primes, tested modulo one more.
@@ -61,9 +65,6 @@ def _common(f: Polynomial, g: Polynomial) -> Polynomial | None:
     return common
 
 
-_LIFTED = 256  # primes, for coefficients of 8,000 bits
-
-
 def _lifting(names: tuple[str, ...]) -> Iterator[int]:
     """Primes modulo which roots exist: all of `primes_with` but the last, then those below `PRIMES`."""
     known = primes_with(names)[:-1]
@@ -71,9 +72,6 @@ def _lifting(names: tuple[str, ...]) -> Iterator[int]:
     below = (p for p in range(PRIMES[-1] - 4, 0, -4) if flint().fmpz(p).is_prime())
     further = (p for p in below if residues_of_roots(names, p) is not None)
     yield from islice(further, _LIFTED - len(known))
-
-
-Combine = Callable[[Polynomial, Polynomial], Polynomial | None]
 
 
 def _from_images(

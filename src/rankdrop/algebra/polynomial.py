@@ -26,6 +26,16 @@ from rankdrop.lists import flat_map
 
 _watching: list[Callable[[], None]] = []
 
+Polynomial = Any
+"""A `flint.fmpq_mpoly`; which ring it lives in is said where the name is used."""
+
+SIMPLE = ("0", "pi", "pi/2", "-pi/2")
+"""Angles a revolute joint can be pinned at: tan(θ/2) = 0, ∞, 1, −1."""
+COS_SIN = {"0": (1, 0), "pi": (-1, 0), "pi/2": (0, 1), "-pi/2": (0, -1)}
+"""(cos, sin) there."""
+TANGENT = {"0": 0, "pi/2": 1, "-pi/2": -1}
+"""tan(θ/2) there; infinite at π."""
+
 
 @contextmanager
 def calling_in_loops(check: Callable[[], None]) -> Iterator[None]:
@@ -41,10 +51,6 @@ def look() -> None:
     """Stop where the limit of the derivation in progress has passed: called in every loop that may be long."""
     if _watching:
         _watching[-1]()
-
-
-Polynomial = Any
-"""A `flint.fmpq_mpoly`; which ring it lives in is said where the name is used."""
 
 
 def flint() -> ModuleType:
@@ -83,14 +89,6 @@ def coefficient(f: Polynomial, place: int, power: int) -> Polynomial:
     """The one of `coefficients` at one power."""
     terms = {(*e[:place], 0, *e[place + 1 :]): value for e, value in f.terms() if e[place] == power}
     return f.context().from_dict(terms)
-
-
-SIMPLE = ("0", "pi", "pi/2", "-pi/2")
-"""Angles a revolute joint can be pinned at: tan(θ/2) = 0, ∞, 1, −1."""
-COS_SIN = {"0": (1, 0), "pi": (-1, 0), "pi/2": (0, 1), "-pi/2": (0, -1)}
-"""(cos, sin) there."""
-TANGENT = {"0": 0, "pi/2": 1, "-pi/2": -1}
-"""tan(θ/2) there; infinite at π."""
 
 
 @dataclass(frozen=True)

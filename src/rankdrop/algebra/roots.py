@@ -47,6 +47,8 @@ WRITTEN = {"cos18": "cos 18°", "sqrt2": "√2", "sqrt3": "√3", "sqrt5": "√5
 _ROOTS_BITS = 16  # of powers of roots, and of the whole numbers that they are divided by
 _DIGITS = 10**60  # of the rational that stands for a root where a sign is asked for
 
+Key = TypeVar("Key", bound=Hashable)
+
 
 @dataclass(frozen=True)
 class Surd:
@@ -110,9 +112,6 @@ def _times_roots(value: int, powers: Sequence[tuple[str, int]], bits: int) -> in
         for _ in range(power):
             value = value * _in_bits(name, bits) >> bits
     return value
-
-
-Key = TypeVar("Key", bound=Hashable)
 
 
 def sums_over_roots(terms: Iterable[tuple[Key, Fraction, Sequence[tuple[str, int]]]]) -> dict[Key, Fraction]:

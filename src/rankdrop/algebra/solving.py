@@ -39,6 +39,18 @@ from rankdrop.algebra.work import Work, tick
 
 _HUGE = 20_000_000  # products of terms: a second or two
 
+_ROOTED = 120  # degree of a polynomial in one variable of which real roots are looked for
+
+_LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages
+_DEGREE = 64  # product of two degrees beyond which their resultant takes seconds
+_POWERS = 200_000  # and so it does where its degrees allow for more terms than this
+
+_SEED = 20
+_SLICES = 12  # primes: a piece has no zero modulo a prime on a slice with a chance of 1/e: on all of them with 6e-6
+
+_SHEARED = 1_500  # terms that a resultant of two sheared conditions may have
+
+
 @dataclass(frozen=True)
 class Solved:
     """t_k = numerator / denominator.
@@ -157,9 +169,6 @@ def without_real_root(f: Polynomial) -> bool:
     return not any(root.imag.contains(0) for root, _ in flint().fmpz_poly(whole).complex_roots())
 
 
-_ROOTED = 120  # degree of a polynomial in one variable of which real roots are looked for
-
-
 def without_real_zero(ring: Ring, system: Sequence[Polynomial]) -> bool:
     """Whether conditions on two variables, with numbers for lengths, are proven to have no real zero in common.
 
@@ -193,11 +202,6 @@ def _projections(ring: Ring, system: Sequence[Polynomial], place: int, other: in
 def _never_real(f: Polynomial) -> bool:
     """Whether a polynomial in at most one variable is seen to have no real zero."""
     return f != 0 and (not variables_in(f) or without_real_root(f))
-
-
-_LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages
-_DEGREE = 64  # product of two degrees beyond which their resultant takes seconds
-_POWERS = 200_000  # and so it does where its degrees allow for more terms than this
 
 
 def divisions(ring: Ring, system: list[Polynomial]) -> Iterator[tuple[Polynomial, Polynomial, int]]:
@@ -265,10 +269,6 @@ def combine_to_linear(ring: Ring, f: Polynomial, g: Polynomial, k: int) -> Polyn
     resultant = f.resultant(g, ring.names[k])
     tick(100 + 5 * len(f) * len(g) + 50 * len(resultant))
     return reduced_roots(resultant)
-
-
-_SEED = 20
-_SLICES = 12  # primes: a piece has no zero modulo a prime on a slice with a chance of 1/e: on all of them with 6e-6
 
 
 def binds_more(
@@ -349,9 +349,6 @@ def nowhere(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fra
                 if lines and _divide_out_shared(_common(lines), circle).is_constant():
                     return True
     return False
-
-
-_SHEARED = 1_500  # terms that a resultant of two sheared conditions may have
 
 
 def only_curves(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fraction]) -> bool:

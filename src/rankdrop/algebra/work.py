@@ -23,6 +23,17 @@ from rankdrop.algebra.polynomial import calling_in_loops as calling_in_loops
 
 _spent = 0.0
 
+Progress = Callable[[str, int, int], None]
+"""progress(label, done, total)"""
+GRACE = 5.0
+"""Time left after the user has asked to stop, and for the last checks after the limit has passed [s]."""
+
+SLOWER = 1.5
+"""Seconds of a limit that a user gives for each second of work: the counted work takes about so long."""
+SAFETY = 15.0
+"""Seconds of the processor's time for each second of work after which it ends in any case: a machine that is ten times
+slower finds the same, and so does a busy one."""
+
 
 def tick(microseconds: float) -> None:
     """Count a step that takes so long on an idle machine [µs]."""
@@ -42,19 +53,6 @@ def halt_of(error: BaseException) -> Halt:
     if isinstance(error, KeyboardInterrupt):
         return INTERRUPTED
     return Halt(HaltKind.ERROR, error=type(error).__name__, message=str(error))
-
-
-Progress = Callable[[str, int, int], None]
-"""progress(label, done, total)"""
-GRACE = 5.0
-"""Time left after the user has asked to stop, and for the last checks after the limit has passed [s]."""
-
-
-SLOWER = 1.5
-"""Seconds of a limit that a user gives for each second of work: the counted work takes about so long."""
-SAFETY = 15.0
-"""Seconds of the processor's time for each second of work after which it ends in any case: a machine that is ten times
-slower finds the same, and so does a busy one."""
 
 
 class Work:

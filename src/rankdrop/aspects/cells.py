@@ -41,6 +41,9 @@ MOST_CELLS = 1_000_000
 _PART = 100_000  # cells in one array
 _TICKS = 0.3  # work of one cell [µs]
 
+Box = Mapping[int, tuple[float, float]]
+"""Joint -> lower and upper limit of its angle [rad]; a joint without an entry turns round."""
+
 
 class PositiveFunction(Protocol):
     """A function h of some joint angles that is to be positive."""
@@ -177,10 +180,6 @@ class PartCount:
 
 
 ONE = PartCount(1, 1, proven=True)
-
-
-Box = Mapping[int, tuple[float, float]]
-"""Joint -> lower and upper limit of its angle [rad]; a joint without an entry turns round."""
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,10 @@ from rankdrop.tolerances import DEFAULT, EVALUATIONS
 if TYPE_CHECKING:
     from rankdrop.cli.terminal import Block
 
+EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}
+STOPPED = "interrupted: the certified radius could have become larger"
+BUDGET = {None: EVALUATIONS, "escape": 0, "nearest": 100_000}
+
 
 @dataclass(frozen=True)
 class ShownParts(Output):
@@ -49,11 +53,6 @@ class ShownParts(Output):
     model_tolerance: Annotated[
         str | None, option("The ball holds for every arm so near to this one, joint by joint: 0.3mm,1mrad")
     ] = None
-
-
-EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}
-STOPPED = "interrupted: the certified radius could have become larger"
-BUDGET = {None: EVALUATIONS, "escape": 0, "nearest": 100_000}
 
 
 @command

@@ -9,47 +9,8 @@ import shlex
 import signal
 import sys
 
-
-def _leave_at_once(*_: object) -> None:
-    """Ctrl-C before there is anything to keep. No exception: a module that is being imported may swallow it."""
-    with contextlib.suppress(OSError):
-        os.write(2, b"rankdrop: interrupted\n")
-    os._exit(130)
-
-
 _HANDLER = signal.getsignal(signal.SIGINT)
 _OURS = _HANDLER is signal.default_int_handler
-with contextlib.suppress(ValueError):  # not the main thread
-    if _OURS:
-        signal.signal(signal.SIGINT, _leave_at_once)
-try:
-    import errno
-    import io
-    import traceback
-    from collections.abc import Iterator, Sequence
-    from itertools import chain
-    from threading import current_thread, main_thread
-    from types import FrameType
-    from typing import Literal
-
-    from cyclopts import (
-        App,
-        CycloptsError,
-        Group,
-        MissingArgumentError,
-        UnknownCommandError,
-        UnknownOptionError,
-        UnusedCliTokensError,
-    )
-
-    from rankdrop.cli import exits
-    from rankdrop.cli.help import Help, prose
-    from rankdrop.cli.terminal import encode_plainly, say
-    from rankdrop.errors import RankdropError
-    from rankdrop.options import on_command_line
-    from rankdrop.version import VERSION
-except KeyboardInterrupt:  # raised by a module itself
-    _leave_at_once()
 
 GROUPS = {
     "Main": {
@@ -90,6 +51,56 @@ COMMANDS = tuple(name for commands in GROUPS.values() for name in commands)
 ALIASES = {"escape": ("explain", "--only", "escape"), "nearest": ("explain", "--only", "nearest")}
 """First word -> the words that it stands for."""
 
+_ZSH = """
+if [[ ${funcstack[1]} == _rankdrop ]]; then
+  _cyclopts_rankdrop "$@"
+else
+  compdef _cyclopts_rankdrop rankdrop
+fi
+"""
+"""The script only defines a function: it is called where the file is autoloaded, and made known where it is sourced."""
+
+
+def _leave_at_once(*_: object) -> None:
+    """Ctrl-C before there is anything to keep. No exception: a module that is being imported may swallow it."""
+    with contextlib.suppress(OSError):
+        os.write(2, b"rankdrop: interrupted\n")
+    os._exit(130)
+
+
+with contextlib.suppress(ValueError):  # not the main thread
+    if _OURS:
+        signal.signal(signal.SIGINT, _leave_at_once)
+try:
+    import errno
+    import io
+    import traceback
+    from collections.abc import Iterator, Sequence
+    from itertools import chain
+    from threading import current_thread, main_thread
+    from types import FrameType
+    from typing import Literal
+
+    from cyclopts import (
+        App,
+        CycloptsError,
+        Group,
+        MissingArgumentError,
+        UnknownCommandError,
+        UnknownOptionError,
+        UnusedCliTokensError,
+    )
+
+    from rankdrop.cli import exits
+    from rankdrop.cli.help import Help, prose
+    from rankdrop.cli.terminal import encode_plainly, say
+    from rankdrop.errors import RankdropError
+    from rankdrop.options import on_command_line
+    from rankdrop.version import VERSION
+except KeyboardInterrupt:  # raised by a module itself
+    _leave_at_once()
+
+
 _HELP = f"""Kinematic singularities of robot arms: families, conditions, proofs.
 
 For example:
@@ -117,16 +128,6 @@ for _place, _title in enumerate(GROUPS):
     for _rank, (_name, _help) in enumerate(GROUPS[_title].items()):
         _file = f"rankdrop.cli.{FILES.get(_name, _name)}:{_name}"
         app.command(_file, name=_name, group=_group, help=_help, sort_key=_rank)
-
-
-_ZSH = """
-if [[ ${funcstack[1]} == _rankdrop ]]; then
-  _cyclopts_rankdrop "$@"
-else
-  compdef _cyclopts_rankdrop rankdrop
-fi
-"""
-"""The script only defines a function: it is called where the file is autoloaded, and made known where it is sourced."""
 
 
 @app.command

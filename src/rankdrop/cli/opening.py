@@ -33,6 +33,13 @@ _LONGEST_TOOL = 10.0  # [m]
 TASKS = f"{', '.join(task_names())}, or rows: vx,vy,wz"
 """What `--task` takes."""
 
+ROBOT_FILES = ", ".join(arms.format_endings())
+ROBOT_HELP = f"Name in the catalogue (`rankdrop robots`) or a file ({ROBOT_FILES})."
+ROBOT = Annotated[str, Parameter(help=ROBOT_HELP)]
+
+OFF = "off"
+"""Of --ideal: the numbers of the file, whatever is near."""
+
 
 @dataclass(frozen=True)
 class ArmOptions(Options):
@@ -113,9 +120,6 @@ class ToolOptions(Options):
         str | None, option("Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg")
     ] = None
 NO_OPTIONS, NO_IDEAL, NO_TOOL = ArmOptions(), IdealOptions(), ToolOptions()
-ROBOT_FILES = ", ".join(arms.format_endings())
-ROBOT_HELP = f"Name in the catalogue (`rankdrop robots`) or a file ({ROBOT_FILES})."
-ROBOT = Annotated[str, Parameter(help=ROBOT_HELP)]
 
 
 def open_arm(name: str, options: ArmOptions, tool: ToolOptions = NO_TOOL) -> tuple[arms.Robot, Task]:
@@ -213,10 +217,6 @@ def starts_line(starts: str, seed: int, *, limits: bool) -> dict[str, str]:
     else:
         where = "in the whole joint space (limits ignored)"
     return {"starts": f"{starts} {where}, seed {seed}"}
-
-
-OFF = "off"
-"""Of --ideal: the numbers of the file, whatever is near."""
 
 
 def open_ideal(

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from rankdrop.robot import Robot
     from rankdrop.task import Task
 
+OF_ONE_PATH = ("figure", "html", "rows", "certificate", "model_tolerance")
+"""Outputs of a single path."""
+
 
 @dataclass(frozen=True)
 class Input(ToolOptions):
@@ -154,10 +157,6 @@ class MendedFrom:
     source: Path
     families: results.Analysis | None
     deg: bool
-
-
-OF_ONE_PATH = ("figure", "html", "rows", "certificate", "model_tolerance")
-"""Outputs of a single path."""
 
 
 @command

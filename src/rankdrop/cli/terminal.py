@@ -40,6 +40,28 @@ _ASCII = {
 BAD = "bold red"
 """Style of what fails a test."""
 
+TONES = {"": "bold", "good": "bold green", "warning": "bold yellow", "bad": "bold red"}
+"""Style of a heading or a verdict; Rich leaves the colour out where NO_COLOR is set, and all of it off a terminal."""
+
+Report = Callable[[str, int, int], None]
+"""report(label, done, total)"""
+
+_SECONDS_BETWEEN_LINES = 10.0
+
+INDENT = 2
+"""Blanks before every line under a heading."""
+_GAP = 2  # between columns
+_LABEL = 24  # a column of words is wrapped, but not narrower than this
+
+BRIEF = 40
+"""Lines of an output without --full."""
+
+_HANG = 4
+
+_PLAIN = 3
+
+STDOUT = "-"
+
 
 def say(text: str, *, bare: bool = False) -> None:
     """One line to stderr, under the name of the program unless it is `bare`."""
@@ -85,10 +107,6 @@ def show(console: Console, parts: Iterable[RenderableType]) -> None:
     sys.stdout.write("".join(f"{line.rstrip()}\n" for line in capture.get().splitlines()))
 
 
-TONES = {"": "bold", "good": "bold green", "warning": "bold yellow", "bad": "bold red"}
-"""Style of a heading or a verdict; Rich leaves the colour out where NO_COLOR is set, and all of it off a terminal."""
-
-
 def answer_lines(answer: str, verdict: Verdict, subject: str = "") -> list[Text]:
     """The answer and how sure it is, or the other way round; before both the arm that is spoken of, where that is said.
     """
@@ -115,12 +133,6 @@ def _console(*, stderr: bool) -> Console:
 
     console.render = guard_lines  # type: ignore[method-assign]  # all that is printed passes through it
     return console
-
-
-Report = Callable[[str, int, int], None]
-"""report(label, done, total)"""
-
-_SECONDS_BETWEEN_LINES = 10.0
 
 
 @contextmanager
@@ -191,12 +203,6 @@ def _line_report() -> Report:
     return report
 
 
-INDENT = 2
-"""Blanks before every line under a heading."""
-_GAP = 2  # between columns
-_LABEL = 24  # a column of words is wrapped, but not narrower than this
-
-
 def print_blocks(blocks: Iterable[Block]) -> None:
     """Print to stdout: headings bold, notes dim, tables aligned, blank lines between."""
     console = screen()
@@ -206,10 +212,6 @@ def print_blocks(blocks: Iterable[Block]) -> None:
         else:
             parts = block
         show(console, [*([""] if number else []), *parts])
-
-
-BRIEF = 40
-"""Lines of an output without --full."""
 
 
 def fit_to_console(
@@ -286,9 +288,6 @@ def section_parts(section: Section, width: int) -> Iterable[RenderableType]:
         yield Padding(Text(note, style="dim"), (0, 0, 0, INDENT))
 
 
-_HANG = 4
-
-
 def formula(line: str, width: int) -> list[str]:
     """A formula in pieces of at most `width` characters, where its words allow that.
 
@@ -323,9 +322,6 @@ def _place(text: str, room: int) -> int:
         return len(text)
     kinds = {place: _kind_of_break(text[place - 1], text[place + 1 :]) for place in late}
     return min(late, key=lambda place: (kinds[place] == _PLAIN, depths[place], kinds[place], -place))
-
-
-_PLAIN = 3
 
 
 def _kind_of_break(before: str, after: str) -> int:
@@ -382,8 +378,3 @@ def _table(section: Section, columns: list[int]) -> RenderableType:
     for row in section.rows:
         table.add_row(*(row[index] for index in columns))
     return table
-
-
-STDOUT = "-"
-
-

@@ -26,6 +26,18 @@ _WHOLE_TO = 1e-9  # of a typed angle [deg]
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 _AS_TYPED = str.maketrans({"−": "-", "–": "-", "π": "pi", "{": " ", "}": " "})  # as copied from what is printed
 
+Q = Annotated[str, Parameter(
+    help="One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.",
+    allow_leading_hyphen=True,
+)]  # fmt: skip
+
+POSE = Annotated[str, Parameter(
+    help="Pose of the tip in the base axes: x,y,z,roll,pitch,yaw or x,y,z,qx,qy,qz,qw, for a position x,y,z "
+    "[m, rad]; 30deg, 120mm are understood. Also as makers write it: p[x,y,z,rx,ry,rz], {X 100, …, A 0, B 90, C 0}, "
+    "X 100 … W 180 P 0 R 0, a robtarget of RAPID; x,y,z,qw,qx,qy,qz wxyz; a matrix [[…], …], or a pose message of ROS.",
+    allow_leading_hyphen=True,
+)]  # fmt: skip
+
 
 def model_tolerance(text: str | None) -> ModelTolerance | None:
     """A tolerance as it is typed: 0.3mm,1mrad; one of the two alone leaves the other at zero.
@@ -131,17 +143,6 @@ def value_of(word: str, unit: str, where: str, *, deg: bool) -> float:
     if deg and unit == "rad" and plain:
         return radians(value)
     return value
-Q = Annotated[str, Parameter(
-    help="One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.",
-    allow_leading_hyphen=True,
-)]  # fmt: skip
-
-POSE = Annotated[str, Parameter(
-    help="Pose of the tip in the base axes: x,y,z,roll,pitch,yaw or x,y,z,qx,qy,qz,qw, for a position x,y,z "
-    "[m, rad]; 30deg, 120mm are understood. Also as makers write it: p[x,y,z,rx,ry,rz], {X 100, …, A 0, B 90, C 0}, "
-    "X 100 … W 180 P 0 R 0, a robtarget of RAPID; x,y,z,qw,qx,qy,qz wxyz; a matrix [[…], …], or a pose message of ROS.",
-    allow_leading_hyphen=True,
-)]  # fmt: skip
 
 
 def parse_pose(text: str, *, deg: bool, option: str = "--pose", robot: arms.Robot | None = None) -> list[float]:
@@ -183,8 +184,6 @@ def _makers_pose(text: str, option: str, robot: arms.Robot | None, *, deg: bool)
     for note in made.notes:
         say(f"note: {option}: {note}")
     return made.numbers
-
-
 
 
 def numbers_of(text: str, option: str) -> list[float]:

@@ -50,6 +50,9 @@ LARGEST = float(np.pi)  # no ball larger than half a turn is asked for
 _SMALLEST = 1e-6  # boxes narrower than this are not divided: the singular set runs through them [rad]
 _MARGIN = 1e-9  # off the radius of one enclosure, so that a checker that rounds otherwise comes to the same
 
+MOST_ANGLE = 0.1
+"""Larger errors are another arm [rad]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Certificate:
@@ -186,10 +189,6 @@ def _branch_and_bound(
         inner=single, enough=float(enough), smallest=smallest, budget=int(evaluations), keep=False,
     )  # fmt: skip
     return radius, count, not stopped
-
-
-MOST_ANGLE = 0.1
-"""Larger errors are another arm [rad]."""
 
 
 @dataclass(frozen=True, slots=True)

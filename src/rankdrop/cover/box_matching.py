@@ -28,6 +28,11 @@ _MOST_CELLS = 20_000  # boxes that are joined one by one; more are joined in coa
 
 PROVEN, FOUND, MISS, LEFT = "singular, proven", "singular, found", "near miss", "undecided"
 
+_WIDER = 1e-9  # half a diagonal is taken this much longer: neighbours of a pinned value lie exactly so far [rad]
+_SIDES = 1e-12  # a value of an equation counts as of one sign beyond this, per sum of its coefficients
+_STEPS = 12  # of Newton's method
+_SUBSETS = 20  # of a family's equations that are walked by
+
 
 def touching_groups(cells: Cells, counts: Sequence[int], turns: Sequence[bool]) -> list[NDArray[np.int64]]:
     """Rows of boxes (M, d) that touch each other, at corners too; across the ends of whole turns."""
@@ -54,12 +59,6 @@ def touching_groups(cells: Cells, counts: Sequence[int], turns: Sequence[bool]) 
     mine = label[whose.reshape(-1)]
     rows = np.argsort(mine, kind="stable")
     return np.split(rows, np.flatnonzero(np.diff(mine[rows])) + 1)
-
-
-_WIDER = 1e-9  # half a diagonal is taken this much longer: neighbours of a pinned value lie exactly so far [rad]
-_SIDES = 1e-12  # a value of an equation counts as of one sign beyond this, per sum of its coefficients
-_STEPS = 12  # of Newton's method
-_SUBSETS = 20  # of a family's equations that are walked by
 
 
 class FamilyBoxes:

@@ -74,15 +74,6 @@ _ROUNDS, _MOST = 8, 1 << 22  # of a closer look: rounds, boxes
 _PART = 1 << 16  # boxes tested at one go
 _AT_ONCE = 1 << 14  # boxes halved at one go
 
-
-class CoveringEnd(StrEnum):
-    """Why a covering ended before the whole joint space was covered."""
-
-    INTERRUPTED = "interrupted"
-    BUDGET_SPENT = "budget-spent"
-    BUDGET_TOO_SMALL = "budget-too-small"
-
-
 Batch = tuple[Masks, NDArray[np.int32], int, int]
 """Of boxes of the level `top`: masks, box by box and in each level by level (the proven last); (boxes, levels + 1) how
 many; boxes tested; leaves freed."""
@@ -90,6 +81,16 @@ Near = Callable[[Cells, int], NDArray[np.int64]]
 """near(parts of leaves, how often they are halved) -> for each the number of a family that is near, or −1."""
 Looked = tuple[NDArray[np.int8], NDArray[np.int64]]
 """Of leaves: 0 free, 1 proven to hold a singularity, 2 neither, 3 all that is left is near families; and which."""
+
+_HEAD = struct.Struct("<qqqq")  # of a chunk: boxes, masks, tested, freed
+
+
+class CoveringEnd(StrEnum):
+    """Why a covering ended before the whole joint space was covered."""
+
+    INTERRUPTED = "interrupted"
+    BUDGET_SPENT = "budget-spent"
+    BUDGET_TOO_SMALL = "budget-too-small"
 
 
 class BudgetSpent(Exception):
@@ -270,9 +271,6 @@ def _join_trees(shape: BoxShape, finished: NDArray[np.bool_], batches: list[Batc
     roots[finished] = np.concatenate(filled)
     levels = [np.concatenate(masks).astype(shape.kind) for masks in pieces]
     return BitTree(shape, finished, roots, tuple(levels[:-1]), levels[-1])
-
-
-_HEAD = struct.Struct("<qqqq")  # of a chunk: boxes, masks, tested, freed
 
 
 def batch_to_bytes(batch: Batch) -> bytes:

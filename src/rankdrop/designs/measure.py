@@ -61,6 +61,13 @@ from rankdrop.version import VERSION
 MORE = (3, 10)
 """Times the starts, where something is left open."""
 
+Record = dict[str, Any]
+Measured = tuple[Record, Record]
+STARTS, FRESH = 300, 300
+"""Of families that are needed but were not asked for."""
+
+NEED_FAMILIES = ("families", "near", "paths")
+
 
 def nominal_conditions(robot: Robot, task: Task) -> Conditions | None:
     """The families of a nominal arm in letters for its lengths; None where they are not derived, or with numbers."""
@@ -175,12 +182,6 @@ def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:
     """Whether every row has conditions and is sound, and every fresh point is explained."""
     sound = all(row.named and row.soundness.holds for row in rows)
     return sound and summary.completeness.agree == summary.completeness.tested
-
-
-Record = dict[str, Any]
-Measured = tuple[Record, Record]
-STARTS, FRESH = 300, 300
-"""Of families that are needed but were not asked for."""
 
 
 def measure_arm(
@@ -370,7 +371,6 @@ _MEASURES: dict[str, Callable[..., Measured]] = {
     "paths": _paths, "certified": _measure_certified,
 }  # fmt: skip
 """What is measured -> measure(problem, analysis, what is asked, seed): entries of the record, and its measures."""
-NEED_FAMILIES = ("families", "near", "paths")
 
 
 def variants(plan: Record, chunk: int) -> bytes:

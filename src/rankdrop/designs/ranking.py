@@ -38,6 +38,11 @@ PinForm = tuple[int, bool, tuple[float, ...], int]
 Form = tuple[int, int, tuple[PinForm, ...], tuple[int, ...]]
 """(corank, dimension, pinned joints, coupled joints) of a family."""
 
+Rows = NDArray[np.intp]
+BLOCK = 500
+LEVEL = 0.05
+"""Chance that any two equal variants of a sweep are called different."""
+
 
 @dataclass(frozen=True, slots=True)
 class NeighbourChange:
@@ -238,12 +243,6 @@ def neighbours(spec: Spec, records: Sequence[Mapping[str, Any]]) -> list[tuple[i
         for j in np.argsort(away, kind="stable")[: min(2, count - 1)]:
             pairs.add((min(i, int(j)), max(i, int(j))))
     return sorted(pairs)
-
-
-Rows = NDArray[np.intp]
-BLOCK = 500
-LEVEL = 0.05
-"""Chance that any two equal variants of a sweep are called different."""
 
 
 def bits_to_text(mask: NDArray[np.bool_]) -> str:

@@ -44,6 +44,11 @@ _MEASURES = {
     "certified": ("free",),
 }  # fmt: skip
 
+Entry = tuple[Any, ...]
+"""(reader, default, further arguments of the reader)."""
+
+_PARAMETER = ("sets", "lower", "upper", "steps", "values")
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -342,8 +347,6 @@ def _key(where: str) -> str:
     return where.rpartition(".")[2]
 
 
-Entry = tuple[Any, ...]
-"""(reader, default, further arguments of the reader)."""
 TABLES: dict[str, dict[str, Entry]] = {
     "": {
         "robot": (_text, None), "tip": (_text, None), "base": (_text, None), "as_written": (_flag, False),
@@ -433,9 +436,6 @@ def _parameters(table: Mapping[str, Any], drawing: Drawing) -> tuple[Parameter, 
                 ),
             )
     return parameters
-
-
-_PARAMETER = ("sets", "lower", "upper", "steps", "values")
 
 
 def _parameter(drawing: Drawing, entry: Any, where: str) -> Parameter:

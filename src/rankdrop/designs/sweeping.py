@@ -37,6 +37,14 @@ DERIVED = 4
 _SECONDS = 60.0  # limit on one exact derivation, of the processor's time
 Report = Callable[[str, int, int], None]
 
+FINEST = 1e-4
+"""Standard error of a share that is not gone below."""
+
+FEWEST, MOST = 2, 10
+
+FAMILIES_AND_SHARE: Mapping[str, Any] = {"families": {"starts": 1000, "fresh": 1000}, "near": {"within": "5deg"}}
+"""What arms are compared by where nothing else is asked."""
+
 
 def sweep(
     spec: str | Path | Mapping[str, Any],
@@ -101,10 +109,6 @@ def sweep(
     else:
         exact = ()
     return Designs(read, records, exact, None if out is None else Path(out))
-
-
-FINEST = 1e-4
-"""Standard error of a share that is not gone below."""
 
 
 def refine_samples(spec: Spec, precision: float) -> Spec:
@@ -237,13 +241,6 @@ def _order_boustrophedon(counts: list[int]) -> list[int]:
         steps[1::2] = steps[1::2, ::-1]
         order = (count * order[:, None] + steps).reshape(-1)
     return [int(index) for index in order]
-
-
-FEWEST, MOST = 2, 10
-
-
-FAMILIES_AND_SHARE: Mapping[str, Any] = {"families": {"starts": 1000, "fresh": 1000}, "near": {"within": "5deg"}}
-"""What arms are compared by where nothing else is asked."""
 
 
 def compare(

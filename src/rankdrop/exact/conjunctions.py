@@ -40,6 +40,23 @@ STEP = 1e-5
 NOISE = 1e-10
 """Slopes below it, relative to the coefficients, may be rounding: ten times what `STEP` leaves of it."""
 
+ZERO = 1e-5
+"""A condition holds within this distance of its zeros [rad]: where sheets cross, σ = 1e-13 leaves 3e-7."""
+CLEAR = 1e-8
+"""… and what must not vanish does not where this far off; less than `ZERO`, so that cases overlap and leave no gap."""
+
+Columns = Sequence[Sequence[Polynomial]]
+"""Columns of a matrix over the trigonometric ring."""
+TOLD = 1
+"""Pinned joints of a case up to which its screw, and where that vanishes, is told."""
+Pins = tuple[tuple[int, str], ...]
+"""Pinned joints of a case: its columns depend on nothing else."""
+Note = tuple[str, dict[str, Any]]
+"""What a method notes on the way, and its figures."""
+
+Atoms = frozenset[Atom]
+"""The atoms of one polynomial, which vanishes where one of them does."""
+
 
 class Distances:
     """Distances of configurations from the zeros of polynomials, to first order: |f|/|∇f|, half the distance from the
@@ -101,12 +118,6 @@ def values_of(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, 
     )
 
 
-ZERO = 1e-5
-"""A condition holds within this distance of its zeros [rad]: where sheets cross, σ = 1e-13 leaves 3e-7."""
-CLEAR = 1e-8
-"""… and what must not vanish does not where this far off; less than `ZERO`, so that cases overlap and leave no gap."""
-
-
 def _distance(equality: Equality, distances: Distances) -> Array:
     """First-order distance of configurations from where it holds: (N,) [rad, m]; of atoms the nearest."""
     if equality.whole is None:
@@ -150,16 +161,6 @@ def _vanishes(equality: Equality, ring: Ring, point: ModularPoint) -> bool:
     if equality.whole is None:
         return any(holds(ring, atom, point) for atom in equality.atoms)
     return holds(ring, equality.whole, point)
-
-
-Columns = Sequence[Sequence[Polynomial]]
-"""Columns of a matrix over the trigonometric ring."""
-TOLD = 1
-"""Pinned joints of a case up to which its screw, and where that vanishes, is told."""
-Pins = tuple[tuple[int, str], ...]
-"""Pinned joints of a case: its columns depend on nothing else."""
-Note = tuple[str, dict[str, Any]]
-"""What a method notes on the way, and its figures."""
 
 
 class SetDerivation:
@@ -401,10 +402,6 @@ def conjunctions(
         least = [equality_of(cases_left) for cases_left in smallest_sets(rest)]
         cases.append(Conjunction((*sorted(least, key=place_of), *whole), unequal))
     return tuple(cases)
-
-
-Atoms = frozenset[Atom]
-"""The atoms of one polynomial, which vanishes where one of them does."""
 
 
 def equality_of(atoms: Atoms) -> Equality:

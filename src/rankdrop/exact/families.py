@@ -44,6 +44,19 @@ from rankdrop.robot.model import Array
 from rankdrop.tolerances import CONDITION_FAILS, DEFAULT, RANK_HIGHER, RANK_KEPT, REAL_STARTS, SMOOTH
 from rankdrop.units import out_of_units
 
+_MANY_STARTS = 1_000  # a part that one start in a hundred reaches is missed with a chance of 4e-5
+_MANY_TERMS = 1_000_000  # terms evaluated in a step of Newton's method from all of them
+_CLEARLY = 1e-2  # σ of a configuration that is near no singular one [1]
+_PAIRED = 4  # joints that conditions bind up to which two at a time are held at right angles
+_HELD_STARTS = 12  # random starts for the others
+_MINORS = 60  # minors that are factored in search of a condition
+_ENOUGH = 6  # conditions that are compared
+
+_SEPARATED = 3  # conditions added at most
+_MARK = 20  # terms of a condition that may stand in a name
+_CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again
+_ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
+
 
 @dataclass(frozen=True, eq=False)
 class Reality:
@@ -235,15 +248,6 @@ def _equations(chain: Chain, conditions: Sequence[Polynomial]) -> tuple[Equation
     )
 
 
-_MANY_STARTS = 1_000  # a part that one start in a hundred reaches is missed with a chance of 4e-5
-_MANY_TERMS = 1_000_000  # terms evaluated in a step of Newton's method from all of them
-_CLEARLY = 1e-2  # σ of a configuration that is near no singular one [1]
-_PAIRED = 4  # joints that conditions bind up to which two at a time are held at right angles
-_HELD_STARTS = 12  # random starts for the others
-_MINORS = 60  # minors that are factored in search of a condition
-_ENOUGH = 6  # conditions that are compared
-
-
 def add_separating_condition(
     chain: Chain, piece: ZeroSet, rank: int, strays: Array, known: list[Polynomial], work: Work
 ) -> ZeroSet | None:
@@ -308,12 +312,6 @@ def _candidates(
             if not atom.is_pin and atom.key not in seen and piece.half_vanishes(atom.f):
                 seen.add(atom.key)
                 yield atom.f
-
-
-_SEPARATED = 3  # conditions added at most
-_MARK = 20  # terms of a condition that may stand in a name
-_CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again
-_ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
 
 
 def real_sets(

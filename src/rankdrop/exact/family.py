@@ -30,6 +30,13 @@ EVIDENCE = FamilyEvidence(ObtainedFrom.EXACT)
 Stated = AnglePin | Condition
 """A condition that was derived."""
 
+READABLE = 40
+"""Terms of a set's conditions beyond which they are not written out."""
+
+Merged = TypeVar("Merged")
+Pins = dict[int, tuple[str, ...]]
+"""Joint number -> the simple angles it stands at."""
+
 
 def pins_in_q(robot: Robot, pins: Iterable[AnglePin], shifts: Sequence[float]) -> tuple[Pin, ...]:
     """Joints at simple angles θ as values of q = θ − shift in (−π, π], under the names of the arm's joints.
@@ -209,14 +216,3 @@ class UnrealSet:
         """In words: "θ4 = 0: no real point was found from 96 random starts"."""
         words: str = words_of(self).unreal_words(self)
         return words
-
-
-READABLE = 40
-"""Terms of a set's conditions beyond which they are not written out."""
-
-
-Merged = TypeVar("Merged")
-Pins = dict[int, tuple[str, ...]]
-"""Joint number -> the simple angles it stands at."""
-
-

@@ -24,6 +24,10 @@ from rankdrop.exact.tidy import tidy
 from rankdrop.exact.tree import Drop, RankTree, rank_tree
 from rankdrop.tolerances import ROUNDED_LENGTHS
 
+_LONG = 2000  # terms of a condition that is factored at the arm's own lengths
+
+_LISTED = 3  # families of a special arm that its assumption lists
+
 
 def value_of(chain: Chain, f: Polynomial) -> float:
     """f at the arm's own lengths, a float; f is of the half-angle ring and contains no joint."""
@@ -110,9 +114,6 @@ def _power(e: int) -> str:
     return str(e).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-_LONG = 2000  # terms of a condition that is factored at the arm's own lengths
-
-
 def decided_by_numbers(chain: Chain, tree: RankTree, plain: RankTree) -> bool:
     """Whether what a tree with letters leaves open, or rules out, makes no difference for the arm's own lengths.
 
@@ -178,9 +179,6 @@ def covered_by_numeric_tree(chain: Chain, tree: RankTree, plain: RankTree) -> bo
         if not any(other.piece.holds_at(points) for other in tree.drops if other.rank <= drop.rank):
             return False
     return True
-
-
-_LISTED = 3  # families of a special arm that its assumption lists
 
 
 def assumptions(

@@ -35,6 +35,13 @@ from rankdrop.sections import words_of
 from rankdrop.tolerances import CONDITION_FAILS, DEFAULT, RANK_KEPT
 from rankdrop.units import into_units, out_of_units
 
+STARTS = 60
+"""Newton iterations begun for one set; a set where none arrives is taken to have no real point, which is no proof."""
+_STEPS = 40
+_ROUND = radians(5.0)
+
+_LOOKED = 12  # real points of a set among which the clearest counter-example is chosen
+
 
 @dataclass(frozen=True, slots=True)
 class Example:
@@ -109,12 +116,6 @@ class LintResult:
         return sentences
 
 
-STARTS = 60
-"""Newton iterations begun for one set; a set where none arrives is taken to have no real point, which is no proof."""
-_STEPS = 40
-_ROUND = radians(5.0)
-
-
 def words(piece: ZeroSet) -> str:
     """The conditions of a set: "θ3 = 0 and a2 c2 + a3 c23 = 0"."""
     return " and ".join(row_of_set(piece).texts) or "every configuration"
@@ -153,9 +154,6 @@ def round_points(piece: ZeroSet, chain: Chain, *, seed: int = 0, step: float = _
             turning = [j - 1 for j in piece.ring.revolute]
             theta[turning] = wrap(theta[turning])
         yield out_of_units(chain.robot, theta)
-
-
-_LOOKED = 12  # real points of a set among which the clearest counter-example is chosen
 
 
 def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | None = None) -> LintResult:

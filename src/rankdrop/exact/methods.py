@@ -97,6 +97,17 @@ from rankdrop.units import out_of_units
 _ZEROS = 256  # random configurations between which a zero of a polynomial is looked for
 _PARTS, _ROUNDS = 65, 9  # of the way between two of them, and of a part of it: to the last digit
 
+_MinorOfAll = tuple[MinorChoice, Polynomial]
+"""Rows and columns, and the minor that they make."""
+
+_Choice = tuple[tuple[int, ...], tuple[Polynomial, ...]]
+"""Joints (from 0), and the screw that is reciprocal to theirs: one component per row of the task."""
+
+_Pivots = tuple[ZeroSet, tuple[int, ...], tuple[int, ...]]
+"""A case in the middle of elimination: the minor of these rows and columns (from 0) does not vanish in it."""
+
+__all__ = ["METHODS", "Conjunction", "SetDerivation", "derive"]
+
 
 def determinant(builder: SetDerivation) -> None:
     """det J = 0, one condition per factor; else det(J Jᵀ) = 0, as the minors that vanish together.
@@ -130,10 +141,6 @@ def determinant(builder: SetDerivation) -> None:
         product = "Jᵀ J"
     builder.note("squares", product=product, minors=len(minors))
     _vanish_together(builder, minors)
-
-
-_MinorOfAll = tuple[MinorChoice, Polynomial]
-"""Rows and columns, and the minor that they make."""
 
 
 def _minors(builder: SetDerivation) -> list[_MinorOfAll]:
@@ -361,10 +368,6 @@ def _merge_equalities(one: frozenset[Equality], other: frozenset[Equality]) -> f
     return (one & other) | {equality_of(frozenset(atoms))}
 
 
-_Choice = tuple[tuple[int, ...], tuple[Polynomial, ...]]
-"""Joints (from 0), and the screw that is reciprocal to theirs: one component per row of the task."""
-
-
 def reciprocity(builder: SetDerivation) -> None:
     """Conditions case by case: a choice of five with its screw w ≠ 0, then the locus where w vanishes.
 
@@ -468,10 +471,6 @@ def _note(builder: SetDerivation, case: ZeroSet, choice: _Choice) -> None:
     if builder.sizes["choices"] == 1:
         builder.sizes["exceptional"] = len(vanishes)
     builder.note("screw", case=case, joints=[j + 1 for j in chosen], elements=elements, vanishes=vanishes)
-
-
-_Pivots = tuple[ZeroSet, tuple[int, ...], tuple[int, ...]]
-"""A case in the middle of elimination: the minor of these rows and columns (from 0) does not vanish in it."""
 
 
 def singular_vector(builder: SetDerivation) -> None:
@@ -634,8 +633,6 @@ def _tight_rows(columns: Columns) -> tuple[int, ...] | None:
                 return rows
     return None
 
-
-__all__ = ["METHODS", "Conjunction", "SetDerivation", "derive"]
 
 _METHODS: dict[str, Callable[[SetDerivation], None]] = {
     "determinant": determinant,

@@ -48,6 +48,15 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import ORIENTATION, POSE, POSITION, structure_of
 from rankdrop.robot.model import JointKind
 
+BITS = 600
+"""Of the balls that the three are evaluated on: roots of degree 48 are told apart at a third of them."""
+_MIX = (3, -7)
+
+SIGNS, NO_CUSP, CUSPS, OPEN = "signs", "no cusp", "cusps", "open"
+_TURNS = ((Fraction(0), Fraction(0)), (Fraction(2, 7), Fraction(3, 11)), (Fraction(5, 13), Fraction(4, 9)),
+          (Fraction(8, 17), Fraction(7, 15)))  # fmt: skip
+Pair = tuple[float, float]
+
 
 @dataclass(frozen=True, eq=False)
 class Regional:
@@ -118,11 +127,6 @@ def regional(chain: Chain, point: tuple[Fraction, Fraction, Fraction], turned: t
         return ring.reduce(own.compose(*values.values(), ctx=ring.trig))
 
     return Regional(ring, shift_variables(f), shift_variables(g), (first, second, third), (offsets[0], offsets[1]))
-
-
-BITS = 600
-"""Of the balls that the three are evaluated on: roots of degree 48 are told apart at a third of them."""
-_MIX = (3, -7)
 
 
 class Unbounded(Exception):
@@ -209,12 +213,6 @@ def _value_at(f: Polynomial, x: Any, y: Any) -> Any:
     for exponents, c in f.terms():
         total += arb(c) * powers[0][exponents[0]] * powers[1][exponents[1]]
     return total
-
-
-SIGNS, NO_CUSP, CUSPS, OPEN = "signs", "no cusp", "cusps", "open"
-_TURNS = ((Fraction(0), Fraction(0)), (Fraction(2, 7), Fraction(3, 11)), (Fraction(5, 13), Fraction(4, 9)),
-          (Fraction(8, 17), Fraction(7, 15)))  # fmt: skip
-Pair = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)

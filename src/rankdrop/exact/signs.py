@@ -50,6 +50,21 @@ from rankdrop.units import counted_length, into_units, out_of_units
 _READABLE = 60  # terms above which a factor is not written out
 _PAIRS = (("0", "pi"), ("pi/2", "-pi/2"))
 
+_TENTH = 0.1  # [rad]; at round degrees axes are parallel by chance
+POINTS = 8
+"""Real configurations at which the geometry of a part is looked at."""
+Seen = tuple[FamilyName | None, Array, tuple[str, ...]]
+"""(name, points, lost) of a part, as `analyze` names such a family, None where no configuration is real, or singular of
+corank 1; (N, n) real configurations of `Chain.own` on it, those of corank 1 where there are such; one sentence on each
+direction lost, in a frame where it stands still or at the first point."""
+
+SAMPLES = 128
+"""Points per turn at which a function is looked at along a segment."""
+_ZOOMS = 16  # of an interval: to the last digit
+Function = Callable[[Array], Array]  # shares of the way (N,) -> values (N,)
+
+_LONG = 16  # characters of a factor that is not put into a label
+
 
 @dataclass(frozen=True, eq=False)
 class SignedFactor:
@@ -207,15 +222,6 @@ def zeros_of(chain: Chain, atoms: Sequence[Atom], count: int) -> Array:
     return np.array(zeros[:count]).reshape(-1, chain.n)
 
 
-_TENTH = 0.1  # [rad]; at round degrees axes are parallel by chance
-POINTS = 8
-"""Real configurations at which the geometry of a part is looked at."""
-Seen = tuple[FamilyName | None, Array, tuple[str, ...]]
-"""(name, points, lost) of a part, as `analyze` names such a family, None where no configuration is real, or singular of
-corank 1; (N, n) real configurations of `Chain.own` on it, those of corank 1 where there are such; one sentence on each
-direction lost, in a frame where it stands still or at the first point."""
-
-
 def pair_angles(atoms: Sequence[Atom]) -> tuple[tuple[Atom, ...], ...]:
     """Atoms one by one, but θ = 0 with θ = π, and π/2 with −π/2, of one joint together."""
     groups: list[tuple[Atom, ...]] = []
@@ -259,12 +265,6 @@ def _lost(chain: Chain, points: Array) -> tuple[str, ...]:
         where = f" at q = ({', '.join(f'{x:.4g}' for x in at)})"
     length = counted_length(robot)
     return tuple(words(direction, lost.name, length) + where for direction in np.asarray(lost.directions))
-
-
-SAMPLES = 128
-"""Points per turn at which a function is looked at along a segment."""
-_ZOOMS = 16  # of an interval: to the last digit
-Function = Callable[[Array], Array]  # shares of the way (N,) -> values (N,)
 
 
 def zeros_between(value: Function, turns: float, tolerance: float) -> list[tuple[float, str]]:
@@ -327,9 +327,6 @@ def _refine_zero(value: Function, low: float, high: float, *, crossing: bool) ->
             k = int(np.argmin(np.abs(sample)))
             low, high = share[max(k - 1, 0)], share[min(k + 1, 16)]
     return float(low + high) / 2
-
-
-_LONG = 16  # characters of a factor that is not put into a label
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,6 +41,9 @@ SAMPLES = 3
 MORE_SAMPLES = 10
 """Of a piece with two equations or more, which may have several components."""
 
+DEEPEST = 4
+"""Most equations of a piece beside its pinned joints: more do not occur in an arm of eight joints without a fault."""
+
 
 @dataclass(frozen=True)
 class IndependenceProof:
@@ -360,9 +363,6 @@ class Suppression:
         ring, p = self.chain.ring, basic.product.polynomial
         return Value(ring, p, ring.factor(p)).text()
 
-
-DEEPEST = 4
-"""Most equations of a piece beside its pinned joints: more do not occur in an arm of eight joints without a fault."""
 
 def suppress(
     chain: Chain,

@@ -58,6 +58,13 @@ _SINGLE = 40  # degree of a polynomial in one variable that is put into others
 _LIMIT = 3.0  # work after which there is no proof [s]
 _SEED = 61
 
+_EASY = 0.2  # work on one set before a proof is tried that it holds nothing of a lower rank [s]
+_STAGE = 0.8  # share of the work left that one rank may take
+_TRIED = 6  # minors factored before one is chosen: more cost more than the better choice saves
+_TOGETHER = 4  # minors that vanish together on a last set: more conditions show sooner that there is none
+_FACTORED = 150  # terms of a trigonometric minor that is factored to tell sets apart: longer ones take seconds
+_SHORT = 4  # a minor with so short factors is taken at once
+
 
 def barren(
     ring: Ring,
@@ -234,14 +241,6 @@ def _size(f: Polynomial, g: Polynomial, place: int) -> int:
     degrees_f, degrees_g = (list(map(int, h.degrees())) for h in (f, g))
     a, b = degrees_f[place], degrees_g[place]
     return prod(1 + b * x + a * y for k, (x, y) in enumerate(zip(degrees_f, degrees_g, strict=True)) if k != place)
-
-
-_EASY = 0.2  # work on one set before a proof is tried that it holds nothing of a lower rank [s]
-_STAGE = 0.8  # share of the work left that one rank may take
-_TRIED = 6  # minors factored before one is chosen: more cost more than the better choice saves
-_TOGETHER = 4  # minors that vanish together on a last set: more conditions show sooner that there is none
-_FACTORED = 150  # terms of a trigonometric minor that is factored to tell sets apart: longer ones take seconds
-_SHORT = 4  # a minor with so short factors is taken at once
 
 
 @dataclass(frozen=True)

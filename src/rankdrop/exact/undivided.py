@@ -33,6 +33,13 @@ _WITNESSES = 8  # configurations of a case that are tried with many digits
 _ITERATIONS = 60
 _READABLE = 40  # terms of a condition that is written out
 
+OffFamilies = Callable[[Array, int], NDArray[np.int64]]
+"""(N, n) configurations, corank -> which of them lie on no family of that corank or a larger one."""
+
+Followed = Callable[[int, Array], Array]
+"""Corank, (n,) configuration of the arm in its own unit -> (k, n) those next to it, itself included, that are singular
+with many digits."""
+
 
 @dataclass(frozen=True, slots=True)
 class PolynomialSize:
@@ -94,15 +101,6 @@ class UndividedSet:
         """In words: "corank 1 or more where θ2 = 0, 2 polynomials in joints 3, 4 vanish together …"."""
         words: str = words_of(self).undivided_words(self)
         return words
-
-
-OffFamilies = Callable[[Array, int], NDArray[np.int64]]
-"""(N, n) configurations, corank -> which of them lie on no family of that corank or a larger one."""
-
-
-Followed = Callable[[int, Array], Array]
-"""Corank, (n,) configuration of the arm in its own unit -> (k, n) those next to it, itself included, that are singular
-with many digits."""
 
 
 def undivided_sets(

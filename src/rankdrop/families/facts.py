@@ -20,6 +20,8 @@ from rankdrop.task import TIP, Task
 
 _SAMPLES = 12  # random configurations at which a fact must hold to be structure
 
+_SHOULDER, _ELBOW, _WRIST = (ArmPart.SHOULDER,), (ArmPart.ELBOW,), (ArmPart.WRIST,)
+
 
 @dataclass(frozen=True, slots=True)
 class Fact:
@@ -186,9 +188,6 @@ def _coplanar_elbow(structure: Structure, bundle: tuple[int, ...]) -> Iterator[F
 def _with_centre(structure: Structure, axes: tuple[int, ...]) -> Fact:
     detail = Detail(Geometry.COPLANAR_WITH_CENTRE, (axes,), centre=structure.centre_kind)
     return _detailed_fact(lambda s: s.coplanar(axes, structure.centre(s)), detail, axes, _ELBOW)
-
-
-_SHOULDER, _ELBOW, _WRIST = (ArmPart.SHOULDER,), (ArmPart.ELBOW,), (ArmPart.WRIST,)
 
 
 def _detailed_fact(

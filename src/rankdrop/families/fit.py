@@ -54,6 +54,21 @@ _MANY = 9  # joints; of arms with more, one combination of values of one group i
 FEW = 3  # points from which a fit is tried
 BADLY = 0.1  # share of the points left out of fits: those that are known worst
 
+WIDTH = 3e-5  # values closer than this are shared [rad or length scales]
+SHARED = 5  # points that must share a value
+GROUPS = 8  # groups of points that are tried, large ones first
+
+STEPS = 12  # tangent steps of all points at most; each gives about as many points as it starts from
+SAME = 1e-6  # combinations of values closer than this are the same
+
+GRID = 20_000  # grid points at most
+LONGEST = 1500  # terms of an equation at most
+NOISE = 1e-12  # coefficients below this share of the largest are rounding
+
+EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off
+SEED = 12  # points at which ranks are looked at
+ROUNDS = 16  # of some 100 solutions at special places: of a row of a general 8R one in 400 is regular
+
 
 def find_rows(
     problem: Problem,
@@ -148,11 +163,6 @@ def without_contained(problem: Problem, rows: list[Row], rng: np.random.Generato
     return kept
 
 
-WIDTH = 3e-5  # values closer than this are shared [rad or length scales]
-SHARED = 5  # points that must share a value
-GROUPS = 8  # groups of points that are tried, large ones first
-
-
 def linear_rows(problem: Problem, q: Array, rng: np.random.Generator) -> list[Row]:
     """Rows with linear conditions only, from the values that points share.
 
@@ -211,10 +221,6 @@ def _share_a_value(values: Array, periodic: bool) -> Mask:
     """(N,) whether at least `SHARED` points have a value within `WIDTH`."""
     labels = clusters(values, WIDTH, periodic=periodic)
     return np.asarray(np.bincount(labels)[labels] >= SHARED)
-
-
-STEPS = 12  # tangent steps of all points at most; each gives about as many points as it starts from
-SAME = 1e-6  # combinations of values closer than this are the same
 
 
 def smooth(
@@ -278,11 +284,6 @@ class FamilyPoints:
         self.tangent = np.concatenate([self.tangent, inspection.tangent[same]])
 
 
-GRID = 20_000  # grid points at most
-LONGEST = 1500  # terms of an equation at most
-NOISE = 1e-12  # coefficients below this share of the largest are rounding
-
-
 def minors(
     problem: Problem, row: Row, joints: tuple[int, ...], highest: int, rng: np.random.Generator
 ) -> list[Equation]:
@@ -336,11 +337,6 @@ def _equation_of(waves: NDArray[np.complex128], joints: tuple[int, ...], n: int)
         return sum(map(abs, map(float, term.harmonics))), term.harmonics, term.kind
 
     return normalised_equation(sorted(terms, key=place))
-
-
-EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off
-SEED = 12  # points at which ranks are looked at
-ROUNDS = 16  # of some 100 solutions at special places: of a row of a general 8R one in 400 is regular
 
 
 def fitted_equations(source: FamilyPoints, work: float) -> tuple[Equation, ...] | None:

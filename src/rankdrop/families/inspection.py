@@ -38,6 +38,8 @@ _ENTRIES = 4_000_000  # entries of D that are held at once: those of 10,000 poin
 
 Covector = tuple[int, ...]
 
+_WIDEST = 16  # narrow side of a matrix that the core takes apart
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class Signature:
@@ -131,9 +133,6 @@ def _merge_inspections(parts: Sequence[Inspection]) -> Inspection:
     names = ("q", "sigma", "exact", "regular", "condition", "tangent")
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     return Inspection(**arrays, signatures=tuple(chain.from_iterable(part.signatures for part in parts)))
-
-
-_WIDEST = 16  # narrow side of a matrix that the core takes apart
 
 
 def _right(d: Array) -> tuple[Array, Array]:
@@ -245,5 +244,3 @@ def near_misses(
         wrong.append(mine[mistakes])
         least = min(least, lowest)
     return np.concatenate(wrong), least
-
-

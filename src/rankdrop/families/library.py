@@ -41,6 +41,19 @@ NULL = 1e-9  # singular values of the library matrix below this share of the lar
 WORSE = 3.0  # the residual may grow so much when small coefficients are dropped
 Degrees = tuple[int, ...]
 
+LARGEST = 700  # functions in a library at most; a generic 6R needs 225
+MOST = 24  # equations of one library that are looked at
+HELD_OUT = 1e-7  # |f|/|∇f| on points that took no part in the fit [rad]
+
+Source = Callable[[int], Array]
+"""source(count) -> (N, n) points of the family; N < count when no more can be had."""
+
+_BOUND = 1e-11  # eigenvalue of the projector on the tangent space, restricted to joints that are bound
+MOST_CIRCUITS = 1000
+"""More are not looked for: a family in general position of 14 joints has 924, of 20 joints 18,564."""
+MOST_SUPPORTS = 20_000
+"""More sets of joints are not tried: 14 joints have 16,383, 30 joints a billion."""
+
 
 @dataclass(frozen=True, eq=False)
 class Library:
@@ -170,14 +183,6 @@ def refit(values: Array, coefficients: Array, tolerances: Tolerances) -> Array:
     return np.asarray(best)
 
 
-LARGEST = 700  # functions in a library at most; a generic 6R needs 225
-MOST = 24  # equations of one library that are looked at
-HELD_OUT = 1e-7  # |f|/|∇f| on points that took no part in the fit [rad]
-
-Source = Callable[[int], Array]
-"""source(count) -> (N, n) points of the family; N < count when no more can be had."""
-
-
 @dataclass
 class FitProblem:
     """What a fit stands on.
@@ -265,13 +270,6 @@ def holds(equation: Equation, points: Array, tolerance: float = HELD_OUT) -> boo
     """Whether an equation vanishes on points, as a distance |f|/|∇f| where the gradient is not small."""
     f, slope = np.abs(equation(points)), np.linalg.norm(equation.gradient(points), axis=-1)
     return bool((f <= tolerance * np.maximum(slope, 1e-2)).all())
-
-
-_BOUND = 1e-11  # eigenvalue of the projector on the tangent space, restricted to joints that are bound
-MOST_CIRCUITS = 1000
-"""More are not looked for: a family in general position of 14 joints has 924, of 20 joints 18,564."""
-MOST_SUPPORTS = 20_000
-"""More sets of joints are not tried: 14 joints have 16,383, 30 joints a billion."""
 
 
 def circuits(tangent: Array, joints: tuple[int, ...]) -> list[tuple[int, ...]]:

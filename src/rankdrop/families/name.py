@@ -12,6 +12,9 @@ from math import pi
 from rankdrop.local.dependence import Dependence
 from rankdrop.sections import words_of
 
+_DECIMALS = 10  # of values: the same with every library of linear algebra
+_RIGHT = 1e-5  # an angle that differs by less from a multiple of a right one is one, in right angles
+
 
 class ArmPart(StrEnum):
     """A part of an arm, from the base to the tool."""
@@ -132,10 +135,6 @@ class JointValues:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", tuple(round(value, _DECIMALS) + 0.0 for value in self.values))
-
-
-_DECIMALS = 10  # of values: the same with every library of linear algebra
-_RIGHT = 1e-5  # an angle that differs by less from a multiple of a right one is one, in right angles
 
 
 def is_right(angle: float) -> bool:

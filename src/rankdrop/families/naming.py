@@ -40,6 +40,27 @@ from rankdrop.robot.numbers import wrap_angle
 from rankdrop.task import Task
 from rankdrop.units import as_given
 
+_POINTS = 12  # sample points looked at
+_AWAY = 0.37  # how far a joint is moved to see what it breaks [rad, m]: no simple fraction of π
+_LOST = 1e-6  # σ at or below this at the samples is zero; a joint moved by _AWAY lifts it by far more
+
+_FEW = 2  # values of one joint that a name lists
+_ONE = 1e-5  # values of a joint that differ by less are one [rad, m]
+
+_PATTERNLESS = (Common.DEPENDENT_SCREWS, Common.DEPENDENT_JOINTS)
+
+LONGEST = 60
+"""Characters that a name should have at most."""
+
+_COSTS = {
+    Shorter.PLUS_MINUS: 1, Shorter.STRETCHED: 2, Shorter.CONDITION_WITHOUT_WITH: 4, Shorter.FIRST_OF_TWO: 8,
+    Shorter.WHOLE_DEGREES: 12, Shorter.CONDITION_WITHOUT_JOINTS: 14,
+}  # fmt: skip
+_RELATION, _FACT, _VALUE, _BOUND = 6, 40, 48, 80
+"""Cost of leaving out "4 ⟂ 6", another fact, a value, and that there is a condition."""
+
+_MANY = 6  # details of which every choice is tried
+
 
 def lost_motions(problem: Problem, at: Array, points: Array) -> tuple[Array, tuple[LostFreedom, ...]]:
     """Lost directions at a configuration in the task's frame, and as the freedoms that the family takes away.
@@ -58,11 +79,6 @@ def lost_motions(problem: Problem, at: Array, points: Array) -> tuple[Array, tup
     if steady is not None:
         return directions, freedoms_of(robot, steady, everywhere=True)
     return directions, freedoms_at_witness(robot, at, task, corank)
-
-
-_POINTS = 12  # sample points looked at
-_AWAY = 0.37  # how far a joint is moved to see what it breaks [rad, m]: no simple fraction of π
-_LOST = 1e-6  # σ at or below this at the samples is zero; a joint moved by _AWAY lifts it by far more
 
 
 def name_family(
@@ -111,10 +127,6 @@ def name_family(
             return name
         return _with_open_joints(name, robot, q, matter - covered, pinned, coupled)
     return _systematic(scene, structure, task, corank, generic)
-
-
-_FEW = 2  # values of one joint that a name lists
-_ONE = 1e-5  # values of a joint that differ by less are one [rad, m]
 
 
 def _with_open_joints(
@@ -277,9 +289,6 @@ def _parallel_to_bundles(facts: Sequence[Fact], detailed: Sequence[Fact]) -> lis
     return [Detail(Geometry.AGAINST, (tuple(first), bundle)) for bundle, first in firsts.items()]
 
 
-_PATTERNLESS = (Common.DEPENDENT_SCREWS, Common.DEPENDENT_JOINTS)
-
-
 def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, generic: int) -> FamilyName:
     """A name from the smallest dependent sets of joint screws."""
     usual = task_jacobian(scene.robot, structure.scene.q, task)
@@ -295,10 +304,6 @@ def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, gen
     if complete and (structure.tight or min(map(len, blame)) < generic):
         return FamilyName(details=circuits)
     return FamilyName(details=(LowRank(scene.robot.n, generic - corank, task.m == 6),))
-
-
-LONGEST = 60
-"""Characters that a name should have at most."""
 
 
 def shorten_names(names: Sequence[FamilyName]) -> list[FamilyName]:
@@ -323,14 +328,6 @@ def shorten_names(names: Sequence[FamilyName]) -> list[FamilyName]:
                         break
             result[place] = best
     return result
-
-
-_COSTS = {
-    Shorter.PLUS_MINUS: 1, Shorter.STRETCHED: 2, Shorter.CONDITION_WITHOUT_WITH: 4, Shorter.FIRST_OF_TWO: 8,
-    Shorter.WHOLE_DEGREES: 12, Shorter.CONDITION_WITHOUT_JOINTS: 14,
-}  # fmt: skip
-_RELATION, _FACT, _VALUE, _BOUND = 6, 40, 48, 80
-"""Cost of leaving out "4 ⟂ 6", another fact, a value, and that there is a condition."""
 
 
 def _shorter(name: FamilyName) -> Iterator[FamilyName]:
@@ -382,9 +379,6 @@ def _shortened_to(name: FamilyName, kept: Sequence[int], closing: int, shorter: 
         ordinal=name.ordinal if closing == _closing_words(name) else 0,
         shorter=shorter,
     )
-
-
-_MANY = 6  # details of which every choice is tried
 
 
 def _subsets(costs: Sequence[int], parted: bool) -> list[tuple[int, ...]]:

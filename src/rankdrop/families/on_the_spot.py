@@ -44,6 +44,11 @@ BACK = 3.0  # what comes back farther away than so many steps is another place o
 HELD = 1e-5  # a value of q and one of the neighbourhood that differ by less are the same [rad, length scales]
 Found = list[tuple[Signature, NDArray[np.int64]]]
 
+NAMED = 12  # points that a name is taken from
+SPREAD = 800  # points that a fit is made from: one step after the other they get far from q
+FIT_WORK = 2e7  # of one fit, in floating-point operations
+FIT_JOINTS = 3  # equations of more coupled joints take seconds and belong into an atlas
+
 
 def neighbourhood(problem: Problem, q: Array, at: Inspection, seed: int) -> Inspection:
     """Singular configurations of exactly this corank around q; the first one is q itself, polished."""
@@ -115,12 +120,6 @@ def _holding(
     off = np.abs(linear.deviation(points[members], linear.values(q[None])))
     same = off.max(axis=1, initial=0.0) <= HELD * max(1.0, problem.task.scale(problem.robot))
     return np.asarray(members[same])
-
-
-NAMED = 12  # points that a name is taken from
-SPREAD = 800  # points that a fit is made from: one step after the other they get far from q
-FIT_WORK = 2e7  # of one fit, in floating-point operations
-FIT_JOINTS = 3  # equations of more coupled joints take seconds and belong into an atlas
 
 
 def name_on_the_spot(

@@ -31,6 +31,16 @@ from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres
 Rows = NDArray[np.int64]
 EDGE = 1e-9  # a slide this far beyond its travel stands at its end [m]
 
+ITERATIONS = 30
+STEP = 0.3  # longest step [rad; slides in length scales]
+
+MOST_STARTS = 200_000
+
+ROUNDS = 20
+"""The search for a cloud is begun anew so many times at most; less than a tenth of `count` in a round ends it."""
+FURTHER = 1e-2
+"""Longest way that a configuration is searched on [rad]: what moves on was not singular to begin with."""
+
 
 def members(
     robot: Robot, task: Task, family: Family, count: int, seed: int, *, tolerances: Tolerances = DEFAULT
@@ -150,10 +160,6 @@ def near_family(
     return near
 
 
-ITERATIONS = 30
-STEP = 0.3  # longest step [rad; slides in length scales]
-
-
 def move_to_singularity(problem: Problem, starts: Array, along: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Move configurations within q + span(along) until the rank is at most that of the problem.
 
@@ -179,15 +185,6 @@ def move_to_singularity(problem: Problem, starts: Array, along: Array) -> tuple[
 
     q = newton(block_residual, starts, scale=problem.scale[:, None] * along, iterations=ITERATIONS, step=STEP)
     return q, problem.singular(q)
-
-
-MOST_STARTS = 200_000
-
-
-ROUNDS = 20
-"""The search for a cloud is begun anew so many times at most; less than a tenth of `count` in a round ends it."""
-FURTHER = 1e-2
-"""Longest way that a configuration is searched on [rad]: what moves on was not singular to begin with."""
 
 
 @dataclass(frozen=True, eq=False)

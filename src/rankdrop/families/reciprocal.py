@@ -63,6 +63,9 @@ Waves = NDArray[np.complexfloating]
 Draw = Callable[[int, np.random.Generator], Array]
 """(count, generator) -> (M, n) candidates, M ≤ count or a few times it."""
 
+_Drawn = tuple[Array, Array, int]
+"""(N, n) configurations, (N, min(m, n)) their singular values, and the number of their stratum."""
+
 
 def draw_singular(
     problem: Problem, count: int, seed: int, progress: Callable[[int, int], None] | None = None
@@ -104,10 +107,6 @@ def draw_singular(
     q, sigma, stratum = _interleave(parts, count)
     names = tuple(wrench_set.name for wrench_set in strata) if have else ()
     return q, sigma, stratum, names, complete
-
-
-_Drawn = tuple[Array, Array, int]
-"""(N, n) configurations, (N, min(m, n)) their singular values, and the number of their stratum."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rankdrop.algebra.zeroset import ZeroSet
     from rankdrop.formula.writing import AnglePin, Condition
 
-
+Order = tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...], tuple[str, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,9 +281,6 @@ def with_exact(families: Iterable[Family], derived: Iterable[Family]) -> tuple[F
     """Families of an analysis with the exact conditions of those derived later: the same id, name and corank."""
     by_name = {(family.id, family.name, family.corank): family.exact for family in derived}
     return tuple(replace(family, exact=by_name.get((family.id, family.name, family.corank))) for family in families)
-
-
-Order = tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...], tuple[str, ...]]
 
 
 def place_of(dimension: int, pinned: Iterable[Pin], coupled: Iterable[int], texts: Iterable[str]) -> Order:

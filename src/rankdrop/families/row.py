@@ -40,6 +40,23 @@ NEAR = 1e-3  # longest way from a point to a row that is walked [rad]
 FURTHER = 1e-11  # |f| of the equations beyond the independent ones at a solution
 STARTS = 400  # random starts of a soundness test
 
+SIMPLE = pi / 12  # values are taken for a multiple of this where they agree with one
+Values = tuple[float, ...]
+
+FLAT = 1e-10  # rad: so far 1e-16 in the coefficients of all but flat conditions moves their solutions
+
+MOST_VALUES = 8  # values at which a joint still counts as pinned
+SAME_VALUE = 1e-8  # values closer than this are one [rad, m]; micrometres of an offset move values by 1e-6
+SAMPLED = 64  # solutions from which the values of a family's joints are read
+
+RIGHT = (0.0, pi, pi / 2, -pi / 2)
+SINGLE, SEVERAL = 24, 40  # sets of one joint held, and of two or more, at most
+EACH = 8  # random starts for each
+LOOSE = 64  # random starts with no joint held
+CERTAIN = 1e-14  # |f| at their solutions: where sheets touch, a point near all of them comes to 1e-12 and is no zero
+REGULAR = 1e-2
+"""σ above this is not zero, however badly the solution is known: |f| ≤ 1e-12 leaves 1e-3 rad at a fourfold zero."""
+
 
 def _product_of_differences(covector: Sequence[int], values: Sequence[float]) -> Equation:
     """Π (u − v) over the values v of a joint that slides, written as a sum; u = covector·q."""
@@ -107,10 +124,6 @@ def _product_of_sines(half: Sequence[int], values: Sequence[float]) -> Equation:
         if order:
             terms.append(Term(float(-c.imag), "sin", harmonics, zero))
     return normalised_equation(terms, threshold=1e-13)
-
-
-SIMPLE = pi / 12  # values are taken for a multiple of this where they agree with one
-Values = tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,9 +222,6 @@ class Linear:
                 if v != values[i]:
                     result.append((*values[:i], v, *values[i + 1 :]))
         return result
-
-
-FLAT = 1e-10  # rad: so far 1e-16 in the coefficients of all but flat conditions moves their solutions
 
 
 def canonical(angle: float, tolerance: float = 1e-12) -> float:
@@ -510,11 +520,6 @@ def soundness(
     return Check(int((singular | regular).sum()), int(singular.sum())), q[regular]
 
 
-MOST_VALUES = 8  # values at which a joint still counts as pinned
-SAME_VALUE = 1e-8  # values closer than this are one [rad, m]; micrometres of an offset move values by 1e-6
-SAMPLED = 64  # solutions from which the values of a family's joints are read
-
-
 def row_of(problem: Problem, family: Family) -> Row:
     """The conditions of a derived family as a row, of pinned joints the values within the limits alone.
 
@@ -607,15 +612,6 @@ def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:
     linear = Linear.of(problem.robot, signature.covectors(problem.n))
     residual = tuple(normalised_equation(equation.terms) for equation in rest)
     return Row(linear, tuple(pins[j] for j in joints), residual, signature, FamilyEvidence(ObtainedFrom.EXACT), family)
-
-
-RIGHT = (0.0, pi, pi / 2, -pi / 2)
-SINGLE, SEVERAL = 24, 40  # sets of one joint held, and of two or more, at most
-EACH = 8  # random starts for each
-LOOSE = 64  # random starts with no joint held
-CERTAIN = 1e-14  # |f| at their solutions: where sheets touch, a point near all of them comes to 1e-12 and is no zero
-REGULAR = 1e-2
-"""σ above this is not zero, however badly the solution is known: |f| ≤ 1e-12 leaves 1e-3 rad at a fourfold zero."""
 
 
 def solve_at_special_values(

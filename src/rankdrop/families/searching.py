@@ -85,6 +85,8 @@ SHARE = 0.5
 from 1,843 and corank 3 from 2,000; an exact line search from 1,679 and 431 (docs/mathematics/driving.md)."""
 MOST_SHARE = 2.0  # of the step to linearised zero: from there on σ grows where it is linear
 
+NORMAL = 1.645  # one-sided 95 % point of the normal distribution
+
 
 class Outcome(IntEnum):
     """How one start ended."""
@@ -531,9 +533,6 @@ def descend_to_minimum(problem: Problem, q: Array) -> tuple[Array, Array]:
     robot = problem.robot
     minima = _core.search(chain_of(robot), task_view(robot, problem.task), np.ascontiguousarray(q), settings, threads=1)
     return minima[0], minima[1]
-
-
-NORMAL = 1.645  # one-sided 95 % point of the normal distribution
 
 
 def unseen(counts: Iterable[int]) -> Unseen:

@@ -34,6 +34,28 @@ from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
 Ints = NDArray[np.int64]
 
+NODES = 161
+"""Grid nodes along each side of a slice."""
+BEYOND = 0.035
+"""A slice shows this share of a turn beyond ±π, so that what lies at π is inside the frame."""
+_SEEDS = 18  # along each side, where points are solved for
+_NOTHING = 1e-9  # an equation below this on the whole slice says nothing there
+_MOST_POINTS = 400
+
+STEP = 0.07
+"""Between neighbours on a curve [rad]."""
+_MOST = 600  # steps of one curve: seven turns; one that is longer does not come to an end
+
+CUBE_NODES = 23
+"""Grid nodes along each side of the cube in which a surface is sought."""
+SEEDS = 400
+"""Random starts from which curves are walked."""
+_SIDE = np.pi
+
+_ON = 1e-11  # |F| at a point of the set [1]
+_LONGEST = 200.0  # of a curve that does not come to an end [rad]
+_CORRECTIONS = 12
+
 
 def curves(values: Array, x: Array, y: Array) -> list[Array]:
     """Curves on which a function changes sign, by marching squares.
@@ -96,15 +118,6 @@ def _cut(nodes: Ints, above: NDArray[np.bool_]) -> Ints:
     cells.append(np.stack([p[0], p[1], p[2]], axis=1))
     cells.append(np.stack([p[0], p[2], p[3]], axis=1))
     return np.concatenate(cells)
-
-
-NODES = 161
-"""Grid nodes along each side of a slice."""
-BEYOND = 0.035
-"""A slice shows this share of a turn beyond ±π, so that what lies at π is inside the frame."""
-_SEEDS = 18  # along each side, where points are solved for
-_NOTHING = 1e-9  # an equation below this on the whole slice says nothing there
-_MOST_POINTS = 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -322,18 +335,6 @@ class _SlicePlane:
         return np.eye(self.problem.n)[:, list(self.moving)]
 
 
-STEP = 0.07
-"""Between neighbours on a curve [rad]."""
-_MOST = 600  # steps of one curve: seven turns; one that is longer does not come to an end
-
-
-CUBE_NODES = 23
-"""Grid nodes along each side of the cube in which a surface is sought."""
-SEEDS = 400
-"""Random starts from which curves are walked."""
-_SIDE = np.pi
-
-
 @dataclass(frozen=True, eq=False)
 class Solid:
     """One family in the cube of three joints.
@@ -519,11 +520,6 @@ def sweeps(robot: Robot, q: ArrayLike, task: Task, count: int = 121) -> tuple[Sw
         sigma = singular_values(robot, line, task)[:, :rank]
         sweeps.append(Sweep(j + 1, joint.unit, float(centre[j]), values, sigma))
     return tuple(sweeps)
-
-
-_ON = 1e-11  # |F| at a point of the set [1]
-_LONGEST = 200.0  # of a curve that does not come to an end [rad]
-_CORRECTIONS = 12
 
 
 @dataclass(frozen=True, eq=False)

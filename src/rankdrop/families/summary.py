@@ -19,6 +19,10 @@ from rankdrop.formula.equation import Equation
 
 _ON = 1e-6  # |f| / Σ|coefficients| up to which a witness lies on a family: the gap is from 1e-8 to 1e-3
 
+VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
+    "verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted",
+)  # fmt: skip
+
 
 class Evidence(StrEnum):
     """How the families of an arm were verified."""
@@ -47,11 +51,6 @@ class Summarised(Protocol):
     @property
     def equations(self) -> tuple[Equation, ...]:
         """Every condition; empty where they are not known."""
-
-
-VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
-    "verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -57,6 +57,16 @@ MOST_FRESH = 20_000  # starts spent on them at most
 OTHER_SEED = 1_000_003  # added to the seed for the fresh points
 STEPS = 100  # of the progress: rows up to 60, fresh points to 80, rows finished to 100
 
+Tested = tuple[Check, Array, int]
+"""Points solved from a row's conditions: how many there are, and how many have the corank; (N, n) up to 24 of exactly
+the corank; the smallest dimension of ker D at these, which no family through them exceeds, n without such points."""
+
+VALUES = 12  # values of a pinned joint that are listed at most
+SMALL = 0.5  # a group with less than this share of another's points is small beside it
+Joints = tuple[int, ...]
+Shape = tuple[bool, int, Joints, Joints, Joints]
+"""Regular or not; rank of D; joints pinned, free, coupled."""
+
 
 def families(
     cloud: Search,
@@ -177,11 +187,6 @@ def _solves_row(rows: Sequence[Row], q: Array) -> Mask:
     for row in rows:
         solved |= np.abs(row.system.values(q)).max(axis=1) <= SOLVED
     return solved
-
-
-Tested = tuple[Check, Array, int]
-"""Points solved from a row's conditions: how many there are, and how many have the corank; (N, n) up to 24 of exactly
-the corank; the smallest dimension of ker D at these, which no family through them exceeds, n without such points."""
 
 
 def _test_rows(
@@ -359,13 +364,6 @@ def _summary(cloud: Search, share: Check, higher: int, pieces: list[int], near_m
         higher=higher,
         unseen=unseen(pieces) if cloud.count(Outcome.CONVERGED) else none_found(len(cloud.outcome)),
     )
-
-
-VALUES = 12  # values of a pinned joint that are listed at most
-SMALL = 0.5  # a group with less than this share of another's points is small beside it
-Joints = tuple[int, ...]
-Shape = tuple[bool, int, Joints, Joints, Joints]
-"""Regular or not; rank of D; joints pinned, free, coupled."""
 
 
 def unexplained_families(

@@ -29,6 +29,32 @@ from rankdrop.solve import CUT
 _PARTS = 144  # largest denominator of a harmonic
 _UNSEEN = 1e-10  # terms below this share of the largest are not written for people: fits leave them, as rounding
 
+_Style = dict[str, str]
+"""How formulas are written: joint and slide, function, minus, π and 1; powers as superscripts, or raised."""
+_PLAIN = {
+    "angle": "θ{}", "slide": "q{}", "function": "{} ", "minus": "−", "pi": "π", "digits": "⁰¹²³⁴⁵⁶⁷⁸⁹", "power": "{}",
+    "one": "1", "times": " ", "multiple": "",
+}  # fmt: skip
+_LATEX = _PLAIN | {
+    "angle": r"\theta_{{{}}}", "slide": "q_{{{}}}", "function": "\\{} ", "minus": "-", "pi": r"\pi",
+    "digits": "0123456789", "power": "^{{{}}}",
+}  # fmt: skip
+_PYTHON = {
+    "angle": "q{}", "slide": "q{}", "function": "{}", "minus": "-", "pi": "pi", "digits": "0123456789",
+    "power": "**{}", "one": "1.0", "times": "*", "multiple": "*",
+}  # fmt: skip
+
+Mask = NDArray[np.bool_]
+
+CLOSE = 1e-8  # steps shorter than this add nothing to a distance [rad]
+REACHED = 1e-9  # |f| at a foot: long fitted equations agree with each other to 1e-11
+SOLVED = 1e-12  # |f| of a solution, the equations having coefficients of size one
+
+_DEPENDENT = 1e-14  # share of the largest singular value below which gradients are dependent by rounding alone
+_NOTHING = 1e-15  # |f| that no step can better
+_NEAR = 1e-11  # |f|/|∇f| of a zero that Newton has come to rest at [rad]
+_ROUNDING = 1e-15  # |f| of a zero whose derivative vanishes, for coefficients that add up to 1
+
 
 @dataclass(frozen=True, slots=True)
 class Term:
@@ -280,22 +306,6 @@ def normalised_equation(terms: Iterable[Term], threshold: float = 1e-15) -> Equa
     return Equation(tuple(Term(t.coefficient / scale, t.kind, t.harmonics, t.powers, t.shift) for t in kept))
 
 
-_Style = dict[str, str]
-"""How formulas are written: joint and slide, function, minus, π and 1; powers as superscripts, or raised."""
-_PLAIN = {
-    "angle": "θ{}", "slide": "q{}", "function": "{} ", "minus": "−", "pi": "π", "digits": "⁰¹²³⁴⁵⁶⁷⁸⁹", "power": "{}",
-    "one": "1", "times": " ", "multiple": "",
-}  # fmt: skip
-_LATEX = _PLAIN | {
-    "angle": r"\theta_{{{}}}", "slide": "q_{{{}}}", "function": "\\{} ", "minus": "-", "pi": r"\pi",
-    "digits": "0123456789", "power": "^{{{}}}",
-}  # fmt: skip
-_PYTHON = {
-    "angle": "q{}", "slide": "q{}", "function": "{}", "minus": "-", "pi": "pi", "digits": "0123456789",
-    "power": "**{}", "one": "1.0", "times": "*", "multiple": "*",
-}  # fmt: skip
-
-
 def _write_sum(terms: Iterable[Term], style: _Style, number: Callable[[float], str]) -> str:
     """A sum in one of the styles; `number` writes what is not negative."""
     text = ""
@@ -410,18 +420,6 @@ def _written_angle(value: float, number: Callable[[float], str], style: _Style) 
     top, bottom = abs(share.numerator), share.denominator
     text = (style["pi"] if top == 1 else f"{top}{style['pi']}") + (f"/{bottom}" if bottom > 1 else "")
     return (style["minus"] if share < 0 else "") + text
-
-
-Mask = NDArray[np.bool_]
-
-CLOSE = 1e-8  # steps shorter than this add nothing to a distance [rad]
-REACHED = 1e-9  # |f| at a foot: long fitted equations agree with each other to 1e-11
-SOLVED = 1e-12  # |f| of a solution, the equations having coefficients of size one
-
-_DEPENDENT = 1e-14  # share of the largest singular value below which gradients are dependent by rounding alone
-_NOTHING = 1e-15  # |f| that no step can better
-_NEAR = 1e-11  # |f|/|∇f| of a zero that Newton has come to rest at [rad]
-_ROUNDING = 1e-15  # |f| of a zero whose derivative vanishes, for coefficients that add up to 1
 
 
 @dataclass(frozen=True)

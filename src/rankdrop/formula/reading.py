@@ -52,6 +52,17 @@ _TOKEN = re.compile(
 _KNOWN = re.compile(r"[qθsct]\d+|pi|π")
 """Names that a bracket may follow as a factor: s2 (a2 + a3)."""
 
+TURNED = 1e-9
+"""Decimals of an angle within this of a quarter turn, shifts of joints added, are that quarter turn [rad]."""
+LARGEST = 20_000
+"""Terms a polynomial may have while a condition is read."""
+HIGH = 80
+"""Degree in the half-angle tangent of a joint while a condition is read."""
+
+PI, ONE = 0, -1
+Angle = dict[int, Fraction]
+"""A combination of angles: what θ_j, π (`PI`) and the number 1 (`ONE`) are multiplied by; zeros are left out."""
+
 
 @dataclass(frozen=True, slots=True)
 class Node:
@@ -274,19 +285,6 @@ def _join_parts(kind: str, parts: Sequence[Node]) -> Node:
     if len(parts) == 1:
         return parts[0]
     return Node(kind, parts[0].place, tuple(parts))
-
-
-TURNED = 1e-9
-"""Decimals of an angle within this of a quarter turn, shifts of joints added, are that quarter turn [rad]."""
-LARGEST = 20_000
-"""Terms a polynomial may have while a condition is read."""
-HIGH = 80
-"""Degree in the half-angle tangent of a joint while a condition is read."""
-
-
-PI, ONE = 0, -1
-Angle = dict[int, Fraction]
-"""A combination of angles: what θ_j, π (`PI`) and the number 1 (`ONE`) are multiplied by; zeros are left out."""
 
 
 def _combine_angles(one: Angle, two: Angle, factor: Fraction = Fraction(1)) -> Angle:

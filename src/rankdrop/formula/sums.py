@@ -23,6 +23,9 @@ from rankdrop.algebra.polynomial import Polynomial, flint, reduced_roots
 from rankdrop.algebra.ring import Form, Ring
 from rankdrop.algebra.roots import ROOTS, rational_square
 
+Pair = tuple[int, int]
+"""Real and imaginary part, times a number that all have in common: whole numbers are faster than fractions."""
+
 
 @dataclass(frozen=True, slots=True)
 class Wave:
@@ -262,10 +265,6 @@ def add_forms(parts: Sequence[Form]) -> Form:
                 f = f * (1 + ring.t[j] ** 2) ** ((most - d) // 2)
         total = total + f
     return Form(ring, total, degrees)
-
-
-Pair = tuple[int, int]
-"""Real and imaginary part, times a number that all have in common: whole numbers are faster than fractions."""
 
 
 def fourier(form: Form) -> Product:

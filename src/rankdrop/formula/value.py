@@ -29,6 +29,9 @@ from rankdrop.robot.model import Array
 FOLDED = 240
 """Characters of one factor above which people are told its size in place of it."""
 
+WHOLE = 12
+"""Numbers below the line are whole up to this; others go above as decimals."""
+
 
 @dataclass(frozen=True, eq=False)
 class Value:
@@ -90,10 +93,6 @@ def _open_brackets(factor: Factor) -> tuple[Product, ...]:
     if isinstance(factor, Sum):
         return factor.parts
     return (Product(Fraction(1), ((factor, 1),)),)
-
-
-WHOLE = 12
-"""Numbers below the line are whole up to this; others go above as decimals."""
 
 
 @dataclass(frozen=True, eq=False)

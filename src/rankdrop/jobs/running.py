@@ -48,6 +48,19 @@ from rankdrop.version import VERSION
 Plan = dict[str, Any]
 Work = Callable[[Plan, int], bytes]
 
+JOB, PARTS, JOURNAL = "job.json", "parts", "journal"
+
+_DIGITS = 9  # of the number of a chunk
+_LARGEST = 1 << 30  # bytes of job.json, a journal or a part: a plan holds the poses of its paths
+
+MOST_WORKERS = 1024
+ATTEMPTS = 3
+"""Workers that may die of one chunk."""
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+Report = Callable[[int, int], None]
+"""report(chunks done, chunks in all)"""
+Made = tuple[int, bytes]
+
 
 @dataclass(frozen=True)
 class Job:
@@ -123,9 +136,6 @@ def hold_lock(path: str | Path, inside: str = "") -> Iterator[None]:
         except OSError as error:
             raise ResultFileError(f"cannot write: {error.strerror}", where=str(path)) from error
         yield
-
-
-JOB, PARTS, JOURNAL = "job.json", "parts", "journal"
 
 
 @dataclass(frozen=True)
@@ -228,10 +238,6 @@ class _ChunksInMemory:
         return self.chunks.pop(chunk)
 
 
-_DIGITS = 9  # of the number of a chunk
-_LARGEST = 1 << 30  # bytes of job.json, a journal or a part: a plan holds the poses of its paths
-
-
 @cache
 def _note_table() -> Any:
     job = table("job", kind=text(pattern="^[a-z ]{1,40}$"), work=str, plan=mapping(Any), chunks=whole(1, 10**_DIGITS),
@@ -329,15 +335,6 @@ def _read_note(note: Path) -> Any:
         return decode(_note_table(), msgspec.json.decode(content))
     except (ValueError, RecursionError, msgspec.MsgspecError) as error:
         raise ResultFileError("this is not JSON that can be read", where="$", got=str(error)[:80]) from error
-
-
-MOST_WORKERS = 1024
-ATTEMPTS = 3
-"""Workers that may die of one chunk."""
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-Report = Callable[[int, int], None]
-"""report(chunks done, chunks in all)"""
-Made = tuple[int, bytes]
 
 
 @dataclass(frozen=True, slots=True)

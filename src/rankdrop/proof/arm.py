@@ -30,6 +30,10 @@ BITS = 90
 """Of the midpoints: a path next to a singularity has σ of 1e-9, and half of these digits are left."""
 _LEAST = 1e-13  # share of the terms of a product that must be left of it: a thousand times what doubles round
 
+Seen = tuple[list[Matrix], list[Matrix | None]]
+"""Screws (6, 1) over a box, and the motions (6, 6) that brought each of them there; None where nothing did."""
+_UNIT = np.eye(6, dtype=np.int64).ravel().tolist()
+
 
 def flint() -> ModuleType:
     """The module `flint`.
@@ -54,11 +58,6 @@ class Region:
     centre: list[Interval]
     half: list[Interval]
     along: list[Interval] | None = None
-
-
-Seen = tuple[list[Matrix], list[Matrix | None]]
-"""Screws (6, 1) over a box, and the motions (6, 6) that brought each of them there; None where nothing did."""
-_UNIT = np.eye(6, dtype=np.int64).ravel().tolist()
 
 
 class Arm:

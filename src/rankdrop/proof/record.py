@@ -49,6 +49,9 @@ _MOST_JOINTS = 32
 _MOST_NUMBERS = 20_000_000
 _BIGGEST = 1e9  # of a number in it [m, rad]: no arm has such lengths
 
+Progress = Callable[[int, int], None]
+"""progress(done, all)."""
+
 
 class Refused(Exception):
     """A file that cannot be used: what is wrong, where, what was read, what is allowed, how to fix it."""
@@ -471,10 +474,6 @@ def fingerprint(arm: Record, links: list[Link]) -> str:
     parts = [*(link.screw for link in links), arm["home"].reshape(-1)]
     parts += [(link.multiplier, link.offset) for link, leader in zip(links, follows, strict=True) if leader is not None]
     return hashlib.sha256(repr(structure).encode() + (np.concatenate(parts) + 0.0).astype("<f8").tobytes()).hexdigest()
-
-
-Progress = Callable[[int, int], None]
-"""progress(done, all)."""
 
 
 class Work:

@@ -22,6 +22,8 @@ _OUTWARDS = 1e-12  # share by which doubles are taken larger
 _UNCLAIMED = 1e-3  # share of a path's joint motion that may lie in spans that are not free: those are slivers
 _WIDE = 1.2  # half diagonal of boxes around runs of stretches that are tried [rad]
 
+Place = tuple[int, float]
+
 
 @dataclass(frozen=True)
 class Cell:
@@ -165,9 +167,6 @@ def check_scale(claim: Claim) -> list[float]:
     if len({scale[j] for j in claim.slides}) > 1:
         raise Unproven("slides are measured in different units")
     return scale
-
-
-Place = tuple[int, float]
 
 
 def verify_path(check: ClaimCheck) -> list[Record]:

@@ -38,6 +38,9 @@ _STRAIGHT = 0.15  # a vertex this near the line between its neighbours is left o
 _SMALL = 130.0  # width of a chart of σ
 _MANY = 500  # dots from which on a paper's file holds them as an image
 
+_DOT = 5.0  # smallest marker of a legend [point]
+_WIDE = 26  # characters of a line of a legend
+
 
 def look_of(index: int) -> str:
     """The look of a family, by the number of its colour."""
@@ -157,10 +160,6 @@ def legend_outside(axes: Any) -> None:
     legend = axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0, frameon=False)
     for handle in legend.legend_handles:
         handle.set_markersize(max(handle.get_markersize(), _DOT))
-
-
-_DOT = 5.0  # smallest marker of a legend [point]
-_WIDE = 26  # characters of a line of a legend
 
 
 def _draw_mark(axes: Any, lines: Sequence[Array], look: str, radius: float, label: str) -> None:

@@ -82,6 +82,25 @@ _SINGLE = 3  # joints alone that are offered, the best first
 Way = tuple[str, str, tuple[float, ...]]
 """A motion that restores the full rank: its name, "joint 5 +5.7°", what it gives, "σ6 = 0.017", and where it leads."""
 
+Progress = Callable[[str, int, int], None]
+"""progress(label, done, total)."""
+EXACT_SECONDS = 8.0
+"""Time limit of the exact conditions; what was derived by then is shown."""
+EXACT_POINTS = 200
+"""Singular configurations that the exact families have to explain, corank 1."""
+_PARTS = 5
+_EDGE = 1e-9  # a joint this far beyond a limit stands on it [rad, m]
+_WITH_WAYS = 60  # of a calibrated arm's hundreds of families no reader asks for more
+
+MOST = 6_000
+"""Triangles of all links together: about 150 kB of the page."""
+_GROWS = 1.15  # by how much cells grow until there are few enough triangles
+_LEVELS = 8191  # steps of a coordinate over the size of its mesh: 0.1 mm in a metre
+
+LIVE = 1e-7
+"""σ at or below this is shown as zero while a slider moves [1]: the page's own arithmetic is good to 1e-9 there."""
+_DIGITS = 3  # of points in the cube of three joints
+
 
 def ways_out(robot: Robot, task: Task, family: Family) -> tuple[Way, ...]:
     """The best direction and the best joints alone that lead out of the witness inside the limits; () for none.
@@ -103,17 +122,6 @@ def ways_out(robot: Robot, task: Task, family: Family) -> tuple[Way, ...]:
     direction = ("best direction", f"{rank} = {short(best.sigma_after, 2)}", tuple(target.tolist()))
     usable = best.step and best.restores and best.within_limits
     return (*([direction] if usable else []), *ways[:_SINGLE])
-
-
-Progress = Callable[[str, int, int], None]
-"""progress(label, done, total)."""
-EXACT_SECONDS = 8.0
-"""Time limit of the exact conditions; what was derived by then is shown."""
-EXACT_POINTS = 200
-"""Singular configurations that the exact families have to explain, corank 1."""
-_PARTS = 5
-_EDGE = 1e-9  # a joint this far beyond a limit stands on it [rad, m]
-_WITH_WAYS = 60  # of a calibrated arm's hundreds of families no reader asks for more
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,12 +302,6 @@ def _blame(analysis: Analysis, family: Family) -> tuple[tuple[int, ...], tuple[s
     return tuple(numbers), tuple(words)
 
 
-MOST = 6_000
-"""Triangles of all links together: about 150 kB of the page."""
-_GROWS = 1.15  # by how much cells grow until there are few enough triangles
-_LEVELS = 8191  # steps of a coordinate over the size of its mesh: 0.1 mm in a metre
-
-
 def simplify_meshes(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
     """The meshes with at most so many triangles together.
 
@@ -360,11 +362,6 @@ def meshes_data(meshes: Sequence[Mesh]) -> list[dict[str, Any]]:
             "faces": mesh.faces.ravel().tolist(),
         })  # fmt: skip
     return data
-
-
-LIVE = 1e-7
-"""σ at or below this is shown as zero while a slider moves [1]: the page's own arithmetic is good to 1e-9 there."""
-_DIGITS = 3  # of points in the cube of three joints
 
 
 def page_data(content: Content) -> dict[str, Any]:

@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 
 _ROW = 3  # maps beside each other
 
+_RAMP = ((68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37))
+"""Colours from least to most: those of viridis, which keep their order in grey and for every eye."""
+_DRAWN = 20_000  # variants on one map
+_LISTED = 5_000  # variants in the table
+
 
 def axes_of(designs: Designs, names: tuple[str, ...]) -> tuple[int, int]:
     """The two parameters of a map, from 0: those named, else the first two; the same one twice where there is one.
@@ -117,12 +122,6 @@ def design_figure(designs: Designs, over: tuple[str, ...] = ()) -> Figure:
 def _size(count: int) -> float:
     """Area of a dot [points²]."""
     return float(np.clip(9000.0 / max(count, 1), 4.0, 120.0))
-
-
-_RAMP = ((68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37))
-"""Colours from least to most: those of viridis, which keep their order in grey and for every eye."""
-_DRAWN = 20_000  # variants on one map
-_LISTED = 5_000  # variants in the table
 
 
 def design_page(designs: Designs, over: tuple[str, ...] = ()) -> str:

@@ -41,6 +41,26 @@ _RADIUS, _HALF, _APART = 0.035, 0.045, 0.11
 _HEAD, _WIDTH, _SIDES = 0.075, 0.026, 16
 """Of an arrow head, per size."""
 
+_RINGS, _AROUND = (0.7, 1.1, 1.6, 2.3, 3.2), 16
+"""Where a number is tried around its joint: so many widths off the body, in so many directions."""
+_WIDE, _OFF, _DENSE = 8.0, 2.0, 40
+"""Width of a number and its distance from lines, at 72 dots per inch; places at which a bar is tried."""
+
+KINDS = ("arm", "slice", "solid", "workspace", "image", "lines")
+"""What figures there are; each but the workspace is of one family: arm-k1.f1."""
+_DPI = 200
+_DATE = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}  # same input, same file
+
+ARROWS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
+"""Of the lost directions: blue, red, green as in AM, in tones that all eyes tell apart."""
+_ARROW, _SHARE = 0.32, 0.2  # length per reach, and at most per size of the arm as it stands
+_ELEVATION, _TITLE = 12.0, 58  # of the view [°]; characters of a line of the title
+_OUTSIDE = {
+    "outside": " (outside the joint limits)", "none found": " (no member found inside the joint limits)",
+}  # fmt: skip
+_SHORT = 0.4  # an edge of the box shorter than this has no numbers: those of two edges would stand on each other
+_FILLED = (0.93, 0.97)  # width and height of the box about the arm, per those of the picture; the rest is for numbers
+
 
 @dataclass(frozen=True, slots=True)
 class KeepOut:
@@ -108,12 +128,6 @@ def draw_arm(axes: Any, drawn: Drawn, size: float, marked: Sequence[int] = (), l
         numbers.append(axes.text(*(place + beyond), str(number), fontsize=7, zorder=1000, color=colour))
         others.append(place - beyond)
     return ArmMarks(numbers, np.array(others), bodies, bars)
-
-
-_RINGS, _AROUND = (0.7, 1.1, 1.6, 2.3, 3.2), 16
-"""Where a number is tried around its joint: so many widths off the body, in so many directions."""
-_WIDE, _OFF, _DENSE = 8.0, 2.0, 40
-"""Width of a number and its distance from lines, at 72 dots per inch; places at which a bar is tried."""
 
 
 class Picture:
@@ -258,12 +272,6 @@ def _add(axes: Any, shape: tuple[Array, NDArray[np.uint32]], colour: str) -> Non
     axes.add_collection3d(Poly3DCollection(vertices[faces], facecolors=colour, shade=True))
 
 
-KINDS = ("arm", "slice", "solid", "workspace", "image", "lines")
-"""What figures there are; each but the workspace is of one family: arm-k1.f1."""
-_DPI = 200
-_DATE = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}  # same input, same file
-
-
 def every_figure(content: Content) -> dict[str, Callable[[], Figure]]:
     """Name of each figure -> what draws it."""
     analysis, colours, section = content.analysis, content.colours, content.workspace
@@ -393,17 +401,6 @@ def new_figure(size: tuple[float, float], what: str = "a figure for papers") -> 
     except ImportError as error:
         raise MissingExtraError("matplotlib", None, what) from error
     return Figure(figsize=size)
-
-
-ARROWS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
-"""Of the lost directions: blue, red, green as in AM, in tones that all eyes tell apart."""
-_ARROW, _SHARE = 0.32, 0.2  # length per reach, and at most per size of the arm as it stands
-_ELEVATION, _TITLE = 12.0, 58  # of the view [°]; characters of a line of the title
-_OUTSIDE = {
-    "outside": " (outside the joint limits)", "none found": " (no member found inside the joint limits)",
-}  # fmt: skip
-_SHORT = 0.4  # an edge of the box shorter than this has no numbers: those of two edges would stand on each other
-_FILLED = (0.93, 0.97)  # width and height of the box about the arm, per those of the picture; the rest is for numbers
 
 
 def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -> Figure:

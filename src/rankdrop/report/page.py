@@ -48,6 +48,15 @@ _NAVIGATION = (
 )  # fmt: skip
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 
+_SAVE = (
+    '<div class="save screen" role="group" aria-label="downloads">Download: '
+    '<button id="save-csv">families (CSV)</button> <button id="save-json">analysis (JSON)</button> '
+    '<button id="save-png">this picture (PNG)</button></div>'
+)
+
+_SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "inline.js")
+_LEFT = "<style>footer { display: none; } #arm { display: block; width: 100%; height: 100vh; cursor: grab; }</style>"
+
 
 def page(content: Content) -> str:
     """The whole page as text. It asks for nothing from anywhere: its own policy forbids it."""
@@ -176,13 +185,6 @@ def _arm(content: Content) -> str:
     )
 
 
-_SAVE = (
-    '<div class="save screen" role="group" aria-label="downloads">Download: '
-    '<button id="save-csv">families (CSV)</button> <button id="save-json">analysis (JSON)</button> '
-    '<button id="save-png">this picture (PNG)</button></div>'
-)
-
-
 def _button(analysis: Analysis, family: Family, title: str) -> str:
     word = STANDING[standing(analysis, family)]
     if word:
@@ -235,10 +237,6 @@ def _tables(content: Content) -> str:
         "arm loses freedoms, with the conditions on its joints. Corank is the number of freedoms lost.</p>"
         f"{corank_tables(content.analysis_with_conditions)}{shown}</section>"
     )
-
-
-_SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "inline.js")
-_LEFT = "<style>footer { display: none; } #arm { display: block; width: 100%; height: 100vh; cursor: grab; }</style>"
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,12 @@ TONES = {FREE: "#009E73", CROSSING: "#D55E00", TOUCHING: "#CC79A7", UNDECIDED: "
 """Of the stretches, after Okabe and Ito; meetings carry a mark as well, so that no colour has to be told apart."""
 _MARKS = {CROSSING: "X", TOUCHING: "v", UNDECIDED: "s"}
 
+SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "player.js")
+INKS = {FREE: "--good", CROSSING: "--bad", TOUCHING: "--lost4", UNDECIDED: "--near", TOO_NEAR: "--near"}
+"""Of the stretches; meetings carry a mark as well, so that no colour has to be told apart."""
+_LISTED = 60  # stretches that have a button
+_DIGITS = 7  # of joint values and numbers
+
 
 def path_figure(check: PathCheck) -> Figure:
     """Distance to the nearest known family, σ_r, and the share of the velocity limits, over time or rows.
@@ -74,13 +80,6 @@ def _colour(axes: Any, check: PathCheck, *, legend: bool) -> None:
             seen.add(stretch.verdict)
     if legend and seen:
         legend_outside(axes)
-
-
-SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "player.js")
-INKS = {FREE: "--good", CROSSING: "--bad", TOUCHING: "--lost4", UNDECIDED: "--near", TOO_NEAR: "--near"}
-"""Of the stretches; meetings carry a mark as well, so that no colour has to be told apart."""
-_LISTED = 60  # stretches that have a button
-_DIGITS = 7  # of joint values and numbers
 
 
 def path_page(check: PathCheck) -> str:

@@ -53,6 +53,15 @@ _LONG = 420  # a longer one is folded
 _LINES = 3  # of what was left unfinished
 _NO_SHIFT = 1e-12  # [rad]
 
+STANDING = {"": "", "inside": "", "outside": "outside the joint limits", "none found": "none found inside the limits"}
+"""How a family stands to the joint limits, where that needs saying (`content.standing`)."""
+
+_SWIPE = '<p class="swipe small">The table is wider than the screen: swipe it sideways.</p>'
+
+_WORDS = ' class="words"'
+
+_WIDE = 0.5  # a family whose tips are in more than this share of the cells that they could meet fills a region
+
 
 def exact_section(content: Content) -> str:
     """The conditions, exactly, typeset."""
@@ -149,10 +158,6 @@ def _exact_family(family: Family) -> str:
     )
 
 
-STANDING = {"": "", "inside": "", "outside": "outside the joint limits", "none found": "none found inside the limits"}
-"""How a family stands to the joint limits, where that needs saying (`content.standing`)."""
-
-
 def corank_tables(analysis: Analysis) -> str:
     """All tables, each with its title and what its starts did."""
     if analysis.families:
@@ -185,9 +190,6 @@ def _corank(analysis: Analysis, summary: CorankSummary) -> str:
     return f"{heading}{complete}{_SWIPE}{scroll_box(table, f'families of corank {summary.corank}')}{ends}"
 
 
-_SWIPE = '<p class="swipe small">The table is wider than the screen: swipe it sideways.</p>'
-
-
 def scroll_box(table: str, name: str) -> str:
     """A table in a box that scrolls sideways, by the keyboard too."""
     return f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(name)}">{table}</div>'
@@ -199,9 +201,6 @@ def _heading(column: Column, joints: Iterator[Joint]) -> str:
     if column.holds == JOINT:
         return f'<th title="{escape(next(joints).name)}">{column.title[0]}<sub>{column.title[1:]}</sub></th>'
     return f"<th{_WORDS * (column.holds == WORDS)}>{column.title}</th>"
-
-
-_WORDS = ' class="words"'
 
 
 def _rows(analysis: Analysis, row: Family) -> str:
@@ -244,9 +243,6 @@ def spread(section: Workspace, points: Array) -> float:
     """Share of the workspace's cells in which a family has a tip, of as many as it could have met."""
     cells = np.unique([np.digitize(points[:, 0], section.x), np.digitize(points[:, 1], section.y)], axis=1)
     return float(cells.shape[1] / max(1, min(len(points), int((section.tips > 0).sum()))))
-
-
-_WIDE = 0.5  # a family whose tips are in more than this share of the cells that they could meet fills a region
 
 
 def slice_section(content: Content) -> str:

@@ -17,6 +17,9 @@ _ESTIMATORS: Sequence[tuple[str, Estimator]] = (
 )  # fmt: skip
 """Sentences on how unseen sets were estimated, with the names of their counts."""
 
+_WITHOUT_NUMBERS = (ObtainedFrom.EXACT, ObtainedFrom.VALUES, ObtainedFrom.FITTED, ObtainedFrom.SHARED_VALUES)
+"""Kinds of evidence that are read again from their words in files."""
+
 
 def unseen_of_sentence(sentence: str, estimate: float, upper: float) -> Unseen:
     """The estimate of unseen sets of a file, with the counts that its sentence gives.
@@ -37,10 +40,6 @@ def unseen_of_sentence(sentence: str, estimate: float, upper: float) -> Unseen:
             if unseen.how == sentence:
                 return unseen
     return Unseen(estimate, upper, Estimator.STORED, text=sentence)
-
-
-_WITHOUT_NUMBERS = (ObtainedFrom.EXACT, ObtainedFrom.VALUES, ObtainedFrom.FITTED, ObtainedFrom.SHARED_VALUES)
-"""Kinds of evidence that are read again from their words in files."""
 
 
 def evidence_of_sentence(sentence: str) -> FamilyEvidence:

@@ -64,6 +64,14 @@ AT_LIMIT = 1e-3
 """A joint so close to its limit stands at it [rad; slides in length scales]: `escape` does not move it that way."""
 _FEW_ENCLOSURES = 160  # of a quick proof: 0.3 ms, as much as the shortest searches
 
+VERDICTS = {
+    Cause.LOST: "singular", Cause.NEVER: "always-singular", Cause.NEAR_MISS: "near", Cause.DISTANCE: "near",
+    Cause.SMALL: "near", Cause.SLOW: "near", Cause.NONE: "regular",
+}  # fmt: skip
+"""What decides -> the verdict."""
+
+_TURNS = 1  # whole turns that may bring a joint inside its limits
+
 
 def _seen_in_axes(
     robot: Robot, q: Array, task: Task, corank: int, sparsest: FramedDirections, axes: str
@@ -89,13 +97,6 @@ def _never_possible(configuration: Configuration) -> Array:
     return readable_basis(rows.T).T
 
 
-VERDICTS = {
-    Cause.LOST: "singular", Cause.NEVER: "always-singular", Cause.NEAR_MISS: "near", Cause.DISTANCE: "near",
-    Cause.SMALL: "near", Cause.SLOW: "near", Cause.NONE: "regular",
-}  # fmt: skip
-"""What decides -> the verdict."""
-
-
 def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
                   small: float = SMALL) -> str:  # fmt: skip
     """The verdict by what a monitor measures, before any search.
@@ -115,9 +116,6 @@ def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, d
     if distance <= near or sigma <= small:
         return "near"
     return "regular"
-
-
-_TURNS = 1  # whole turns that may bring a joint inside its limits
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -38,6 +38,11 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import in_units, out_of_units, task_in_units
 
+_CLOUD = "rankdrop/cloud-rows/1"
+STARTS = 100_000
+"""Of a chunk: some seconds of work, some megabytes of memory."""
+Report = Callable[[int, int], None]
+
 
 def configurations(search: Search) -> list[Record]:
     """The starts that were run, in order."""
@@ -120,12 +125,6 @@ def _npz(**arrays: Any) -> bytes:
     buffer = io.BytesIO()
     np.savez_compressed(buffer, allow_pickle=False, **arrays)
     return buffer.getvalue()
-
-
-_CLOUD = "rankdrop/cloud-rows/1"
-STARTS = 100_000
-"""Of a chunk: some seconds of work, some megabytes of memory."""
-Report = Callable[[int, int], None]
 
 
 def store_cloud(

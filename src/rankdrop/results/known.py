@@ -63,6 +63,9 @@ _names: WeakKeyDictionary[Robot, dict[tuple[tuple[int, ...], Frame, bool], str |
 """Of arms met so far: the name that their analysis is shipped under, by rows, frame, and whether any tip will do."""
 _SAME = 1e-12  # geometry that agrees to this is the same arm: σ ≤ 1e-9 holds for both
 
+_families: WeakKeyDictionary[Robot, dict[str, tuple[Family, ...]]] = WeakKeyDictionary()
+"""Of arms met so far: their shipped families, by the name of the catalogue; none refers to the arm."""
+
 
 def known_analysis(robot: Robot, task: Task, *, any_tip: bool = False) -> Analysis | None:
     """The shipped analysis of an arm with this geometry and task, or None.
@@ -98,10 +101,6 @@ def known_analysis(robot: Robot, task: Task, *, any_tip: bool = False) -> Analys
     if there is robot:
         return named
     return _out_of_metres(named, robot)
-
-
-_families: WeakKeyDictionary[Robot, dict[str, tuple[Family, ...]]] = WeakKeyDictionary()
-"""Of arms met so far: their shipped families, by the name of the catalogue; none refers to the arm."""
 
 
 def shipped_families(robot: Robot, task: Task, *, any_tip: bool = False) -> tuple[Family, ...] | None:

@@ -33,6 +33,14 @@ from rankdrop.task import Task
 
 _UNNAMED = "unnamed family"
 
+_PARTS = frozenset(part.value for part in ArmPart)
+_AT_WITNESS = " (at the witness)"
+_TIE = "can only move so that "
+
+_REAL = re.compile(r"real if and only if (.+) ≥ 0\Z")
+
+_EXCLUDED = re.compile(r"(.+) ≥ 0 does not hold\Z")
+
 
 def name_of_words(words: str) -> FamilyName:
     """The name of a family, from its words in a file up to version 0.2: the parts of the arm; the words stay.
@@ -50,11 +58,6 @@ def name_of_words(words: str) -> FamilyName:
     listed = before.replace(" and ", ", ").split(", ")
     parts = tuple(map(ArmPart, takewhile(_PARTS.__contains__, listed)))
     return FamilyName(parts=parts, given=words)
-
-
-_PARTS = frozenset(part.value for part in ArmPart)
-_AT_WITNESS = " (at the witness)"
-_TIE = "can only move so that "
 
 
 def freedoms_of_sentences(
@@ -137,9 +140,6 @@ def expressions_of_sentence(sentence: str) -> tuple[str, ...]:
     return tuple(expressions.split(" ≥ 0 and "))
 
 
-_REAL = re.compile(r"real if and only if (.+) ≥ 0\Z")
-
-
 def negative_of_sentence(sentence: str) -> str:
     """The expression that is negative, of the sentence that excludes real points; "" of any other sentence.
 
@@ -152,9 +152,6 @@ def negative_of_sentence(sentence: str) -> str:
         return ""
     expression: str = match[1]
     return expression
-
-
-_EXCLUDED = re.compile(r"(.+) ≥ 0 does not hold\Z")
 
 
 def conditions_of_derivation(families: Sequence[Family], record: Record) -> tuple[Family, ...]:

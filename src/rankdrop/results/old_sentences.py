@@ -19,6 +19,17 @@ from rankdrop.results.old_files import name_of_words
 
 _Groups = tuple[str, ...]
 
+_FOR_THESE = "for these lengths"
+
+_REASONS: Sequence[tuple[str, Callable[[_Groups], NotDerived]]] = (
+    (r"the derivation takes more than (.+) s\Z",
+     lambda groups: NotDerived(NotDerivedKind.TIME, seconds=float(groups[0]))),
+    (r"interrupted\Z", lambda _: NotDerived(NotDerivedKind.INTERRUPTED)),
+    (r"(\d+) cases? (?:was|were) not taken apart\Z",
+     lambda groups: NotDerived(NotDerivedKind.UNDIVIDED, number=int(groups[0]))),
+)  # fmt: skip
+"""Reasons why nothing was derived, and what makes the facts of their parts."""
+
 
 def remarks_of_sentences(sentences: Iterable[str]) -> tuple[DerivationRemark, ...]:
     """Remarks of their sentences.
@@ -125,7 +136,6 @@ def _always(kind: RemarkOn) -> Callable[[_Groups], DerivationRemark]:
     return lambda _: DerivationRemark(kind)
 
 
-_FOR_THESE = "for these lengths"
 _REMARKS: Sequence[tuple[str, Callable[[_Groups], DerivationRemark]]] = (
     (r"the axes of joints ([\d, ]+) miss a common point by ([\d.e+-]+) mm\Z", _point),
     (r"axes (\d+) and (\d+) are ([\d.e+-]+)° from parallel\Z", _parallel),
@@ -147,14 +157,6 @@ _REMARKS: Sequence[tuple[str, Callable[[_Groups], DerivationRemark]]] = (
 """Sentences of remarks, and what makes the facts of their parts."""
 
 
-_REASONS: Sequence[tuple[str, Callable[[_Groups], NotDerived]]] = (
-    (r"the derivation takes more than (.+) s\Z",
-     lambda groups: NotDerived(NotDerivedKind.TIME, seconds=float(groups[0]))),
-    (r"interrupted\Z", lambda _: NotDerived(NotDerivedKind.INTERRUPTED)),
-    (r"(\d+) cases? (?:was|were) not taken apart\Z",
-     lambda groups: NotDerived(NotDerivedKind.UNDIVIDED, number=int(groups[0]))),
-)  # fmt: skip
-"""Reasons why nothing was derived, and what makes the facts of their parts."""
 def _off_families(groups: _Groups) -> Contradiction:
     corank, wrong, tested, q = groups
     return Contradiction(

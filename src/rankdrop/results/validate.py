@@ -36,6 +36,9 @@ _SAME = 1e-9  # lengths of axes, entries of rotations: what decimals of a file l
 _HIGHEST = 64  # power or harmonic of a term; those found have at most 10
 _LOST = 1e-6  # |u · J| of a direction u that is lost, with J in metres of the reach
 
+Claim = tuple[bool | np.bool, str, str, object, object]
+"""Whether something holds; else what is wrong, at which element, what stands there, and what is allowed."""
+
 
 class _Analysed(Protocol):
     """The facts of an analysis that are held against its arm: `rankdrop.results.analysis.Analysis` has them."""
@@ -72,10 +75,6 @@ def damage_error(what: str, where: str, got: object = None, allowed: object = No
     """The error of an element that cannot be believed."""
     return ResultFileError(f"the analysis is damaged: {what}", where=where, got=got, allowed=allowed,
                            mend="analyse the arm again")  # fmt: skip
-
-
-Claim = tuple[bool | np.bool, str, str, object, object]
-"""Whether something holds; else what is wrong, at which element, what stands there, and what is allowed."""
 
 
 def require(*claims: Claim) -> None:

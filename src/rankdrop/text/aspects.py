@@ -33,6 +33,36 @@ POSTURES = {
 }  # fmt: skip
 """Why a change of posture is impossible, or what stands in the way of the proofs."""
 
+_NOT_COUNTED = {
+    "sign": "a factor of det J changes its sign over a full turn of a joint",
+    "joints": "more than three joints are left when all others are peeled off",
+    "slide": "a slide is left when all other joints are peeled off",
+    "factors": "det J has too many factors",
+    "work": "the limit on work was reached",
+    "conditions": "exact conditions of this arm are not derived",
+}
+
+_NOT_WITHIN = _NOT_COUNTED | {
+    "joints": "conditions that share joints depend on {joints}, and cells are made of three at most. Without limits, a "
+    "joint that stands in one of them only, as A + B cos θ + C sin θ, could be left out",
+    "slide": "a slide stands in two conditions, in a higher degree than the first, or has one limit. With two limits, "
+    "and in one condition as A + B q, it could be left out",
+}
+
+_CHANGE = {
+    "cuspidal": "it can change its posture without a singularity (proven)",
+    "not cuspidal": "it cannot change its posture without a singularity (proven)",
+    "none found": "no change of posture without a singularity was found, which proves nothing",
+}
+
+_VERDICT_CELLS = {"cuspidal": "cuspidal", "none found": "undecided"}
+
+_WITHIN_HOW = (
+    "a joint with limits is a line, not a circle: θ and θ + 360° are two places; limits may cut an "
+    "aspect into several regions, or leave all of it out"
+)
+_WITHIN = {True: "within the joint limits", False: "joint limits ignored"}
+
 
 def decision_text(decision: Any) -> str:
     """What is decided about changes of posture without a search, in one sentence."""
@@ -51,16 +81,6 @@ def decision_text(decision: Any) -> str:
     if decision.kind in texts or decision.why not in POSTURES:
         return texts.get(decision.kind, str(decision.why))
     return POSTURES[decision.why].format(owner=owner, has=has, nodes=nodes)
-
-
-_NOT_COUNTED = {
-    "sign": "a factor of det J changes its sign over a full turn of a joint",
-    "joints": "more than three joints are left when all others are peeled off",
-    "slide": "a slide is left when all other joints are peeled off",
-    "factors": "det J has too many factors",
-    "work": "the limit on work was reached",
-    "conditions": "exact conditions of this arm are not derived",
-}
 
 
 def aspects_number(postures: Any) -> str:
@@ -113,14 +133,6 @@ def factor_words(count: Any, index: int) -> str:
     return f"factor {index + 1}"
 
 
-_NOT_WITHIN = _NOT_COUNTED | {
-    "joints": "conditions that share joints depend on {joints}, and cells are made of three at most. Without limits, a "
-    "joint that stands in one of them only, as A + B cos θ + C sin θ, could be left out",
-    "slide": "a slide stands in two conditions, in a higher degree than the first, or has one limit. With two limits, "
-    "and in one condition as A + B q, it could be left out",
-}
-
-
 def within_limits_sentence(count: Any) -> str:
     """How many regular regions are left within the joint limits, in one sentence; "" where that was not asked for."""
     if count is None:
@@ -134,13 +146,6 @@ def within_limits_sentence(count: Any) -> str:
     if count.proven:
         return f"Within the joint limits: {least} to {most} regions (proven)."
     return f"Within the joint limits: at least {least} {plural('region', least)} (proven); cells show {most}."
-
-
-_CHANGE = {
-    "cuspidal": "it can change its posture without a singularity (proven)",
-    "not cuspidal": "it cannot change its posture without a singularity (proven)",
-    "none found": "no change of posture without a singularity was found, which proves nothing",
-}
 
 
 def aspects_line(summary: Any) -> str:
@@ -177,9 +182,6 @@ def aspects_cell(summary: Any) -> str:
     if summary.proven:
         return f"{summary.at_least} … {summary.at_most}"
     return f"≥ {summary.at_least}"
-
-
-_VERDICT_CELLS = {"cuspidal": "cuspidal", "none found": "undecided"}
 
 
 def aspects_and_verdict_cell(summary: Any) -> str:
@@ -321,13 +323,6 @@ def _peeled_and_cells(count: Any) -> list[str]:
 
 def _joint_numbers(joints: Sequence[int]) -> str:
     return f"{plural('joint', len(joints))} {listing(map(str, joints))}"
-
-
-_WITHIN_HOW = (
-    "a joint with limits is a line, not a circle: θ and θ + 360° are two places; limits may cut an "
-    "aspect into several regions, or leave all of it out"
-)
-_WITHIN = {True: "within the joint limits", False: "joint limits ignored"}
 
 
 def _solutions(postures: Any, *, deg: bool) -> Section:

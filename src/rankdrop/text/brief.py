@@ -43,6 +43,8 @@ from rankdrop.text.words import listing
 
 _SHORT = 36  # characters of a condition that stands in the table; of a longer one its joints are named
 
+NO_RATE_LIMITS = "; –: too few joints have a rate limit, state `velocity` of the joints in the arm's file"
+
 
 def arm_line(robot: Robot, task: Task, generic_rank: int, *, limits: bool = False) -> str:
     """The arm and its task in a line, with the notes on its file."""
@@ -259,9 +261,6 @@ def sigma_note(variants: int, wide: int, uncovered: int) -> str:
     if uncovered:
         note += f"; for {uncovered:,} it is not proven that every pose is reached: the lower bound is 0"
     return note
-
-
-NO_RATE_LIMITS = "; –: too few joints have a rate limit, state `velocity` of the joints in the arm's file"
 
 
 def slow_note(speed: float | None, turn_speed: float | None, width: float, *, bound: bool) -> str:

@@ -37,6 +37,40 @@ WRITTEN = 40
 """Terms of a reciprocal screw up to which its elements are written."""
 _SHOWN = 40  # conditions that are printed
 
+_LEFT = {
+    "time": "case {number}: {conditions}",
+    "full rank": "case {number}: all six freedoms are left at points of it: {conditions}",
+    "no point": "case {number}: no point of it was found: {conditions}",
+    "empty": "no point modulo p was found on: {conditions}",
+    "determinant": "the determinant of the basic screws",
+}
+"""What was left of a suppression."""
+
+_NOTES = {
+    "factors": "terms of det J: {terms}; different factors: {factors}",
+    "squares": "det({product}) is the sum of the squares of {minors} minors: never negative, it vanishes without a "
+    "change of sign, where all of them do and nowhere else; it needs no factors",
+    "cofactors": "{minors} minors, {terms} terms together",
+    "common": "common factors of the minors: {factors}",
+    "together": "besides them {equations} equations hold together; their factors combine in {ways} ways",
+    "arm": "arm: rank J11 < 3, {minors} minors in {conditions} conditions",
+    "wrist": "wrist: rank [J21 N, J22] < 3, only where det J22 = 0, at two angles of joint {joint}: {conditions} "
+    "conditions",
+    "basic": "joints {joints} are taken first, as asked for",
+    "choices": "the exceptional loci are treated apart, by {further} further choices of joints, {different} different "
+    "ones in all",
+    "cases": "where these minors vanish other ones are taken, in {further} further cases, of {different} choices of "
+    "joints in all",
+    "square": "where it vanishes det J does, too: nothing is left out",
+    "pivots": "{cases} cases of pivots, {conditions} of them with singular configurations; some may be empty, and "
+    "where a case holds no more than another one it is not left out",
+    "cleared": "rows and columns are cleared by entries that are numbers: {rows} rows and {columns} columns remain, "
+    "which lose rank where the Jacobian does",
+    "block": "a block of order {order}: its determinant has {terms} terms",
+    "rest": "besides the blocks {rows} rows and {columns} columns: {minors} minors vanish together",
+}
+"""What the methods note on the way."""
+
 
 def steps_of(chain: Chain, derived: Decoupling | Suppression | SetDerivation | RankTree | None) -> tuple[Step, ...]:
     """The derivation of corank 1 as it is done by hand; long polynomials take seconds to be put shortly."""
@@ -244,16 +278,6 @@ def _families(suppression: Suppression) -> Iterator[str]:
         yield Formula(f"assumed: {text_of(ring, p)} ≠ 0")
 
 
-_LEFT = {
-    "time": "case {number}: {conditions}",
-    "full rank": "case {number}: all six freedoms are left at points of it: {conditions}",
-    "no point": "case {number}: no point of it was found: {conditions}",
-    "empty": "no point modulo p was found on: {conditions}",
-    "determinant": "the determinant of the basic screws",
-}
-"""What was left of a suppression."""
-
-
 def left_text(left: tuple[str, Case]) -> str:
     """What a suppression did not finish: a key of `_LEFT`, and the case."""
     what, case = left
@@ -297,32 +321,6 @@ def _method(derivation: SetDerivation) -> Step:
     if derivation.corank > 1:
         title += f", corank {derivation.corank}"
     return Step(title, lines, () if complete == lines else complete)
-
-
-_NOTES = {
-    "factors": "terms of det J: {terms}; different factors: {factors}",
-    "squares": "det({product}) is the sum of the squares of {minors} minors: never negative, it vanishes without a "
-    "change of sign, where all of them do and nowhere else; it needs no factors",
-    "cofactors": "{minors} minors, {terms} terms together",
-    "common": "common factors of the minors: {factors}",
-    "together": "besides them {equations} equations hold together; their factors combine in {ways} ways",
-    "arm": "arm: rank J11 < 3, {minors} minors in {conditions} conditions",
-    "wrist": "wrist: rank [J21 N, J22] < 3, only where det J22 = 0, at two angles of joint {joint}: {conditions} "
-    "conditions",
-    "basic": "joints {joints} are taken first, as asked for",
-    "choices": "the exceptional loci are treated apart, by {further} further choices of joints, {different} different "
-    "ones in all",
-    "cases": "where these minors vanish other ones are taken, in {further} further cases, of {different} choices of "
-    "joints in all",
-    "square": "where it vanishes det J does, too: nothing is left out",
-    "pivots": "{cases} cases of pivots, {conditions} of them with singular configurations; some may be empty, and "
-    "where a case holds no more than another one it is not left out",
-    "cleared": "rows and columns are cleared by entries that are numbers: {rows} rows and {columns} columns remain, "
-    "which lose rank where the Jacobian does",
-    "block": "a block of order {order}: its determinant has {terms} terms",
-    "rest": "besides the blocks {rows} rows and {columns} columns: {minors} minors vanish together",
-}
-"""What the methods note on the way."""
 
 
 def notes_of(derivation: SetDerivation) -> tuple[str, ...]:

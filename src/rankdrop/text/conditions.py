@@ -44,6 +44,14 @@ _ROUNDED = re.compile(r"\d\.\d{5}|\de[−-]\d")
 _DIGITS = re.compile(r"\d{8}")
 _INSET = " " * 7  # below the mark of a family
 
+_FREEDOMS = {1: "one freedom", 2: "two freedoms", 3: "three freedoms", 4: "four freedoms", 5: "five freedoms"}
+
+_UNREAL = {
+    Unreal.PROVEN: "not real, for {proof}",
+    Unreal.NOT_FOUND: "no real point was found from {tried} random starts",
+    Unreal.NOR_MODULO_PRIMES: "no real point was found, nor one modulo {tried} primes",
+}
+
 
 def arm_lines(conditions: Any) -> dict[str, str]:
     """What was assumed of the arm, label -> text."""
@@ -388,9 +396,6 @@ def _loss(family: SpecialFamily) -> str:
     return f"{', '.join(family.conditions)} together lose {lost}"
 
 
-_FREEDOMS = {1: "one freedom", 2: "two freedoms", 3: "three freedoms", 4: "four freedoms", 5: "five freedoms"}
-
-
 def reality_words(exact: ExactConditions) -> str:
     """When a family has real points: "real if and only if a2 − a3 ≥ 0"; "" where it has some for all lengths."""
     if not exact.not_negative:
@@ -414,13 +419,6 @@ def proof_words(unreal: UnrealSet) -> str:
     if not unreal.negative:
         return "a negative discriminant"
     return f"{unreal.negative} ≥ 0 does not hold"
-
-
-_UNREAL = {
-    Unreal.PROVEN: "not real, for {proof}",
-    Unreal.NOT_FOUND: "no real point was found from {tried} random starts",
-    Unreal.NOR_MODULO_PRIMES: "no real point was found, nor one modulo {tried} primes",
-}
 
 
 def _not_real(conditions: Any) -> Iterator[Section]:

@@ -15,6 +15,12 @@ from rankdrop.text.words import numbers
 
 _PLACES = 20  # that are printed
 
+_COVERING_ENDS = {
+    CoveringEnd.INTERRUPTED: "interrupted",
+    CoveringEnd.BUDGET_SPENT: "the budget is spent",
+    CoveringEnd.BUDGET_TOO_SMALL: "budget too small",
+}
+
 
 def cover_sentence(covered: Any) -> str:
     """What may be said of a covering, in one sentence."""
@@ -49,13 +55,6 @@ def covering_end_words(stopped: CoveringEnd | None) -> str:
     if stopped is None:
         return ""
     return _COVERING_ENDS[stopped]
-
-
-_COVERING_ENDS = {
-    CoveringEnd.INTERRUPTED: "interrupted",
-    CoveringEnd.BUDGET_SPENT: "the budget is spent",
-    CoveringEnd.BUDGET_TOO_SMALL: "budget too small",
-}
 
 
 def _why_not_complete(stopped: CoveringEnd | None, needed: int) -> str:

@@ -36,6 +36,10 @@ _LABELS = {
 _SMALLEST = 5e-5
 """Coefficients of a constraint below it are not printed, lengths divided by the length scale."""
 
+_SHOWN = 5e-4  # components of a unit vector below it are 0 with three decimals
+
+_HALF_UP = 1.0 + 1e-10  # halves are rounded away from zero: 0.03265 m and 32.65 mm have the same digits
+
 
 def constraint_text(lost: LostDirection) -> str:
     """What a lost direction does to the motions that remain: see `rankdrop.local.directions.constraint`."""
@@ -113,9 +117,6 @@ def blocked_text(lost: LostDirection, frame: str) -> str:
     return f"{where} moves along {along} of {frame} only by {rate} m for every rad of rotation about it"
 
 
-_SHOWN = 5e-4  # components of a unit vector below it are 0 with three decimals
-
-
 def axis_text(vector: ArrayLike) -> str:
     """A direction for people, its largest component positive: "Y", or "(0.6, 0, 0.8)".
 
@@ -142,9 +143,6 @@ def _triple(vector: Array, length: float = 1.0) -> str:
 def _number(value: float) -> str:
     steady = float(f"{value:.8g}")  # 0.7345 is one number, however its last bits fell
     return f"{steady * _HALF_UP:.3g}".replace("-", "−")
-
-
-_HALF_UP = 1.0 + 1e-10  # halves are rounded away from zero: 0.03265 m and 32.65 mm have the same digits
 
 
 def frame_name(frame: Frame, power: int = 0) -> str:

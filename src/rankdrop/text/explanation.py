@@ -65,6 +65,38 @@ TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singula
 """How the verdict is coloured."""
 _HUGE = 100.0  # an arm that reaches farther was hardly meant in m
 
+_FOUR, _POSE_ROWS = 4, 6
+
+Columns = dict[str, Callable[[Any], str]]
+"""Heading -> the cell of a record."""
+
+_CIRCUITS: Columns = {
+    "joints": lambda circuit: numbers(circuit.numbers), "when": lambda circuit: "always" if circuit.generic else "here",
+    "joint rates that cancel": lambda circuit: vector(circuit.coefficients), "in words": attrgetter("words"),
+}  # fmt: skip
+
+_SHAPES: Columns = {
+    "": attrgetter("name"), "velocity half-axes": lambda part: _lengths(part.velocity.half_lengths),
+    "force half-axes": lambda part: _lengths(part.force.half_lengths),
+    "σ_min": lambda part: short(part.sigma_min.value),
+    "condition": lambda part: short(part.condition.value),
+    "manipulability": lambda part: short(part.manipulability.value),
+}  # fmt: skip
+
+_COORDINATES: Columns = {
+    "name": attrgetter("name"),
+    "value [rad, 1]": lambda form: ", ".join(
+        f"{name} {short(value)}" for name, value in zip(form.names, form.coordinates, strict=True)),
+    "σ_min of E": lambda form: short(round(form.sigma_min, 12)),
+    "nearest singularity": lambda form: "none" if isinf(form.angle) else f"{degrees(form.angle):.3g}°",
+    "verdict": lambda form: "SINGULAR" if form.singular else "near" if form.near else "",
+}  # fmt: skip
+
+DETAILS = frozenset(
+    ("nearest", "blame", "proofs", "rates", "failures", "ellipsoids", "redundancy", "representation", "numbers", "more")
+)
+"""Parts that are shown only on demand."""
+
 
 def sections_of(explanation: Explanation, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
     """The parts in the order in which they are asked for.
@@ -124,9 +156,6 @@ def _position_lines(explanation: Explanation) -> Iterator[str]:
     if measured.corank and not explanation.rank.corank:
         asked = advise("task", place.name)
         yield f"For position alone ({asked}) it is singular here, rank {measured.rank} of {measured.generic_rank}."
-
-
-_FOUR, _POSE_ROWS = 4, 6
 
 
 def _numbers(explanation: Explanation, full: bool) -> Iterator[Section]:
@@ -252,10 +281,6 @@ def _family_lines(explanation: Explanation, incidence: Incidence, full: bool) ->
     return title, Formula(f"    {conditions}")
 
 
-Columns = dict[str, Callable[[Any], str]]
-"""Heading -> the cell of a record."""
-
-
 def _table(records: Iterable[Any], columns: Columns) -> dict[str, Any]:
     """Columns and rows of a section."""
     return {"columns": tuple(columns), "rows": tuple(_row(record, columns) for record in records)}
@@ -270,10 +295,6 @@ def _yes(holds: bool) -> str:
     return "yes" if holds else "no"
 
 
-_CIRCUITS: Columns = {
-    "joints": lambda circuit: numbers(circuit.numbers), "when": lambda circuit: "always" if circuit.generic else "here",
-    "joint rates that cancel": lambda circuit: vector(circuit.coefficients), "in words": attrgetter("words"),
-}  # fmt: skip
 _RUNS: Columns = {
     "joints": lambda run: f"{run.first}–{run.last}", "dimension": lambda run: str(run.dimension),
     "loss": lambda run: str(run.loss), "their test": lambda run: _yes(run.msos),
@@ -422,15 +443,6 @@ def _largest(rates: DirectionRates) -> str:
     return ", ".join(f"{short(value, 3)} {unit}" for value, unit in parts if value > 1e-9)
 
 
-_SHAPES: Columns = {
-    "": attrgetter("name"), "velocity half-axes": lambda part: _lengths(part.velocity.half_lengths),
-    "force half-axes": lambda part: _lengths(part.force.half_lengths),
-    "σ_min": lambda part: short(part.sigma_min.value),
-    "condition": lambda part: short(part.condition.value),
-    "manipulability": lambda part: short(part.manipulability.value),
-}  # fmt: skip
-
-
 def unit_balls(parts: PartSet) -> str:
     """The unit balls of joint rates and of joint torques: "Σ q̇² ≤ (1 rad/s)²; Σ τ² ≤ (1 N m)²"."""
     if parts.by_limits:
@@ -463,16 +475,6 @@ def _redundancy(explanation: Explanation, full: bool) -> Iterator[Section]:
     title = "Joint motions that leave the task still"
     yield Section(title, "" if rows else "none", tuple(lines), columns if rows else (), rows, texts=(),
                   notes=("rows: joint rates [rad/s, m/s], to first order",) if rows else ())  # fmt: skip
-
-
-_COORDINATES: Columns = {
-    "name": attrgetter("name"),
-    "value [rad, 1]": lambda form: ", ".join(
-        f"{name} {short(value)}" for name, value in zip(form.names, form.coordinates, strict=True)),
-    "σ_min of E": lambda form: short(round(form.sigma_min, 12)),
-    "nearest singularity": lambda form: "none" if isinf(form.angle) else f"{degrees(form.angle):.3g}°",
-    "verdict": lambda form: "SINGULAR" if form.singular else "near" if form.near else "",
-}  # fmt: skip
 
 
 def _representation(explanation: Explanation, full: bool) -> Iterator[Section]:
@@ -523,7 +525,3 @@ PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "more": _more,
 }
 """Every part by its name, in order."""
-DETAILS = frozenset(
-    ("nearest", "blame", "proofs", "rates", "failures", "ellipsoids", "redundancy", "representation", "numbers", "more")
-)
-"""Parts that are shown only on demand."""

@@ -49,6 +49,23 @@ _NUMBERS = re.compile(r"\d+")  # in a joint's name
 _ALIKE = 1e-9
 _MOST_TERMS = 30  # a longer condition is for programs
 
+Cell = str | tuple[str, ...]
+"""Of a table of families: a text, or several that stand under each other."""
+WORDS, NUMBER, JOINT = "words", "number", "joint"
+
+_MANY = 24  # rows of one corank: of more, those of calibrated arms, some stand for all
+_SHOWN, _LARGEST = 3, 8  # so many rows of a table, so many of the shares near families
+_KINDS = 3  # kinds of rows that are told apart when they are counted
+AT_LEAST = "≥"
+AT = "at"
+"""Label of the witness in a footnote."""
+EXACTLY = "exactly"
+"""Label of an exact condition; a fitted one has that of a coupled joint."""
+_LONGEST = 300  # characters of a condition that is printed
+_SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, m]
+
+SPEEDS_INTERRUPTED = "interrupted: the distances that keep the speed are not done"
+
 
 def legend(robot: Robot, families: Iterable[Family] = ()) -> str:
     """What the marks and columns of a table of families mean, and letters and links in what is lost on them."""
@@ -101,11 +118,6 @@ def _merge_signs(values: Iterable[float], kind: str) -> Iterator[tuple[str, str]
             left.remove(opposite)
             number, angle = _value_parts(abs(opposite), kind)
             yield f"±{number}", f"±{angle}" if angle else ""
-
-
-Cell = str | tuple[str, ...]
-"""Of a table of families: a text, or several that stand under each other."""
-WORDS, NUMBER, JOINT = "words", "number", "joint"
 
 
 class Column(NamedTuple):
@@ -290,18 +302,6 @@ def outside_text(inside: Inside, robot: Robot) -> str:
         limits = f"{joint.lower:.4f} … {joint.upper:.4f} {joint.unit}".replace("-", "−")
         told.append(f"{joint_symbol(pin.number, kind)} = {values} {verb} outside {limits}")
     return ("" if inside.holds else "the row lies outside the joint limits: ") + "; ".join(told)
-
-
-_MANY = 24  # rows of one corank: of more, those of calibrated arms, some stand for all
-_SHOWN, _LARGEST = 3, 8  # so many rows of a table, so many of the shares near families
-_KINDS = 3  # kinds of rows that are told apart when they are counted
-AT_LEAST = "≥"
-AT = "at"
-"""Label of the witness in a footnote."""
-EXACTLY = "exactly"
-"""Label of an exact condition; a fitted one has that of a coupled joint."""
-_LONGEST = 300  # characters of a condition that is printed
-_SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, m]
 
 
 def title(summary: CorankSummary, generic_rank: int) -> str:
@@ -606,9 +606,6 @@ def mistaken_text(corank: int, many: int, followed: int, sigma: float, digits: i
         f"corank {corank}: {many:,} points of the searches with σ ≤ {DEFAULT.singular:g} are not singular: followed "
         f"with {digits} digits{which}, σ does not vanish next to them{least}"
     )
-
-
-SPEEDS_INTERRUPTED = "interrupted: the distances that keep the speed are not done"
 
 
 def near_overview(near: JointSpaceShares, families: Sequence[Family]) -> Section:

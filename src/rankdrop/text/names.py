@@ -26,6 +26,52 @@ from rankdrop.text.words import listing, plural
 UNNAMED = "unnamed family"
 MEETING = "meeting point of families"
 
+_SEPARATORS = {True: ", ", False: ": "}
+
+_SIGNS = {Geometry.PARALLEL: " ∥ ", Geometry.PERPENDICULAR: " ⟂ "}
+_JOINED = {
+    Geometry.ALIGNED: "aligned", Geometry.PARALLEL: "parallel", Geometry.PERPENDICULAR: "perpendicular",
+}  # fmt: skip
+PLANES = {
+    Plane.OF_BOTH: "plane of axes 1, 2", Plane.PARALLEL: "plane of 1 parallel to 2",
+}  # fmt: skip
+_DETAILS = {
+    Geometry.STRETCHED: "arm stretched or folded",
+    Geometry.NEARLY_STRETCHED: "arm nearly stretched or folded",
+    Geometry.AGAINST: "{axes} {0} parallel to {1}",
+    Geometry.COPLANAR: "axes {0} coplanar",
+    Geometry.PARALLEL_AND_COPLANAR: "axes {0} parallel and coplanar",
+    Geometry.COPLANAR_WITH_CENTRE: "axes {0} and {centre} coplanar",
+    Geometry.CENTRE_ON_AXIS: "{centre} on axis {0}",
+    Geometry.CENTRE_IN_PLANE: "{centre} in {plane}",
+    Geometry.AXES_MEET_IN_PLANE: "axes {0} meet in {plane}",
+    Geometry.LINE_MEETS_ALL: "all axes meet one line",
+    Geometry.LINE_THROUGH_TIP: "a line through the tip meets all axes",
+}
+
+_SENTENCES = {
+    Common.MOVES_NOTHING: "joint {} moves nothing",
+    Common.DEPENDENT_SCREWS: "joints {} dependent",
+    Common.DEPENDENT_JOINTS: "joints {} dependent",
+    Common.IN_ONE_PLANE_WITH_TIP: "axes {} and the tip in one plane",
+}
+_FIRST_OF_TWO = {Common.PARALLEL_AND_COPLANAR: "parallel", Common.CONCURRENT_AND_COPLANAR: "concurrent"}
+PATTERNS = {
+    Common.ALIGNED: "aligned", Common.PARALLEL: "parallel", Common.CONCURRENT: "concurrent",
+    Common.COPLANAR: "coplanar", Common.PARALLEL_AND_COPLANAR: "parallel and coplanar",
+    Common.CONCURRENT_AND_COPLANAR: "concurrent and coplanar",
+    Common.PARALLEL_TO_ONE_PLANE: "parallel to one plane", Common.ALL_TRANSLATIONS: "are four translations of space",
+    Common.MEET_ONE_LINE: "meet one line",
+}  # fmt: skip
+WAYS = {
+    SlideWay.NORMAL_TO_AXES: "normal to them", SlideWay.NORMAL_TO_PLANE: "normal to their plane",
+    SlideWay.ALONG_TRANSLATION: "along what they translate", SlideWay.NORMAL_TO_LINE: "normal to it",
+}  # fmt: skip
+
+_MOST_DECIMALS = 4
+
+_ORDINALS = ("", "first", "second", "third", "fourth", "fifth", "sixth")
+
 
 def name_words(name: FamilyName) -> str:
     """The name of a family: "elbow and wrist: axes 3, 5, 7 aligned, 4 ∥ 6"."""
@@ -40,9 +86,6 @@ def name_words(name: FamilyName) -> str:
     if inside:
         return f"{text} ({inside})"
     return text
-
-
-_SEPARATORS = {True: ", ", False: ": "}
 
 
 def short_name(name: FamilyName) -> str:
@@ -120,28 +163,6 @@ def _plane(detail: Detail) -> str:
     return PLANES[detail.plane]
 
 
-_SIGNS = {Geometry.PARALLEL: " ∥ ", Geometry.PERPENDICULAR: " ⟂ "}
-_JOINED = {
-    Geometry.ALIGNED: "aligned", Geometry.PARALLEL: "parallel", Geometry.PERPENDICULAR: "perpendicular",
-}  # fmt: skip
-PLANES = {
-    Plane.OF_BOTH: "plane of axes 1, 2", Plane.PARALLEL: "plane of 1 parallel to 2",
-}  # fmt: skip
-_DETAILS = {
-    Geometry.STRETCHED: "arm stretched or folded",
-    Geometry.NEARLY_STRETCHED: "arm nearly stretched or folded",
-    Geometry.AGAINST: "{axes} {0} parallel to {1}",
-    Geometry.COPLANAR: "axes {0} coplanar",
-    Geometry.PARALLEL_AND_COPLANAR: "axes {0} parallel and coplanar",
-    Geometry.COPLANAR_WITH_CENTRE: "axes {0} and {centre} coplanar",
-    Geometry.CENTRE_ON_AXIS: "{centre} on axis {0}",
-    Geometry.CENTRE_IN_PLANE: "{centre} in {plane}",
-    Geometry.AXES_MEET_IN_PLANE: "axes {0} meet in {plane}",
-    Geometry.LINE_MEETS_ALL: "all axes meet one line",
-    Geometry.LINE_THROUGH_TIP: "a line through the tip meets all axes",
-}
-
-
 def dependence_words(dependence: Dependence, *, whole: bool = True) -> str:
     """A dependent set in words: "axes 1, 4, 5 concurrent and coplanar"; without the second word unless `whole`."""
     names = numbers(dependence.joints)
@@ -156,26 +177,6 @@ def dependence_words(dependence: Dependence, *, whole: bool = True) -> str:
         return f"axes {names} {how}"
     slides = f"{plural('slide', len(dependence.slides))} {numbers(dependence.slides)}"
     return f"axes {names} {how}, {slides} {WAYS[dependence.way]}"
-
-
-_SENTENCES = {
-    Common.MOVES_NOTHING: "joint {} moves nothing",
-    Common.DEPENDENT_SCREWS: "joints {} dependent",
-    Common.DEPENDENT_JOINTS: "joints {} dependent",
-    Common.IN_ONE_PLANE_WITH_TIP: "axes {} and the tip in one plane",
-}
-_FIRST_OF_TWO = {Common.PARALLEL_AND_COPLANAR: "parallel", Common.CONCURRENT_AND_COPLANAR: "concurrent"}
-PATTERNS = {
-    Common.ALIGNED: "aligned", Common.PARALLEL: "parallel", Common.CONCURRENT: "concurrent",
-    Common.COPLANAR: "coplanar", Common.PARALLEL_AND_COPLANAR: "parallel and coplanar",
-    Common.CONCURRENT_AND_COPLANAR: "concurrent and coplanar",
-    Common.PARALLEL_TO_ONE_PLANE: "parallel to one plane", Common.ALL_TRANSLATIONS: "are four translations of space",
-    Common.MEET_ONE_LINE: "meet one line",
-}  # fmt: skip
-WAYS = {
-    SlideWay.NORMAL_TO_AXES: "normal to them", SlideWay.NORMAL_TO_PLANE: "normal to their plane",
-    SlideWay.ALONG_TRANSLATION: "along what they translate", SlideWay.NORMAL_TO_LINE: "normal to it",
-}  # fmt: skip
 
 
 def joint_numbers(joints: Sequence[int]) -> str:
@@ -202,9 +203,6 @@ def _run(joints: Sequence[Variable]) -> str:
     if len(joints) > 2 and joints[-1].number - joints[0].number == len(joints) - 1:
         return f"{letters[0]}–{letters[-1]}"
     return ", ".join(letters)
-
-
-_MOST_DECIMALS = 4
 
 
 def _value_texts(name: FamilyName) -> list[str]:
@@ -252,6 +250,3 @@ def ordinal_word(number: int) -> str:
     if number < len(_ORDINALS):
         return _ORDINALS[number]
     return f"{number}th"
-
-
-_ORDINALS = ("", "first", "second", "third", "fourth", "fifth", "sixth")

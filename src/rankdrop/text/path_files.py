@@ -75,6 +75,40 @@ LARGEST_IN_METRES = 20.0
 MATRIX_UNIT = "write mm or m behind the matrix"
 RAISED = "Z counts from the height of axis 2, {0:.6g} mm above the base, as FANUC counts it"
 
+TRANSPOSED = "the matrices are transposed: write poses.transpose(0, 2, 1)"
+LAST_AXIS = "the poses are along the last axis: write numpy.moveaxis(poses, -1, 0)"
+ROTATIONS_ALONE = "these are rotations alone: add the translation as the fourth column"
+MATRIX_SHAPE = "matrices of the tip have the shape (N, {0}, 4)"
+QUATERNION_HEAD = "a first line x,y,z,qx,qy,qz,qw makes them poses of the tip"
+QUATERNIONS_AS_TEXT = f"poses with quaternions are read from CSV: {QUATERNION_HEAD}"
+SAVED_WITH_COMMAS = 'separate them by commas: numpy.savetxt(file, rows, delimiter=",")'
+MATRIX_HEAD = "a first line m00,m01, … m{0}3 makes them matrices of the tip"
+"""What mends arrays and tables of matrices."""
+TWO_TURNS = "radians, at most two turns"
+DEGREES_STATED = {
+    "columns": 'name the columns "roll [deg]", "pitch [deg]", "yaw [deg]"',
+    "objects": 'write "angle": "deg" next to "poses"',
+}
+"""How each form of poses states degrees."""
+
+BAG_NOTES = {
+    "others": "{0} of {1} messages have none of this arm's joints and are passed over",
+    "recording": "headers have no times: those of the recording are taken",
+    "plans": "{0} plans follow each other; {1} points were replaced",
+    "repeated": "{0} rows are repeated word for word and count once",
+}
+"""What a reader of a bag should know."""
+BAG_MEND = "mend the bag first: rosbag reindex, ros2 bag reindex, or mcap recover"
+DAMAGES: dict[type[Exception], str] = {
+    OverflowError: "a record that is longer than any file",
+    AssertionError: "records that contradict each other",
+    **dict.fromkeys((KeyError, IndexError), "a record about one that is not there"),
+    UnicodeDecodeError: "a name that is no text",
+}
+"""What the errors of Python mean that a damaged bag raises; readers say the others themselves."""
+
+DECIMAL_COMMAS = "decimals have commas: 0,5 is read as 0.5"
+
 
 def makers_note(maker: str, turn: tuple[str, ...], length: str, angle: str) -> str:
     """How poses of a maker's form are read: their order of turns and their units."""
@@ -103,23 +137,6 @@ def _with_unit(names: Sequence[str], unit: str) -> str:
     return ", ".join(f"{name} [{unit}]" for name in names)
 
 
-TRANSPOSED = "the matrices are transposed: write poses.transpose(0, 2, 1)"
-LAST_AXIS = "the poses are along the last axis: write numpy.moveaxis(poses, -1, 0)"
-ROTATIONS_ALONE = "these are rotations alone: add the translation as the fourth column"
-MATRIX_SHAPE = "matrices of the tip have the shape (N, {0}, 4)"
-QUATERNION_HEAD = "a first line x,y,z,qx,qy,qz,qw makes them poses of the tip"
-QUATERNIONS_AS_TEXT = f"poses with quaternions are read from CSV: {QUATERNION_HEAD}"
-SAVED_WITH_COMMAS = 'separate them by commas: numpy.savetxt(file, rows, delimiter=",")'
-MATRIX_HEAD = "a first line m00,m01, … m{0}3 makes them matrices of the tip"
-"""What mends arrays and tables of matrices."""
-TWO_TURNS = "radians, at most two turns"
-DEGREES_STATED = {
-    "columns": 'name the columns "roll [deg]", "pitch [deg]", "yaw [deg]"',
-    "objects": 'write "angle": "deg" next to "poses"',
-}
-"""How each form of poses states degrees."""
-
-
 def mended_rotations(count: int, off: float, number: int, turned: float) -> str:
     """A note on rotations of few digits: how many poses have one, how far the worst is from one, and which it is.
 
@@ -134,21 +151,6 @@ def mended_rotations(count: int, off: float, number: int, turned: float) -> str:
     else:
         rotations, by = f"rotations of {count} poses are replaced by the nearest ones", "by up to"
     return f"{rotations}: RᵀR differs from 1 {by} {off:.2g} (pose {number}, which turns by {turned:.2g}°)"
-BAG_NOTES = {
-    "others": "{0} of {1} messages have none of this arm's joints and are passed over",
-    "recording": "headers have no times: those of the recording are taken",
-    "plans": "{0} plans follow each other; {1} points were replaced",
-    "repeated": "{0} rows are repeated word for word and count once",
-}
-"""What a reader of a bag should know."""
-BAG_MEND = "mend the bag first: rosbag reindex, ros2 bag reindex, or mcap recover"
-DAMAGES: dict[type[Exception], str] = {
-    OverflowError: "a record that is longer than any file",
-    AssertionError: "records that contradict each other",
-    **dict.fromkeys((KeyError, IndexError), "a record about one that is not there"),
-    UnicodeDecodeError: "a name that is no text",
-}
-"""What the errors of Python mean that a damaged bag raises; readers say the others themselves."""
 
 
 def reading_remarks(name: str, hint: str | None, notes: Sequence[str], unused: Sequence[str]) -> Iterator[str]:
@@ -170,9 +172,6 @@ def reading_remarks(name: str, hint: str | None, notes: Sequence[str], unused: S
 def degrees_advice(hint: str) -> str:
     """A hint that angles look like degrees, with what reads them so."""
     return f"{hint}; {advise('deg')} reads them as degrees"
-
-
-DECIMAL_COMMAS = "decimals have commas: 0,5 is read as 0.5"
 
 
 def radians_hint(angles: Array) -> str | None:

@@ -15,6 +15,15 @@ from rankdrop.text.words import numbers, plural
 
 _ROUNDING = 1e-12  # an entry of a screw below it is printed as 0
 
+_REMARKS = {
+    RemarkKind.AGREES: "",
+    RemarkKind.NOT_RESTORED: "named by the printed procedure, but a finite motion does not restore the rank",
+    RemarkKind.NO_GAIN: "does not escape although {products} outside the span: Σ λ_i [S_{number}, S_i] {sum}",
+    RemarkKind.NAMED_BY_NO_RUN: "escapes, though no run with all its products outside names it",
+    RemarkKind.LEFT_SINGULAR: "escapes, though the printed update finds runs still singular: newscrews({number}, "
+    "{last}) leaves the screws behind {last} where they were, and joint {number} carries them too",
+}
+
 
 def step_text(step: Executed) -> tuple[str, tuple[str, ...]]:
     """An instruction of GR as it is typed, and the lines that it prints."""
@@ -61,16 +70,6 @@ def _msos_lines(subset: OrderedSubset) -> Iterator[str]:
 def _row(screw: Array) -> str:
     shown = np.where(np.abs(screw) < _ROUNDING, 0.0, screw)
     return f"[{', '.join(f'{x + 0.0:.6g}' for x in shown)}]"
-
-
-_REMARKS = {
-    RemarkKind.AGREES: "",
-    RemarkKind.NOT_RESTORED: "named by the printed procedure, but a finite motion does not restore the rank",
-    RemarkKind.NO_GAIN: "does not escape although {products} outside the span: Σ λ_i [S_{number}, S_i] {sum}",
-    RemarkKind.NAMED_BY_NO_RUN: "escapes, though no run with all its products outside names it",
-    RemarkKind.LEFT_SINGULAR: "escapes, though the printed update finds runs still singular: newscrews({number}, "
-    "{last}) leaves the screws behind {last} where they were, and joint {number} carries them too",
-}
 
 
 def remark_text(remark: Remark) -> str:

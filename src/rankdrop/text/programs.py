@@ -67,6 +67,8 @@ _FAST = 3  # lines of which joints above their rate limits are described
 _SLOW = 0.1  # of the programmed speed, below which a joint move is the better advice
 _KINDS = {"joint": "joint move", "line": "straight line", "arc": "circular arc"}
 
+_CONFIGURATIONS = 12  # that are printed
+
 
 def sentence(check: Any) -> str:
     """The verdict: what the program does, worst first, with its lines."""
@@ -142,9 +144,6 @@ def _other_configurations(ended: Any) -> str:
 def _quarters(numbers: Sequence[int]) -> str:
     """Configuration data as numbers: "0, −1, 0"."""
     return ", ".join(map(str, numbers)).replace("-", "−")
-
-
-_CONFIGURATIONS = 12  # that are printed
 
 
 def _why(ended: Any, robot: Robot) -> str:

@@ -80,6 +80,12 @@ BOUNDED = {
 }
 """How limits are known to hold: of a path that is straight between its rows, and of a smooth one."""
 
+NO_POSES = {
+    "same": "written as joint values: the poses stay as they are, and the joints move in another way along them",
+    "unproven": "written as joint values: as poses with straight moves between them it could not be proven free",
+}
+"""Why a remedy of a file of poses is not written as poses."""
+
 
 def remedy_words(how: str, fact: Any) -> str:
     """What a remedy does."""
@@ -390,13 +396,6 @@ def _small(value: float) -> str:
     if value >= 1e-9:
         return short(value, 2)
     return "0"
-
-
-NO_POSES = {
-    "same": "written as joint values: the poses stay as they are, and the joints move in another way along them",
-    "unproven": "written as joint values: as poses with straight moves between them it could not be proven free",
-}
-"""Why a remedy of a file of poses is not written as poses."""
 
 
 def poses_written(target: str, remedy: Any, made: Any, robot: Robot, *, arm: str, given_start: bool) -> str:

@@ -51,6 +51,14 @@ _TOGETHER = {
 }
 """Notes that files give for most of their joints: those of several joints are one line."""
 
+_HOLDS = {
+    Hold.POINT: "axes {} in one point", Hold.SHOULDER: "a spherical shoulder", Hold.WRIST: "a spherical wrist",
+    Hold.PARALLEL: "axes {} parallel", Hold.COMMON: "axes {} on one line", Hold.MEETING: "axes {} meeting",
+    Hold.SQUARE: "axes {} at right angles", Hold.FLUSH: "no offset along axes {}",
+}  # fmt: skip
+_TOLD = 2
+"""So many gains of structure are named."""
+
 
 def notes_words(notes: Iterable[RobotNote]) -> tuple[str, ...]:
     """The notes on a robot description in words, a line for each; the same note of several joints is one.
@@ -174,15 +182,6 @@ def _idealised_words(note: RobotNote) -> str:
         what.append(count(note.moved.number, "length"))
         most.append(f"{note.moved.most * 1e3:.3g} mm")
     return f"{' and '.join(what)} moved, at most {', '.join(most)}"
-
-
-_HOLDS = {
-    Hold.POINT: "axes {} in one point", Hold.SHOULDER: "a spherical shoulder", Hold.WRIST: "a spherical wrist",
-    Hold.PARALLEL: "axes {} parallel", Hold.COMMON: "axes {} on one line", Hold.MEETING: "axes {} meeting",
-    Hold.SQUARE: "axes {} at right angles", Hold.FLUSH: "no offset along axes {}",
-}  # fmt: skip
-_TOLD = 2
-"""So many gains of structure are named."""
 
 
 def hold_words(hold: AxesHold) -> str:

@@ -30,6 +30,15 @@ _EVIDENCE = {
     "unfinished": "the work ended before it was decided; the smallest σ{rank} that was evaluated is {sigma:.1e}",
 }  # fmt: skip
 
+REACHED = {
+    "crossing": "crosses a singularity {} (proven)",
+    "lies": "lies in a singularity {}",
+    "touching": "touches a singularity {}",
+}
+"""How a path reaches singularities, in the order of the first line; how often is put in."""
+
+_VERBS = {"crossing": "crosses", "lies": "lies in", "touching": "touches"}
+
 
 def evidence_words(stretch: Any, check: Any) -> str:
     """How the verdict of a stretch is known."""
@@ -45,14 +54,6 @@ def stay_or_place(stretch: Any) -> str:
     if stretch.verdict == "touching" and end.position - start.position > _STAYS:
         return span_words(stretch)
     return when(stretch.closest.place)
-
-
-REACHED = {
-    "crossing": "crosses a singularity {} (proven)",
-    "lies": "lies in a singularity {}",
-    "touching": "touches a singularity {}",
-}
-"""How a path reaches singularities, in the order of the first line; how often is put in."""
 
 
 def how_reached(stretch: Any) -> str:
@@ -111,9 +112,6 @@ def place_or_family(check: Any, q: Array, name: str, corank: int = 0) -> str:
     else:
         place = ""
     return place or name or "an unnamed family"
-
-
-_VERBS = {"crossing": "crosses", "lies": "lies in", "touching": "touches"}
 
 
 def crossing_words(stretch: Any, check: Any) -> str:

@@ -24,6 +24,9 @@ _REASONS = {
     "budget": "the steps and rows that one tool path may have are used up",
 }
 
+_ENDS = {"singular": "singularity", "few joints": "too few joints for the poses ahead",
+         "stuck": "the solver does not converge", "budget": "the budget is spent", "start": "not reached"}  # fmt: skip
+
 
 def branch_chosen(tool: Any) -> str:
     """Which branch of the inverse kinematics a tool path takes."""
@@ -162,10 +165,6 @@ def _branch_verdict(branch: Any, robot: Robot) -> str:
     if met and branch.place < branch.reached:
         return f"{end}; {met}"
     return end
-
-
-_ENDS = {"singular": "singularity", "few joints": "too few joints for the poses ahead",
-         "stuck": "the solver does not converge", "budget": "the budget is spent", "start": "not reached"}  # fmt: skip
 
 
 def branches_section(check: Any, *, deg: bool) -> Section:

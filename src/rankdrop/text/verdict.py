@@ -38,16 +38,6 @@ from rankdrop.tolerances import SLOW
 _AXIS = 5e-3  # components below it are 0.00 as shown: the axis is X, Y or Z
 _DIGITS = 6  # of numbers that have to differ as shown, fewer
 
-
-def sentence_of(explanation: Explanation) -> str:
-    """What may be claimed of one configuration; its word is `Explanation.verdict`."""
-    if explanation.disagreements:
-        differ = "; two methods disagree, see the end"
-    else:
-        differ = ""
-    return f"{explanation.robot.name}: {explanation.verdict.upper()}, {explanation.reason}{differ}."
-
-
 _REASONS = {
     Cause.LOST: "{corank} of {r} directions of the tool {are} lost{nearly}",
     Cause.NEVER: "rank {r} here and at almost every configuration: the arm never does more",
@@ -59,6 +49,56 @@ _REASONS = {
     Cause.NONE: "rank {rank} of {r}; the nearest singular configuration found is {away} away",
 }
 _NONE_FOUND = "rank {rank} of {r}; no singular configuration was found, and {proven}"
+
+SINGULAR_HERE = "the configuration is singular"
+"""Why no radius is certified at a singular configuration."""
+_DIFFERENCES = {
+    DifferenceKind.GAIN: "joint {number} alone: a rank gain of {predicted} was predicted, finite motion gains "
+    "{measured}",
+    DifferenceKind.RADIUS: "certified radius {radius} beyond a singularity at {distance}",
+    DifferenceKind.SEARCH_MISSED: "the search missed a nearer point of family {family}",
+    DifferenceKind.FAMILIES_MISSED: "the search found a singularity nearer than every family",
+}
+
+_NEAR = "near a singularity: {name}{place}"
+_OUT, _FARTHER = "Get out: {jog}. Cartesian jogging fails", "Get farther away: {jog}"
+_NO_JOG = {_OUT: f"Get out: {NO_JOG}", _FARTHER: f"Get farther away: {NO_JOG}"}
+"""What to do -> the same where no jog was found."""
+_NO_BETTER = "Get farther away: no small jog of one joint raises σ{r} by 1 %"
+"""The same from a regular configuration."""
+_SLOW, _SLOWEST = "Slow: at most {slowest}", "Slowest straight motion: at most {slowest}"
+_NEARLY = "Nearly lost: {lost}{straight}"
+"""What is nearly lost, and how fast the tool still moves straight."""
+_FAMILY, _PROVEN = "; family from {source}", "{proven}"
+_SUMMARY = {
+    Cause.LOST: ("singular: {name}{pinned}", "Lost: {lost}",
+                 _OUT, _FAMILY),
+    Cause.NEVER: ("singular at every configuration: rank {r} of {m}", "Never possible: {never}",
+                  "Get out: ask for a task with fewer rows (planar, position, …)", _PROVEN),
+    Cause.NEAR_MISS: ("near a singularity that it just misses: σ{r} does not vanish, {miss} is its least nearby",
+                      _NEARLY, _FARTHER, _PROVEN),
+    Cause.DISTANCE: (_NEAR, _NEARLY, _FARTHER, _FAMILY),
+    Cause.SMALL: (_NEAR, _NEARLY, _FARTHER, _FAMILY),
+    Cause.SLOW: (_NEAR, _SLOW, _FARTHER, _PROVEN),
+    Cause.NONE: ("regular: rank {rank} of {r}, no direction of the tool is lost",
+                 _SLOWEST, _FARTHER, _PROVEN),
+}  # fmt: skip
+"""Cause -> what the configuration is, what is lost, what to do, and how sure that is."""
+_REGULAR_BUT_NEVER = "regular: rank {rank} of {r}, no direction is lost in addition to those it never has"
+_SOURCES = {"catalogue": "the catalogue", "analysis": "the analysis given", "on the spot": "singular points around it"}
+
+_COLUMNS, _LINES = 78, 6  # of the answer on a terminal of 80 columns, indented by two
+
+_MIXED = 0.25  # below this share of a direction its smaller part is not named
+
+
+def sentence_of(explanation: Explanation) -> str:
+    """What may be claimed of one configuration; its word is `Explanation.verdict`."""
+    if explanation.disagreements:
+        differ = "; two methods disagree, see the end"
+    else:
+        differ = ""
+    return f"{explanation.robot.name}: {explanation.verdict.upper()}, {explanation.reason}{differ}."
 
 
 def reason_of(explanation: Explanation) -> str:
@@ -91,17 +131,6 @@ def _measured_values(explanation: Explanation) -> dict[str, object]:
     }  # fmt: skip
 
 
-SINGULAR_HERE = "the configuration is singular"
-"""Why no radius is certified at a singular configuration."""
-_DIFFERENCES = {
-    DifferenceKind.GAIN: "joint {number} alone: a rank gain of {predicted} was predicted, finite motion gains "
-    "{measured}",
-    DifferenceKind.RADIUS: "certified radius {radius} beyond a singularity at {distance}",
-    DifferenceKind.SEARCH_MISSED: "the search missed a nearer point of family {family}",
-    DifferenceKind.FAMILIES_MISSED: "the search found a singularity nearer than every family",
-}
-
-
 def difference_sentence(difference: Difference) -> str:
     """Two methods that give two answers."""
     if difference.family is None:
@@ -112,34 +141,6 @@ def difference_sentence(difference: Difference) -> str:
         number=difference.number, predicted=difference.predicted, measured=difference.measured,
         radius=f"{difference.radius:.6g}", distance=f"{difference.distance:.6g}", family=family,
     )  # fmt: skip
-
-
-_NEAR = "near a singularity: {name}{place}"
-_OUT, _FARTHER = "Get out: {jog}. Cartesian jogging fails", "Get farther away: {jog}"
-_NO_JOG = {_OUT: f"Get out: {NO_JOG}", _FARTHER: f"Get farther away: {NO_JOG}"}
-"""What to do -> the same where no jog was found."""
-_NO_BETTER = "Get farther away: no small jog of one joint raises σ{r} by 1 %"
-"""The same from a regular configuration."""
-_SLOW, _SLOWEST = "Slow: at most {slowest}", "Slowest straight motion: at most {slowest}"
-_NEARLY = "Nearly lost: {lost}{straight}"
-"""What is nearly lost, and how fast the tool still moves straight."""
-_FAMILY, _PROVEN = "; family from {source}", "{proven}"
-_SUMMARY = {
-    Cause.LOST: ("singular: {name}{pinned}", "Lost: {lost}",
-                 _OUT, _FAMILY),
-    Cause.NEVER: ("singular at every configuration: rank {r} of {m}", "Never possible: {never}",
-                  "Get out: ask for a task with fewer rows (planar, position, …)", _PROVEN),
-    Cause.NEAR_MISS: ("near a singularity that it just misses: σ{r} does not vanish, {miss} is its least nearby",
-                      _NEARLY, _FARTHER, _PROVEN),
-    Cause.DISTANCE: (_NEAR, _NEARLY, _FARTHER, _FAMILY),
-    Cause.SMALL: (_NEAR, _NEARLY, _FARTHER, _FAMILY),
-    Cause.SLOW: (_NEAR, _SLOW, _FARTHER, _PROVEN),
-    Cause.NONE: ("regular: rank {rank} of {r}, no direction of the tool is lost",
-                 _SLOWEST, _FARTHER, _PROVEN),
-}  # fmt: skip
-"""Cause -> what the configuration is, what is lost, what to do, and how sure that is."""
-_REGULAR_BUT_NEVER = "regular: rank {rank} of {r}, no direction is lost in addition to those it never has"
-_SOURCES = {"catalogue": "the catalogue", "analysis": "the analysis given", "on the spot": "singular points around it"}
 
 
 def summary_lines(explanation: Explanation) -> tuple[str, ...]:
@@ -201,9 +202,6 @@ def _next_words(explanation: Explanation) -> str:
         more = f"{advise('analysis', '…')} with a file of analyze finds more"
         return f"Next: none found by {summary.next_searches} searches; {more}."
     return NOT_SEARCHED
-
-
-_COLUMNS, _LINES = 78, 6  # of the answer on a terminal of 80 columns, indented by two
 
 
 def _summary_facts(explanation: Explanation, summary: Summary) -> dict[str, object]:
@@ -341,9 +339,6 @@ def _motion_words(direction: Array) -> str:
     if moves <= least:
         return about
     return f"{along} with {about}"
-
-
-_MIXED = 0.25  # below this share of a direction its smaller part is not named
 
 
 def _axis_words(vector: Iterable[float]) -> str:

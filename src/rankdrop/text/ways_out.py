@@ -33,6 +33,8 @@ SHARE = 0.02
 
 _ANSWER = {True: "yes", False: "no", None: "not known"}
 
+_ORDER = "order p, rate c: σ grows as c·tᵖ; carries out: the screws that the motion takes out of the dependency"
+
 
 def sections_of(out: Escape) -> tuple[Section, ...]:
     """For notebooks: per joint what it does alone, then the best direction and the self-motion."""
@@ -84,9 +86,6 @@ def _out(explanation: Explanation, full: bool) -> Section:
     return Section("How to get out", "one joint alone, best first" if rows else "", (), columns, rows,
                    (0, 5) if full else (0,), tuple(_ways_out(explanation, full, alone=bool(helpful))),
                    (_ORDER,) * bool(rows and full))  # fmt: skip
-
-
-_ORDER = "order p, rate c: σ grows as c·tᵖ; carries out: the screws that the motion takes out of the dependency"
 
 
 def _ways_out(explanation: Explanation, full: bool, *, alone: bool) -> Iterator[str]:

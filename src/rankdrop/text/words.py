@@ -31,6 +31,67 @@ _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _NUMBER = re.compile(r"\d+$")
 _EXPONENT = re.compile(r"e([+-])0*(\d+)$")
 
+_LONGEST_WHOLE = 1e6  # from here on numbers have exponents
+
+MORE_NEAREST = "the motion to each family, σ and the joint values: {}"
+MOTION_TO_IT = "motion to it: {}"
+NEVER_TURNS = "With {} joints this arm can never turn about its tool axis (Z of the tip) on its own"
+"""What an arm of five joints cannot do."""
+CHECKED_POINTING = "It is checked for position and tool axis (task tool-axis-free)"
+"""The task that such an arm is checked for."""
+NEVER_TILTS = "This arm never tilts its tool. It is checked for position and yaw (task scara)"
+"""The limit of an arm of four joints with a level tool, and the task that it is checked for."""
+PLACES_ALONE = "With {0} joints this arm places its tool and cannot choose how it is turned. It is checked for position"
+"""The limit of an arm of two or three joints, and the task that it is checked for."""
+POINTING_HERE = "For position and tool axis ({task}) it is {verdict} here, rank {rank} of {r}"
+"""What the pose alone leaves out."""
+NEVER_HERE = "Never possible here: {motions}; the arm has rank {r} of the {m} rows of this task at best"
+"""What an arm with fewer freedoms than rows cannot do."""
+NO_JOG = "no jog of one or two joints inside the limits was found"
+
+NOT_SEARCHED = "Next: not searched."
+
+_NEARBY = "q is only near a singularity; if it were one"
+_STILL = {
+    "always moves": "every joint motion moves the tool",
+    "definite": "you cannot leave it with the tool held still",
+    "rows": "ways out with the tool held still are not looked for with these rows in this frame",
+    "no tangent": "no way out with the tool held still was found; that is no proof that there is none",
+    "regular": "there is no singularity to leave",
+    "stayed": "no way to leave it with the tool held still was found: every such motion that was traced stays singular "
+    "(no proof)",
+    "stayed so far": "motions with the tool held still that were traced stay singular; there may be others",
+    "too small": "not known whether it can be left with the tool held still: σ_r is too small there",
+    "untraced": "no motion with the tool held still could be traced; that is no proof that there is none",
+}
+_EDGE = {
+    "open": "no direction of the tool is lost",
+    "never whole": "whether the tool is at an edge of its reach is not decided where the arm never makes the whole "
+    "task",
+    "several": "whether the tool is at an edge of its reach is not decided where several directions are lost",
+    "both signs": "the tool is not at an edge of its reach: it can go on to both sides",
+    "one sign": "the tool is at an edge of its reach: it can go back, not on",
+    "flat": "whether the tool is at an edge of its reach is not decided here",
+}
+_LOST_TYPE = {
+    1: "the tool moves along {which} only like the square of the joint motion",
+    2: "the tool moves along {which} only after a motion of the joints that leaves it still",
+}
+
+PROOF: dict[str | int, str] = {
+    "definite": "u · dJ(Δ)Δ is definite over the null motions Δ for a lost direction u: each of them moves the end "
+    "effector",
+    "several": "the test at second order is for one lost direction of a task that the arm can make in full",
+    "both signs": "u · dJ(Δ)Δ takes both signs over the null motions Δ, u the lost direction (near q only)",
+    "one sign": "u · dJ(Δ)Δ has one sign over the null motions Δ, u the lost direction (near q only)",
+    "flat": "u · dJ(Δ)Δ = 0 for every null motion Δ, u the lost direction",
+    1: "u · dJ(Δ)Δ ≠ 0 for some null motion Δ, u the lost direction",
+    2: "u · dJ(Δ)Δ = 0 for every null motion Δ, u the lost direction",
+}
+"""Why a sentence on ways out holds, with the formula: by its reason, or by the type of a lost motion."""
+
+NO_TOLERANT = "No configuration of {} was found that tolerates"
+
 
 def short(value: float, digits: int = 4) -> str:
     """A number with few digits: "0.1134", "2.6e−6", "∞".
@@ -75,9 +136,6 @@ def _rounded_by(whole: Callable[[float], int], value: float, digits: int) -> str
     if 1.0 <= rounded < _LONGEST_WHOLE:
         return short(rounded, max(digits, len(str(round(rounded)))))
     return short(rounded, digits)
-
-
-_LONGEST_WHOLE = 1e6  # from here on numbers have exponents
 
 
 def above_limit(times: float) -> str:
@@ -161,25 +219,6 @@ def motion(value: float, unit: str, digits: int = 3) -> str:
         return "0"
     text = short(degrees(value) if unit == "rad" else value, digits)
     return f"{'' if value < 0 else '+'}{text}{'°' if unit == 'rad' else ' m'}"
-
-
-MORE_NEAREST = "the motion to each family, σ and the joint values: {}"
-MOTION_TO_IT = "motion to it: {}"
-NEVER_TURNS = "With {} joints this arm can never turn about its tool axis (Z of the tip) on its own"
-"""What an arm of five joints cannot do."""
-CHECKED_POINTING = "It is checked for position and tool axis (task tool-axis-free)"
-"""The task that such an arm is checked for."""
-NEVER_TILTS = "This arm never tilts its tool. It is checked for position and yaw (task scara)"
-"""The limit of an arm of four joints with a level tool, and the task that it is checked for."""
-PLACES_ALONE = "With {0} joints this arm places its tool and cannot choose how it is turned. It is checked for position"
-"""The limit of an arm of two or three joints, and the task that it is checked for."""
-POINTING_HERE = "For position and tool axis ({task}) it is {verdict} here, rank {rank} of {r}"
-"""What the pose alone leaves out."""
-NEVER_HERE = "Never possible here: {motions}; the arm has rank {r} of the {m} rows of this task at best"
-"""What an arm with fewer freedoms than rows cannot do."""
-NO_JOG = "no jog of one or two joints inside the limits was found"
-
-NOT_SEARCHED = "Next: not searched."
 
 
 def jog_step(step: float, unit: str) -> str:
@@ -268,34 +307,6 @@ def lost_count(count: int) -> str:
     return f"{count} {plural('direction', count)} of the tool, see below"
 
 
-_NEARBY = "q is only near a singularity; if it were one"
-_STILL = {
-    "always moves": "every joint motion moves the tool",
-    "definite": "you cannot leave it with the tool held still",
-    "rows": "ways out with the tool held still are not looked for with these rows in this frame",
-    "no tangent": "no way out with the tool held still was found; that is no proof that there is none",
-    "regular": "there is no singularity to leave",
-    "stayed": "no way to leave it with the tool held still was found: every such motion that was traced stays singular "
-    "(no proof)",
-    "stayed so far": "motions with the tool held still that were traced stay singular; there may be others",
-    "too small": "not known whether it can be left with the tool held still: σ_r is too small there",
-    "untraced": "no motion with the tool held still could be traced; that is no proof that there is none",
-}
-_EDGE = {
-    "open": "no direction of the tool is lost",
-    "never whole": "whether the tool is at an edge of its reach is not decided where the arm never makes the whole "
-    "task",
-    "several": "whether the tool is at an edge of its reach is not decided where several directions are lost",
-    "both signs": "the tool is not at an edge of its reach: it can go on to both sides",
-    "one sign": "the tool is at an edge of its reach: it can go back, not on",
-    "flat": "whether the tool is at an edge of its reach is not decided here",
-}
-_LOST_TYPE = {
-    1: "the tool moves along {which} only like the square of the joint motion",
-    2: "the tool moves along {which} only after a motion of the joints that leaves it still",
-}
-
-
 def lost_type(kind: int, which: str = "the lost direction") -> str:
     """What the type of a lost motion means.
 
@@ -304,19 +315,6 @@ def lost_type(kind: int, which: str = "the lost direction") -> str:
         which: directions: "each lost direction", "lost directions 1 and 3".
     """
     return _LOST_TYPE[kind].format(which=which)
-
-
-PROOF: dict[str | int, str] = {
-    "definite": "u · dJ(Δ)Δ is definite over the null motions Δ for a lost direction u: each of them moves the end "
-    "effector",
-    "several": "the test at second order is for one lost direction of a task that the arm can make in full",
-    "both signs": "u · dJ(Δ)Δ takes both signs over the null motions Δ, u the lost direction (near q only)",
-    "one sign": "u · dJ(Δ)Δ has one sign over the null motions Δ, u the lost direction (near q only)",
-    "flat": "u · dJ(Δ)Δ = 0 for every null motion Δ, u the lost direction",
-    1: "u · dJ(Δ)Δ ≠ 0 for some null motion Δ, u the lost direction",
-    2: "u · dJ(Δ)Δ = 0 for every null motion Δ, u the lost direction",
-}
-"""Why a sentence on ways out holds, with the formula: by its reason, or by the type of a lost motion."""
 
 
 def avoidable_words(out: Escape) -> str:
@@ -391,9 +389,6 @@ def tolerant_sentence(tolerant: Tolerant) -> str:
         f"{name} tolerates the failure of any single joint: in the best configuration found, {measure} is "
         f"still {short(best.value, 5)} after the worst failure, that of {worst}."
     )
-
-
-NO_TOLERANT = "No configuration of {} was found that tolerates"
 
 
 def tolerant_sections(tolerant: Tolerant) -> Iterator[Section]:

@@ -50,6 +50,9 @@ SAMPLED, TESTED = 10_000, 2_000
 """Random starts for each corank where nothing was derived, and where they test derived families."""
 _TOO_LONG = (NotDerivedKind.TIME, NotDerivedKind.UNDIVIDED, NotDerivedKind.UNFINISHED)
 
+Progress = Callable[[str, int, int], None]
+"""progress(label, done, total), label such as "corank 2: search"."""
+
 
 def derive(
     robot: Robot, task: Task, *, exact: str, seed: int, fresh: bool, progress: Progress | None
@@ -164,10 +167,6 @@ def _not_listed(family: Family, rank: int) -> Contradiction:
     return Contradiction(
         ContradictionKind.NOT_LISTED, family=family.id, called=family.called, corank=family.corank, rank=rank
     )  # fmt: skip
-
-
-Progress = Callable[[str, int, int], None]
-"""progress(label, done, total), label such as "corank 2: search"."""
 
 
 @takes(AnalyzeOptions)

@@ -40,6 +40,58 @@ if TYPE_CHECKING:
 
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
 
+LARGEST_MESSAGE = 2 * 2**20
+"""Bytes of one message of a page; its uploads come in parts of half a megabyte."""
+MOST_CLIENTS = 32
+"""Pages that are connected at one time."""
+LARGEST_UPLOAD = LARGEST_FILE
+"""Bytes of a file that is uploaded, and of all that are under way at one time."""
+_LAST_PORT = 65535
+_LATER = 1013  # the websocket's code for "try again later"
+_TRIES = 100  # ports after the default one
+_starting = threading.Lock()
+
+_LABELS = """<style>label, p:has(> label), .mantine-Notification-description { color: inherit !important; }
+.mantine-Slider-markLabel { color: inherit !important; opacity: 0.8; }
+[role=tab][aria-selected=true] span { color: #00598c !important; }
+[data-mantine-color-scheme=dark] [role=tab][aria-selected=true] span { color: #74c0fc !important; }
+[data-copy] { font: inherit; padding: 0.3em 0.8em; border: 0; border-radius: 2px; background: #495057; color: #fff;
+  cursor: pointer; }
+.mantine-Button-root:not([data-disabled]) .mantine-Button-label { color: #fff; }
+.mantine-Button-root:not([data-disabled]) { background-color: #495057; }</style>
+<script>
+// viser's sliders, number boxes and small buttons have no names: they take the words next to them
+function named() {
+  for (const label of document.querySelectorAll("label[for]")) {
+    let row = label.parentElement;
+    while (row && !row.querySelector("[role=slider], input")) row = row.parentElement;
+    for (const one of row ? row.querySelectorAll("[role=slider], input") : []) {
+      if (!one.getAttribute("aria-label") && !one.labels?.length) one.setAttribute("aria-label", label.textContent);
+    }
+  }
+  for (const one of document.querySelectorAll("button")) {
+    if (one.textContent.trim() || one.getAttribute("aria-label")) continue;
+    one.setAttribute("aria-label", one.closest(".mantine-Notification-root") ? "close the message" : "settings");
+  }
+}
+new MutationObserver(named).observe(document, { childList: true, subtree: true });
+// buttons that copy a text: the clipboard belongs to the page; where it has none, a field is selected and copied
+document.addEventListener("click", async (event) => {
+  const button = event.target.closest?.("[data-copy]");
+  if (!button) return;
+  try {
+    await navigator.clipboard.writeText(button.dataset.copy);
+  } catch {
+    const field = document.body.appendChild(document.createElement("textarea"));
+    field.value = button.dataset.copy;
+    field.select();
+    document.execCommand("copy");
+    field.remove();
+  }
+  button.textContent = "copied";
+});
+</script>"""
+
 
 @dataclass(frozen=True, slots=True)
 class Gate:
@@ -97,18 +149,6 @@ class Gate:
 def new_token() -> str:
     """An unguessable word for a URL (128 bits)."""
     return secrets.token_urlsafe(16)
-
-
-LARGEST_MESSAGE = 2 * 2**20
-"""Bytes of one message of a page; its uploads come in parts of half a megabyte."""
-MOST_CLIENTS = 32
-"""Pages that are connected at one time."""
-LARGEST_UPLOAD = LARGEST_FILE
-"""Bytes of a file that is uploaded, and of all that are under way at one time."""
-_LAST_PORT = 65535
-_LATER = 1013  # the websocket's code for "try again later"
-_TRIES = 100  # ports after the default one
-_starting = threading.Lock()
 
 
 def free_port(host: str, port: int, *, next_one: bool) -> int:
@@ -307,48 +347,6 @@ def _asking(gate: Gate, inner: Any, arrived: Callable[[str], None] | None) -> An
         return response
 
     return process_request
-
-
-_LABELS = """<style>label, p:has(> label), .mantine-Notification-description { color: inherit !important; }
-.mantine-Slider-markLabel { color: inherit !important; opacity: 0.8; }
-[role=tab][aria-selected=true] span { color: #00598c !important; }
-[data-mantine-color-scheme=dark] [role=tab][aria-selected=true] span { color: #74c0fc !important; }
-[data-copy] { font: inherit; padding: 0.3em 0.8em; border: 0; border-radius: 2px; background: #495057; color: #fff;
-  cursor: pointer; }
-.mantine-Button-root:not([data-disabled]) .mantine-Button-label { color: #fff; }
-.mantine-Button-root:not([data-disabled]) { background-color: #495057; }</style>
-<script>
-// viser's sliders, number boxes and small buttons have no names: they take the words next to them
-function named() {
-  for (const label of document.querySelectorAll("label[for]")) {
-    let row = label.parentElement;
-    while (row && !row.querySelector("[role=slider], input")) row = row.parentElement;
-    for (const one of row ? row.querySelectorAll("[role=slider], input") : []) {
-      if (!one.getAttribute("aria-label") && !one.labels?.length) one.setAttribute("aria-label", label.textContent);
-    }
-  }
-  for (const one of document.querySelectorAll("button")) {
-    if (one.textContent.trim() || one.getAttribute("aria-label")) continue;
-    one.setAttribute("aria-label", one.closest(".mantine-Notification-root") ? "close the message" : "settings");
-  }
-}
-new MutationObserver(named).observe(document, { childList: true, subtree: true });
-// buttons that copy a text: the clipboard belongs to the page; where it has none, a field is selected and copied
-document.addEventListener("click", async (event) => {
-  const button = event.target.closest?.("[data-copy]");
-  if (!button) return;
-  try {
-    await navigator.clipboard.writeText(button.dataset.copy);
-  } catch {
-    const field = document.body.appendChild(document.createElement("textarea"));
-    field.value = button.dataset.copy;
-    field.select();
-    document.execCommand("copy");
-    field.remove();
-  }
-  button.textContent = "copied";
-});
-</script>"""
 
 
 def _label(response: Any) -> None:

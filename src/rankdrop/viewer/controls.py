@@ -31,6 +31,11 @@ if TYPE_CHECKING:
 _MARGIN = 1e-6
 _FAR = 0.02  # what is missing from here on is reported [length scales, rad]
 
+STEPS = 12  # of one pull: what a hand moves in a thirtieth of a second takes three
+DAMPING, THRESHOLD = 0.08, 0.12  # λ₀ and ε of `damped_inverse`: no damping away from singularities
+_MOST = 0.25  # of one step, in joints [rad] and lengths per length scale
+_THERE = 1e-6  # what may be missing at the end [length scales, rad]
+
 
 def set_input(handle: Any, value: Any) -> None:
     """Set what an input shows; viser declares it read-only where it declares the type."""
@@ -204,12 +209,6 @@ class Controls:
         low, high = sampling_box(self.robot, self.live.task, limits=True)
         wide = np.where(high - low > 2 * np.pi + _MARGIN, radians(180.0), np.inf)
         return np.random.default_rng().uniform(np.maximum(low, -wide), np.minimum(high, wide))
-
-
-STEPS = 12  # of one pull: what a hand moves in a thirtieth of a second takes three
-DAMPING, THRESHOLD = 0.08, 0.12  # λ₀ and ε of `damped_inverse`: no damping away from singularities
-_MOST = 0.25  # of one step, in joints [rad] and lengths per length scale
-_THERE = 1e-6  # what may be missing at the end [length scales, rad]
 
 
 def pull_towards(robot: Robot, task: Task, q: Array, target: Array) -> tuple[Array, float]:

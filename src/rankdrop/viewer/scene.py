@@ -27,6 +27,13 @@ _HALF = 2.5  # of a joint, in radii of a link
 _AXIS = 0.3 / (_HALF * THIN)  # half the line of an axis, 0.3 of the reach, over half its joint
 _SHORT = 1e-6  # a capsule shorter than this share of the reach is left out
 
+LENGTH = 0.32  # of an arrow, as a share of the size
+_OF_ARM = 0.25  # of an arrow at most, as a share of the diagonal of the arm as it stands
+DASHES = 7  # of a dotted arrow
+HEAD = 0.18  # share of an arrow that is its head
+RINGS = 6  # capsule ends
+AROUND = 20  # capsule sides
+
 
 @dataclass(frozen=True, eq=False)
 class Bar:
@@ -80,14 +87,6 @@ def body_of(robot: Robot) -> Body:
 def carry_points(pose: Array, points: Array) -> Array:
     """(..., 3) points moved by a pose (4, 4)."""
     return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])
-
-
-LENGTH = 0.32  # of an arrow, as a share of the size
-_OF_ARM = 0.25  # of an arrow at most, as a share of the diagonal of the arm as it stands
-DASHES = 7  # of a dotted arrow
-HEAD = 0.18  # share of an arrow that is its head
-RINGS = 6  # capsule ends
-AROUND = 20  # capsule sides
 
 
 @dataclass(frozen=True, eq=False)

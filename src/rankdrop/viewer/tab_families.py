@@ -32,6 +32,15 @@ STEP = radians(5.0)  # of a click [rad; slides in length scales]
 PACE = 0.012  # of a walk, per frame [rad]
 _ON = 1e-6  # so near a family q is on it: walking starts there [rad]
 
+_STOPS = 8
+
+COLOURS = (panel.BLUE, panel.VERMILION, panel.GREEN, panel.PURPLE, panel.ORANGE, panel.SKY)
+"""Of the families, in their order; after the last one the first again."""
+UNKNOWN = "#888888"
+STARTS = {2: 1500, 3: 6000}
+FOLLOWING = 400  # starts while the arm moves
+_NONE = "–"
+
 
 class FamiliesTab:
     """The families of the atlas.
@@ -154,9 +163,6 @@ def _walking(walk: Walk, q: Array | None, joint: int, pace: float) -> Iterator[A
         q = walk.step(q, joint, pace)
 
 
-_STOPS = 8
-
-
 def stops_of(families: tuple[Family, ...]) -> tuple[Family, ...]:
     """The families of a tour: shoulder, elbow and wrist of corank 1 first, then others of corank 1, at most eight."""
     first = [family for family in families if family.corank == 1 and family.named]
@@ -201,14 +207,6 @@ class TourTab:
             f"{self.place + 1} of {len(self.stops)} · {title}", sentence_of(family.lost_freedoms[0])
         ) + panel.message_html(f"The tool {lost_sentence(family.lost_freedoms[0])}.{note and f' {note}'}")
         self.controls.session.go(np.array(family.witness))
-
-
-COLOURS = (panel.BLUE, panel.VERMILION, panel.GREEN, panel.PURPLE, panel.ORANGE, panel.SKY)
-"""Of the families, in their order; after the last one the first again."""
-UNKNOWN = "#888888"
-STARTS = {2: 1500, 3: 6000}
-FOLLOWING = 400  # starts while the arm moves
-_NONE = "–"
 
 
 class SliceTab:

@@ -38,6 +38,14 @@ if TYPE_CHECKING:
 PLOTTED = 600
 """Points of a plot: more than a panel has pixels."""
 
+_SMALLEST = 1e-12  # σ is plotted from here up, its logarithm being shown
+_GREY = "#888888"
+
+ROBOT_FILES = (".urdf", ".toml")
+"""Robot files that are read from the page: those that cannot run a command, as a xacro file can."""
+_MOST_BYTES = 5_000_000
+_MOST_ROWS = 200_000
+
 
 @dataclass(frozen=True, eq=False)
 class Track:
@@ -84,10 +92,6 @@ def plotted_rows(sigma: Array, count: int = PLOTTED) -> NDArray[np.intp]:
     for low, high in pairwise(edges.tolist()):
         keep |= {low, low + int(sigma[low:high].argmin())}
     return np.array(sorted(keep), dtype=np.intp)
-
-
-_SMALLEST = 1e-12  # σ is plotted from here up, its logarithm being shown
-_GREY = "#888888"
 
 
 class PathTab:
@@ -208,12 +212,6 @@ class PathTab:
         if source is self:
             for plot, values in self._plots:
                 plot.data = self._with_mark(values)
-
-
-ROBOT_FILES = (".urdf", ".toml")
-"""Robot files that are read from the page: those that cannot run a command, as a xacro file can."""
-_MOST_BYTES = 5_000_000
-_MOST_ROWS = 200_000
 
 
 def state_text(robot: Robot, q: Array) -> str:

@@ -37,6 +37,10 @@ from rankdrop.units import exponent, in_units, into_units, task_in_units
 
 Matrix = list[list[Polynomial]]
 
+WIDE = 8
+"""Joints for the six rows of a pose beyond which letters, and dependent-screw suppression, take longer than they may:
+the sets of lower rank bind four freedoms and more, of as many conditions in letters."""
+
 
 def identity(ring: Ring) -> Matrix:
     """The pose of a frame in itself."""
@@ -87,11 +91,6 @@ def shift_screw(ring: Ring, screw: list[Polynomial], point: list[Polynomial]) ->
 
 def _cross(ring: Ring, a: list[Polynomial], b: list[Polynomial]) -> list[Polynomial]:
     return [ring.reduce(ring.product(a[i - 2], b[i - 1]) - ring.product(a[i - 1], b[i - 2])) for i in range(3)]
-
-
-WIDE = 8
-"""Joints for the six rows of a pose beyond which letters, and dependent-screw suppression, take longer than they may:
-the sets of lower rank bind four freedoms and more, of as many conditions in letters."""
 
 
 def ring_of(robot: Robot, letters: Iterable[str]) -> Ring:

@@ -39,6 +39,18 @@ DIGITS = 12
 _QUARTERS: tuple[tuple[Number, Number], ...] = ((ONE, ZERO), (ZERO, ONE), (-ONE, ZERO), (ZERO, -ONE))
 """(cos, sin) of whole quarter turns."""
 
+LARGEST = 12
+"""Largest multiplier of a joint that follows another one, in parts of its leader's angle: degrees grow with it."""
+
+MANY = 14
+"""More different lengths than this stay numbers unless letters are asked for."""
+
+ODD = 1
+"""Different twists that are no quarter turns, such as the 60° of a wrist, beyond which lengths stay numbers."""
+
+Place = tuple[int, str]
+"""(index of a section, "a" or "d")."""
+
 
 @dataclass(frozen=True, slots=True)
 class ExactAngle:
@@ -277,10 +289,6 @@ def _check(robot: Robot) -> None:
             )
 
 
-LARGEST = 12
-"""Largest multiplier of a joint that follows another one, in parts of its leader's angle: degrees grow with it."""
-
-
 def _is_whole(multiplier: float) -> bool:
     """Whether cos and sin of a follower's angle are polynomials in those of its leader's, of degree up to `LARGEST`."""
     return abs(multiplier - round(multiplier)) <= _NOISE["angle"] and abs(multiplier) <= LARGEST
@@ -307,16 +315,6 @@ def _lines_and_normals(robot: Robot) -> tuple[list[Line], list[Normal]]:
 def decimals(values: Iterable[float]) -> list[Fraction]:
     """Numbers as rationals of `DIGITS` decimals."""
     return [Fraction(f"{x:.{DIGITS}f}") for x in values]
-
-
-MANY = 14
-"""More different lengths than this stay numbers unless letters are asked for."""
-
-ODD = 1
-"""Different twists that are no quarter turns, such as the 60° of a wrist, beyond which lengths stay numbers."""
-
-Place = tuple[int, str]
-"""(index of a section, "a" or "d")."""
 
 
 def named_lengths(

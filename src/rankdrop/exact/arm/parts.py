@@ -14,6 +14,8 @@ import numpy as np
 from rankdrop.formula.equation import Equation, Term
 from rankdrop.robot.model import Array, Joint, Mimic, Robot
 
+_EDGE = 1e-9  # share of a period by which a value may lie beyond a limit
+
 
 def parts_of(robot: Robot) -> tuple[int, ...]:
     """(n,) b of each variable: its angle is b φ; 1 where it needs no parts, or where no parts help."""
@@ -71,6 +73,3 @@ def values_in_turns(value: float, part: int, lower: float, upper: float) -> list
         return [first]
     low, high = int(np.ceil((lower - first) / period - _EDGE)), int(np.floor((upper - first) / period + _EDGE))
     return [first + period * k for k in range(low, high + 1)] or [first]
-
-
-_EDGE = 1e-9  # share of a period by which a value may lie beyond a limit

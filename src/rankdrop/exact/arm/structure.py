@@ -37,6 +37,18 @@ from rankdrop.units import counted_length
 SMALL = 0.02
 """Lengths up to this share of the reach, and angles up to this [rad], are called small: 12 mm of a 1.2 m arm are."""
 
+Columns = list[list[Polynomial]]
+POSE, POSITION, ORIENTATION = (0, 1, 2, 3, 4, 5), (0, 1, 2), (3, 4, 5)
+KINDS = {
+    "point": (3, 4, 5),
+    "slides": (0, 1, 2),
+    "plane": (0, 1, 5),
+    "plane and slide": (0, 1, 2, 5),
+    "last axis": (5,),
+}
+"""The rows (out of vx vy vz wx wy wz, z along the axis of the link in use) that a group of each kind moves."""
+_WHOLE = ("point", "slides", "plane and slide")  # they part whole poses only
+
 
 @dataclass(frozen=True, slots=True)
 class ExactStructure:
@@ -187,19 +199,6 @@ def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[Deviation]:
         if twist.sin != 0 and angle <= SMALL:
             deviations.append(Deviation("parallel", (i, i + 1), angle))
     return deviations
-
-
-Columns = list[list[Polynomial]]
-POSE, POSITION, ORIENTATION = (0, 1, 2, 3, 4, 5), (0, 1, 2), (3, 4, 5)
-KINDS = {
-    "point": (3, 4, 5),
-    "slides": (0, 1, 2),
-    "plane": (0, 1, 5),
-    "plane and slide": (0, 1, 2, 5),
-    "last axis": (5,),
-}
-"""The rows (out of vx vy vz wx wy wz, z along the axis of the link in use) that a group of each kind moves."""
-_WHOLE = ("point", "slides", "plane and slide")  # they part whole poses only
 
 
 @dataclass(frozen=True, slots=True)

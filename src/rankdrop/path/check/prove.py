@@ -52,6 +52,9 @@ Mask = NDArray[np.bool_]
 ROUNDED = 1e-14
 """Of a joint value per radian of it: what some thirty halvings of a curve leave of its last digits."""
 
+Sliver = tuple[Spot, Spot, bool]
+"""A connected part of a path that is not proven free: start, end; False where the work ended before it was narrow."""
+
 
 @dataclass(frozen=True, eq=False)
 class Enclosed:
@@ -195,10 +198,6 @@ class StretchParts:
         middle = (self.start + self.end) / 2
         start, end = np.stack([self.start, middle], axis=1), np.stack([middle, self.end], axis=1)
         return StretchParts(np.repeat(self.stretch, 2), start.reshape(-1), end.reshape(-1), halves(self.control))
-
-
-Sliver = tuple[Spot, Spot, bool]
-"""A connected part of a path that is not proven free: start, end; False where the work ended before it was narrow."""
 
 
 @dataclass(eq=False)

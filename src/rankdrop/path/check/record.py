@@ -30,6 +30,13 @@ from rankdrop.tolerances import Tolerances
 LEADS = 1e-6
 """A free stretch that comes nearer than this leads to a crossing at one of its ends [rad]."""
 
+Evidence = Literal["covered", "determinant", "condition", "singular throughout", "small sigma", "no enclosure",
+                   "unfinished"]
+"""How the verdict of a stretch is known."""
+Remark = Literal["degrees", "velocities", "jump", "lost", "distances", "no distance", "distance open",
+                 "missed"]  # fmt: skip
+"""What a reader should know besides the verdict; its values follow it in `PathCheck.remarks`."""
+
 
 class Verdict(StrEnum):
     """What is known of a path; of a stretch: free, crossing, touching or undecided. Worst first."""
@@ -45,14 +52,6 @@ class Verdict(StrEnum):
 
 
 CROSSING, TOUCHING, NOT_FOLLOWED, OUTSIDE, TOO_FAST, TOO_NEAR, UNDECIDED, FREE = VERDICTS = tuple(Verdict)
-
-
-Evidence = Literal["covered", "determinant", "condition", "singular throughout", "small sigma", "no enclosure",
-                   "unfinished"]
-"""How the verdict of a stretch is known."""
-Remark = Literal["degrees", "velocities", "jump", "lost", "distances", "no distance", "distance open",
-                 "missed"]  # fmt: skip
-"""What a reader should know besides the verdict; its values follow it in `PathCheck.remarks`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,8 @@ from rankdrop import _core
 from rankdrop.local.orientation import rotation_vector
 from rankdrop.robot.model import Array
 
+_HALF_TURN = 1e-4  # a turn so near to half a turn has two shortest ways [rad]: printed poses are no sharper
+
 
 def poses_between(start: Array, end: Array, share: Array) -> Array:
     """(N, 4, 4) poses at shares (N,) 0 … 1 from pose `start` to pose `end`, each (4, 4).
@@ -15,9 +17,6 @@ def poses_between(start: Array, end: Array, share: Array) -> Array:
     The origin goes straight, the orientation turns about one axis at a constant rate, the shorter way round.
     """
     return poses_at(np.stack([start, end]), share)
-
-
-_HALF_TURN = 1e-4  # a turn so near to half a turn has two shortest ways [rad]: printed poses are no sharper
 
 
 def half_turns(poses: Array) -> tuple[int, ...]:

@@ -182,6 +182,7 @@ class Expansion {
                 return sum;
             };
             Pack share = fill(0.0);
+            RANKDROP_UNROLL
             for (int a = 0; a < r; ++a) {
                 const Pack slope = entry(image_, a);
                 const int e = a * r + j;
@@ -199,6 +200,7 @@ class Expansion {
                 const Pack width = half_[k] * half_[l] * (k == l ? 0.5 : 1.0);
                 const Pack* image = image_ + 6 * beyond * (c + 1);
                 share = fill(0.0);
+                RANKDROP_UNROLL
                 for (int a = 0; a < r; ++a) {
                     const Pack bend = entry(image, a);
                     const int e = a * r + j;

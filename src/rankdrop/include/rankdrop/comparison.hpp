@@ -43,34 +43,44 @@ inline bool regular(const double* sigma, const double* bound, int r) {
 
 namespace rankdrop::RANKDROP_ISA {
 
-// The same of W matrices: `low` (r) are bounds from below on the diagonal, `bound` (r, r) from above beside it.
-inline Mask regular_each(const Pack* low, const Pack* bound, int r) {
-    Pack c[36], lu[36], y[6];
+// The same of W matrices of size r: `low` (r) are bounds from below on the diagonal, `bound` (r, r) from above beside it.
+template <int r>
+inline Mask regular_each(const Pack* low, const Pack* bound) {
+    Pack c[r * r], lu[r * r], y[r];
     const Pack zero = fill(0.0), one = fill(1.0);
     Pack good = one;
     const auto keep = [&](Mask mask) { good = select(mask, good, zero); };
+    RANKDROP_UNROLL
     for (int a = 0; a < r; ++a) {
+        RANKDROP_UNROLL
         for (int b = 0; b < r; ++b) lu[a * r + b] = c[a * r + b] = a == b ? low[a] : -bound[a * r + b];
         y[a] = one;
     }
+    RANKDROP_UNROLL
     for (int p = 0; p < r; ++p) {
         const Mask above = lu[p * r + p] > zero;
         keep(above);
         const Pack inverse = one / select(above, lu[p * r + p], one);
+        RANKDROP_UNROLL
         for (int a = p + 1; a < r; ++a) {
             const Pack times = lu[a * r + p] * inverse;
+            RANKDROP_UNROLL
             for (int b = p + 1; b < r; ++b) lu[a * r + b] = lu[a * r + b] - times * lu[p * r + b];
             y[a] = y[a] - times * y[p];
         }
         lu[p * r + p] = inverse;
     }
+    RANKDROP_UNROLL
     for (int a = r - 1; a >= 0; --a) {
+        RANKDROP_UNROLL
         for (int b = a + 1; b < r; ++b) y[a] = y[a] - lu[a * r + b] * y[b];
         y[a] = y[a] * lu[a * r + a];
         keep((y[a] > zero) & (y[a] < fill(1e300)));
     }
+    RANKDROP_UNROLL
     for (int a = 0; a < r; ++a) {
         Pack sum = zero, size = zero;
+        RANKDROP_UNROLL
         for (int b = 0; b < r; ++b) {
             const Pack part = c[a * r + b] * y[b];
             sum = sum + part, size = size + abs(part);

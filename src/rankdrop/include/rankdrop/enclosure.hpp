@@ -109,16 +109,31 @@ class Enclosure : private Expansion {
     }
 
     Mask free_within(Pack radius, Pack extra) const {
+        switch (r_) {
+            case 1: return free_within<1>(radius, extra);
+            case 2: return free_within<2>(radius, extra);
+            case 3: return free_within<3>(radius, extra);
+            case 4: return free_within<4>(radius, extra);
+            case 5: return free_within<5>(radius, extra);
+            default: return free_within<6>(radius, extra);
+        }
+    }
+
+    template <int r>
+    Mask free_within(Pack radius, Pack extra) const {
         const Pack wide = radius * (1.0 + 1e-12) + extra;
-        Pack low[6], beside[36];
-        for (int a = 0; a < r_; ++a)
-            for (int j = 0; j < r_; ++j) {
-                const int e = a * r_ + j;
+        Pack low[r], beside[r * r];
+        RANKDROP_UNROLL
+        for (int a = 0; a < r; ++a) {
+            RANKDROP_UNROLL
+            for (int j = 0; j < r; ++j) {
+                const int e = a * r + j;
                 const Pack reach = first_[e] * wide;
                 if (a == j) low[a] = beside_[e] - min(linear_[e], reach + along_[e]) - bound_[e];
                 beside[e] = min(linear_[e], reach + abs(along_[e])) + bound_[e];
             }
-        return regular_each(low, beside, r_);
+        }
+        return regular_each<r>(low, beside);
     }
 
     // The variable that contributes most to the bound

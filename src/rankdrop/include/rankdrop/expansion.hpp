@@ -27,6 +27,7 @@ class Expansion {
         left_ = take(36), first_ = take(36), second_ = take(36), third_ = take(6), bound_ = take(36);
         score_ = take(joints_);
         offset_ = take(joints_), linear_ = take(36), along_ = take(36), beside_ = take(36);
+        image_ = take(2 * (joints_ + 1) * (joints_ + 1)), value_ = take(joints_);
     }
 
     static constexpr double kSlack = 1e-12, kFar = 1e-13, kTurned = 1e-15;  // see allow()
@@ -120,24 +121,6 @@ class Expansion {
         }
     }
 
-    // visit(k, dJ(e_k) x) from the ends of the chain towards the link; with the other sign for joints before the link
-    template <class Visit>
-    void walk(const Pack* x, Visit visit) const {
-        Pack sum[6], twist[6];
-        for (int side = 0; side < 2; ++side) {
-            const int from = side ? 0 : joints_ - 1, to = side ? link_ : link_ - 1, step = side ? 1 : -1;
-            for (Pack& c : sum) c = fill(0.0);
-            for (int k = from; k != to; k += step) {
-                if (k != from) {  // the outermost joint carries none
-                    bracket6(mover_ + 6 * k, sum, twist);
-                    visit(k, twist);
-                }
-                const Pack value = x[chain_.joints[k].variable];
-                for (int c = 0; c < 6; ++c) sum[c] = sum[c] + screw_[6 * k + c] * value;
-            }
-        }
-    }
-
     // Coefficients of B: in a box the sums themselves (in bound_), in a ball the norms of g, H and the factor of T. In a box
     // cut by a ball the sums of first order are apart (linear_), with the squared norms of g (first_) and g . offset
     // (along_). Six of six, the common case, has loops of lengths that the compiler knows.
@@ -149,62 +132,89 @@ class Expansion {
         for (int a = 0; a < r_; ++a) weight[a] = fill(1.0) / sqrt(max(ws_.sigma[a], ws_.sigma[0] * fill(1e-6)));
         allow();
         const bool six = r_ == 6 && view_.m == 6;
-        for (int j = 0; j < r_; ++j) {
-            const Pack* x = ws_.v + j * n_;
+        const auto every_joint = [&](auto by_joint) {  // that moves others: the outermost ones move none
+            for (int l = joints_ - 2; l >= link_; --l) by_joint(l, joints_ - 1 - l);
+            for (int l = 1; l < link_; ++l) by_joint(l, l);
+        };
+        every_joint([&](int l, int beyond) {
             if (cut)
-                six ? column<true, true, true>(j, x, weight) : column<true, false, true>(j, x, weight);
+                six ? derive<true, true, true>(l, beyond, weight) : derive<true, false, true>(l, beyond, weight);
             else if (box)
-                six ? column<true, true>(j, x, weight) : column<true, false>(j, x, weight);
+                six ? derive<true, true>(l, beyond, weight) : derive<true, false>(l, beyond, weight);
             else
-                six ? column<false, true>(j, x, weight) : column<false, false>(j, x, weight);
-            third_[j] = remainder(x, box, box ? weight[j] * weight[r_ - 1] : zero);
+                six ? derive<false, true>(l, beyond, weight) : derive<false, false>(l, beyond, weight);
+        });
+        for (int j = 0; j < r_; ++j)
+            third_[j] = remainder(ws_.v + j * n_, box, box ? weight[j] * weight[r_ - 1] : zero);
+    }
+
+    // U1^T [S_l, S_i] of the joints i beyond l, then U1^T [S_k, [S_l, S_i]] of them for each k from l to the link.
+    template <bool SIX>
+    void see_images(int l, int beyond, int inward, int inner) {
+        const int r = SIX ? 6 : r_;
+        const auto see_image = [&](const Pack* twist, Pack* image) {
+            for (int a = 0; a < r; ++a) image[a] = along_row<SIX>(left_ + 6 * a, twist);
+        };
+        for (int b = 0; b < beyond; ++b) {
+            Pack once[6], twice[6];
+            bracket6(mover_ + 6 * l, screw_ + 6 * (l - inward * (b + 1)), once);
+            see_image(once, image_ + 6 * b);
+            for (int c = 0; c < inner; ++c) {
+                bracket6(mover_ + 6 * (l + inward * c), once, twice);
+                see_image(twice, image_ + 6 * (beyond * (c + 1) + b));
+            }
         }
     }
 
-    // Column j of B: first derivatives by every joint l, and second ones by l and k, k from l to the link: [S_k, [S_l, .]].
+    // What joint l adds to B: first derivatives by it, and second ones by it and k, k from l to the link. Entry (a, j) of
+    // U1^T dJ V1 is a sum over the joints beyond l, few of them: brackets are taken of these, not of the columns of V1.
     template <bool BOX, bool SIX, bool CUT = false>
-    void column(int j, const Pack* x, const Pack* weight) {
-        const int r = SIX ? 6 : r_;
-        Pack bound[6], first[6], second[6], linear[6], along[6];
-        for (int a = 0; a < r; ++a) bound[a] = first[a] = second[a] = linear[a] = along[a] = fill(0.0);
-        walk(x, [&](int l, const Pack* twist) {
-            const int side = l < link_;
-            const Pack offset = side ? -offset_[l] : offset_[l];
+    void derive(int l, int beyond, const Pack* weight) {
+        const int r = SIX ? 6 : r_, side = l < link_, inward = side ? 1 : -1, inner = side ? link_ - l : l - link_ + 1;
+        see_images<SIX>(l, beyond, inward, inner);
+        const Pack offset = side ? -offset_[l] : offset_[l];
+        for (int j = 0; j < r; ++j) {
+            for (int b = 0; b < beyond; ++b)
+                value_[b] = ws_.v[j * n_ + chain_.joints[l - inward * (b + 1)].variable];
+            const auto entry = [&](const Pack* image, int a) {
+                Pack sum = image[a] * value_[0];
+                for (int b = 1; b < beyond; ++b) sum = sum + image[6 * b + a] * value_[b];
+                return sum;
+            };
             Pack share = fill(0.0);
+            RANKDROP_UNROLL
             for (int a = 0; a < r; ++a) {
-                const Pack slope = along_row<SIX>(left_ + 6 * a, twist);
+                const Pack slope = entry(image_, a);
+                const int e = a * r + j;
                 if constexpr (BOX) {
                     const Pack part = abs(slope) * half_[l];
-                    (CUT ? linear : bound)[a] = (CUT ? linear : bound)[a] + part;
+                    (CUT ? linear_ : bound_)[e] = (CUT ? linear_ : bound_)[e] + part;
                     share = share + part * weight[a];
                 }
-                if constexpr (!BOX || CUT) first[a] = first[a] + slope * slope;
-                if constexpr (CUT) along[a] = along[a] + slope * offset;
+                if constexpr (!BOX || CUT) first_[e] = first_[e] + slope * slope;
+                if constexpr (CUT) along_[e] = along_[e] + slope * offset;
             }
             score_[l] = score_[l] + share * weight[j];
-            const int to = side ? link_ : link_ - 1, step = side ? 1 : -1;
-            Pack twice[6];
-            for (int k = l; k != to; k += step) {
-                bracket6(mover_ + 6 * k, twist, twice);
+            for (int c = 0; c < inner; ++c) {
+                const int k = l + inward * c;
                 const Pack width = half_[k] * half_[l] * (k == l ? 0.5 : 1.0);
+                const Pack* image = image_ + 6 * beyond * (c + 1);
                 share = fill(0.0);
+                RANKDROP_UNROLL
                 for (int a = 0; a < r; ++a) {
-                    const Pack bend = along_row<SIX>(left_ + 6 * a, twice);
+                    const Pack bend = entry(image, a);
+                    const int e = a * r + j;
                     if constexpr (BOX) {
                         const Pack part = abs(bend) * width;
-                        bound[a] = bound[a] + part;
+                        bound_[e] = bound_[e] + part;
                         share = share + part * weight[a];
                     } else {
-                        second[a] = second[a] + bend * bend * (k == l ? 1.0 : 2.0);
+                        second_[e] = second_[e] + bend * bend * (k == l ? 1.0 : 2.0);
                     }
                 }
                 score_[l] = score_[l] + share * weight[j];
                 if (k != l) score_[k] = score_[k] + share * weight[j];
             }
-        });
-        for (int a = 0; a < r; ++a) {
-            bound_[a * r + j] = bound[a], first_[a * r + j] = first[a], second_[a * r + j] = second[a];
-            linear_[a * r + j] = linear[a], along_[a * r + j] = along[a];
         }
     }
 
@@ -243,7 +253,7 @@ class Expansion {
     const double slides_, turns_;          // 1 where the view has translation rows, rotation rows
     Workspace ws_;
     Pack *q_, *screw_, *mover_, *arm_, *half_, *left_, *first_, *second_, *third_, *bound_, *score_;
-    Pack *offset_, *linear_, *along_, *beside_;
+    Pack *offset_, *linear_, *along_, *beside_, *image_, *value_;
     Pack slack_;
 };
 

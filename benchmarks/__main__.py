@@ -37,7 +37,7 @@ GROUPS = {
     "commands": ("commands", "earlier", "explain", "directions", "viewer", "sweep"),
     "growth": ("growth",),
     "advice": ("jog", "names"),
-    "programs": ("tool_lines", "through", "branches", "mended", "deviation"),
+    "programs": ("tool_lines", "through", "branches", "mended", "deviation", "detours"),
     "aspects": ("aspects",),
 }
 """The scripts of each group: linear algebra of the Jacobian, singular configurations, exact conditions, what is

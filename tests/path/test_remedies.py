@@ -355,22 +355,44 @@ def test_what_a_bump_avoids_needs_no_detour() -> None:
     assert (best.how, len(best.changes)) == (("detour", 1), 2)
 
 
-@pytest.mark.parametrize(("bound", "bumps", "failed", "unfree", "chosen"), [
-    (0.1, 1, 1, (1, 1), 0), (0.1, 1, 1, (2, 1), 1), (0.1, 1, 1, (2, 2), 1), (0.1, 1, 2, (2, 2), 0),
-    (0.0, 1, 1, (1, 1), None), (0.1, 0, 1, (1, 1), None), (0.1, 1, 0, (1, 1), None),
+@pytest.mark.parametrize(("bound", "bumps", "far", "failed", "unfree", "chosen"), [
+    (0.1, 1, 0, 1, (1, 1), 0), (0.1, 1, 0, 1, (2, 1), 1), (0.1, 1, 0, 1, (2, 2), 1), (0.1, 1, 0, 2, (2, 2), 0),
+    (0.0, 1, 0, 1, (1, 1), None), (0.1, 0, 0, 1, (1, 1), None), (0.1, 1, 0, 0, (1, 1), None),
+    (0.1, 1, 1, 0, (1, 1), 0), (0.1, 1, 1, 1, (2, 2), 0), (0.1, 0, 2, 0, (1, 1), None),
 ])  # fmt: skip
 def test_bumps_beside_detours_leave_no_singularity_but_those_without_a_bump(
-    bound: float, bumps: int, failed: int, unfree: tuple[int, int], chosen: int | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Of two proposals, which leave so many stretches that are not free, the first that does; else the last."""
+    bound: float, bumps: int, far: int, failed: int, unfree: tuple[int, int], chosen: int | None,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Of two proposals, which leave so many stretches that are not free, the first that does; else the last. A bump
+    that takes the tool farther off than a detour may counts as none.
+    """
     checks = [SimpleNamespace(stretches=[SimpleNamespace(verdict="crossing")] * count) for count in unfree]
     proposals = [SimpleNamespace(made=check, number=k) for k, check in enumerate(checks)]
-    without = SimpleNamespace(core=SimpleNamespace(stretches=(None,)))
-    monkeypatch.setattr(remedies, "_bump_proposals", lambda *given: iter(proposals))
-    left = [None] * bumps, [without] * failed
+    core = SimpleNamespace(stretches=(None,))
+    put_in: list[object] = []
+    monkeypatch.setattr(remedies, "_bump_proposals", lambda bumper, near, room: put_in.extend(near) or iter(proposals))
+    near_bumps = [SimpleNamespace(core=core, off=0.02)] * bumps
+    left = near_bumps + [SimpleNamespace(core=core, off=0.04)] * far, [SimpleNamespace(core=core)] * failed
     mender = SimpleNamespace(_bumps=lambda *given: left, _check_changed=lambda changed: changed)
-    found = remedies._Mender._bumps_beside(mender, SimpleNamespace(bound=bound), CLEARANCE)
+    bumper = SimpleNamespace(bound=bound, size=lambda off: off)
+    found = remedies._Mender._bumps_beside(mender, bumper, CLEARANCE, 0.03)
     assert found == (None if chosen is None else (proposals[chosen], checks[chosen]))
+    assert put_in == ([] if chosen is None else near_bumps)
+
+
+@pytest.mark.slow
+def test_where_a_bump_takes_the_tool_far_off_a_detour_goes_first() -> None:
+    """An elbow that is folded 9° beyond its edge of reach, and comes back: on its side the tool would be far off."""
+    t = np.linspace(0.0, 3.0, 120)
+    q = np.radians([-137.0, -86.0, 60.0, 200.0, 139.0, 119.0, 153.0]) + 0.1 * t[:, None]
+    q[:, 3] = np.radians(188.0 - 17.0 * np.sin(np.pi * t / 3.0))
+    found = mend_path(rankdrop.check_path(open_robot("pa10"), q, t), kinds=LOCAL)
+    first, second = found.remedies
+    assert (first.kind, second.kind, first.check.verdict, second.check.verdict) == ("detour", "bump", "free", "free")
+    assert first.deviation[0] < 1e-3 < 0.03 < second.deviation[0]
+    np.testing.assert_array_equal(first.trajectory.q[0], q[0])
+    np.testing.assert_array_equal(second.trajectory.q[[0, -1]], q[[0, -1]])
 
 
 @pytest.mark.by_hand_at("cubic")

@@ -297,7 +297,7 @@ class Bumper:
                 continue
             off = self._off(q, self._move_joints(q, height * way, null=null))
             alone = np.count_nonzero(way) == 1
-            bumps.append((self._size(off), not alone, Bump(core, way, height, null, off=off)))
+            bumps.append((self.size(off), not alone, Bump(core, way, height, null, off=off)))
         if not bumps:
             return NoBump(core, Obstacle.HEIGHT, min(too_high, default=np.nan))
         least = min(size for size, _, _ in bumps)
@@ -308,13 +308,13 @@ class Bumper:
         """A bump with the tool brought back to its path, led aside along the lost direction by the
         least that leaves room; the bump itself where that is no better.
         """
-        size = self._size(bump.off)
+        size = self.size(bump.off)
         if size <= ON_PATH or self.aim is None or self.path.degree != 1:
             return bump
         crossing = self.configurations(np.array([bump.core.stretches[0].closest.place.position - 1.0]))[0]
         for motion in lost_motions(self.aim, self.tool.rank, crossing):
             led = self._lead_along(bump, motion, size, clearance)
-            if led is not None and self._size(led.off) < size:
+            if led is not None and self.size(led.off) < size:
                 return led
         return bump
 
@@ -348,7 +348,7 @@ class Bumper:
             too_small, size = size, _GROWING * size
         return None
 
-    def _size(self, off: tuple[float, float]) -> float:
+    def size(self, off: tuple[float, float]) -> float:
         """A deviation as one number: lengths divided by the length scale."""
         return off[0] / self.check.length_scale + off[1]
 

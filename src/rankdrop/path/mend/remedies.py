@@ -305,7 +305,8 @@ def mend_path(
     null-space    the same tool path by other joint motion of a redundant arm, from the same start where there is one
     flip          the same tool path on another branch of the inverse kinematics
     bump          the joints moved aside around each singularity, within `bump`, and the rest of the path as it is
-    detour        where the joints go to the other side of a singularity: the tool led around it, within `detour`
+    detour        where the joints go to the other side of a singularity, or a bump takes the tool farther off its path
+                  than `detour`: the tool led around it, within `detour`
     blend         a corner cut, where the path meets the singularity around it, within `blend`
     tool tilt     the tool held tilted, within `tool_tilt`
     base shift    the base moved, within `base_shift`
@@ -478,22 +479,28 @@ class _Mender:
         if BUMP in self.kinds and most.bump > 0.0:
             result = self._bump(bumper, clearance)
             yield result
-            if isinstance(result, Remedy):
+            if isinstance(result, Remedy) and bumper.size(result.deviation) <= most.detour:
                 return
         if DETOUR in self.kinds and most.detour > 0.0 and local.poses is None:
-            yield self._detour(bumper, self._bumps_beside(bumper, clearance), most.detour, clearance)
+            yield self._detour(bumper, self._bumps_beside(bumper, clearance, most.detour), most.detour, clearance)
 
-    def _bumps_beside(self, bumper: Bumper, clearance: float) -> tuple[Proposal, PathCheck] | None:
-        """A path that needs detours besides its bumps, with them: some part of it has none. None without bumps.
+    def _bumps_beside(
+        self, bumper: Bumper, clearance: float, farthest: float
+    ) -> tuple[Proposal, PathCheck] | None:
+        """A path that needs detours besides its bumps, with them: some part of it has none, or one that takes the tool
+        farther off its path than a detour may. None without bumps.
 
         Bumps that bring the tool back are taken where only the singularities without a bump are left after them.
         """
         if bumper.bound <= 0.0:
             return None
-        bumps, failed = self._bumps(bumper, clearance)
-        if not bumps or not failed:
+        found, failed = self._bumps(bumper, clearance)
+        bumps = [bump for bump in found if bumper.size(bump.off) <= farthest]
+        led_around = [result.core for result in failed]
+        led_around += [bump.core for bump in found if bumper.size(bump.off) > farthest]
+        if not bumps or not led_around:
             return None
-        most = sum(len(failure.core.stretches) for failure in failed)
+        most = sum(len(core.stretches) for core in led_around)
         for proposal in _bump_proposals(bumper, bumps, clearance):
             check = self._check_changed(proposal.made)
             if sum(stretch.verdict != FREE for stretch in check.stretches) <= most:

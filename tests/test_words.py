@@ -91,8 +91,8 @@ def cuts(tree: ast.AST) -> Iterator[str]:
 
 
 FOREIGN = {
-    **dict.fromkeys(("cli/command.py", "cli/main.py", "cli/opening.py", "cli/targets.py", "cli/values.py"),
-                    "options as they were typed"),
+    **dict.fromkeys(("cli/command.py", "cli/main.py", "cli/opening.py", "cli/targets.py", "cli/values.py",
+                     "robot/joint_text.py"), "options as they were typed"),
     "cli/help.py": "docstrings for help", "cli/path.py": "keys", "cli/research.py": "names of files",
     "cli/view.py": "addresses of hosts",
     "codec.py": "messages of msgspec, docstrings, JSON", "options.py": "names of arguments",

@@ -137,6 +137,7 @@ WORDS: dict[str, tuple[str, Callable[[int], str]]] = {
     "numbers": ("", lambda size: repeated("0,", size)),
     "brackets": ("", lambda size: repeated("(", size)),
     "factorials": ("", lambda size: repeated("10!", size)),
+    "fields of a message": ("", lambda size: repeated("name: [a]\n", size, tail="position: [1]")),
 }
 POSES: dict[str, tuple[str, Callable[[int], str]]] = {
     "blanks": ("", lambda size: repeated(" ", size, "1", "x")),

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 _MOST_TURN = 4 * pi  # of a roll, pitch or yaw that is meant in rad
 _WHOLE_TO = 1e-9  # of a typed angle [deg]
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
-_AS_TYPED = str.maketrans({"−": "-", "–": "-", "π": "pi", "{": " ", "}": " "})  # as copied from what is printed
+_SIGNS = str.maketrans({"−": "-", "–": "-", "π": "pi"})  # as copied from what is printed
+_AS_TYPED = _SIGNS | str.maketrans("{}", "  ")
 
 Q = Annotated[str, Parameter(
     help="One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.",
@@ -58,22 +59,26 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
 
     Numbers are separated by commas, semicolons or blanks; each is arithmetic with pi and sqrt, and may carry a unit
     (deg, rad, m, mm …). A number without a unit is in rad, or in degrees with `deg`; slides are in m. The signs − and
-    π are understood: what was printed can be pasted, and so can "{A1 0, A2 −90, …}" of a program, in the order of the
-    joints, by their names or by letters and number.
+    π are understood: what was printed can be pasted, and so can a list with what code, a message of ROS or a program
+    has around it (`robot.joint_text`), {A1 0, A2 −90, …} by names or by letters and number.
 
     Raises:
         ConfigurationError: not one number for each joint, or a word that is no number.
     """
     joints = robot.variables
-    words = _values_by_name(text, [joint.name for joint in joints]) or split_values(text)
+    names = [joint.name for joint in joints]
+    pasted = arms.joints_of_text(text.translate(_SIGNS), names, where=option)
+    words = list(pasted.words) or _values_by_name(pasted.text, names) or split_values(pasted.text)
     if len(words) != len(joints):
         raise ConfigurationError(
             f"{len(joints)} joint values are needed", where=option, got=f"{len(words)} in {text!r}",
             allowed=joint_units(robot, deg=deg),
             mend=_decimal_comma_fix(text, len(joints)) or f'write them as {option}="0,0.5,…"',
         )  # fmt: skip
+    if pasted.degrees and not deg:
+        say(f"note: {option}: angles of this form are in degrees")
     values = [
-        value_of(word, joint.unit, f"{option}, joint {joint.name}", deg=deg)
+        value_of(word, joint.unit, f"{option}, joint {joint.name}", deg=deg or pasted.degrees)
         for word, joint in zip(words, joints, strict=True)
     ]
     typed = [degrees(abs(x)) for x, joint in zip(values, joints, strict=True) if joint.unit == "rad"]

@@ -43,6 +43,24 @@ nb::object enclose(const Chain& chain, const View& view, const In2& q, const std
     return nb::make_tuple(free.give(), radius.give(), bound.give(), sigma.give(), u.give(), v.give(), arm.give());
 }
 
+// The largest ball around q that one enclosure proves, seen in several ways: which of them, the first of equals, and radius.
+nb::object largest_ball(const Chain& chain, const std::vector<const View*>& views,
+                        const std::vector<const EnclosureSettings*>& settings, const In1& q) {
+    if (views.size() != settings.size() || views.empty()) throw nb::value_error("one view for each of the settings");
+    if (q.shape(0) != static_cast<std::size_t>(chain.variables)) throw nb::value_error("one number for each variable");
+    for (std::size_t k = 0; k < views.size(); ++k) fit(chain, *views[k], *settings[k]);
+    std::size_t best = 0;
+    double largest = 0.0;
+    for (std::size_t k = 0; k < views.size(); ++k) {
+        double radius = 0.0;
+        EnclosureOutput out;
+        out.radius = &radius, out.above = largest;
+        kernels(1).enclose(chain, *views[k], *settings[k], q.data(), nullptr, 0, 1, out);
+        if (radius > largest) best = k, largest = radius;
+    }
+    return nb::make_tuple(best, largest);
+}
+
 nb::object array_of(const std::vector<double>& values, std::size_t columns) {
     Result<double> out({values.size() / columns, columns});
     std::copy(values.begin(), values.end(), out.data());
@@ -77,6 +95,7 @@ void bind_certify(nb::module_& module) {
              nb::arg("repeats"), nb::arg("scale"), nb::arg("arm"));
     module.def("enclose", &enclose, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("half").none(),
                nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
+    module.def("largest_ball", &largest_ball, nb::arg("chain"), nb::arg("views"), nb::arg("settings"), nb::arg("q"));
     module.def("ball", &ball, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("matters"), nb::arg("settings"),
                nb::kw_only(), nb::arg("inner"), nb::arg("enough"), nb::arg("smallest"), nb::arg("budget"), nb::arg("keep"));
 }

@@ -224,6 +224,9 @@ class EnclosureSettings:
 def enclose(
     chain: Chain, view: View, q: _A, half: _A | None, settings: EnclosureSettings, *, threads: int = 0
 ) -> tuple[NDArray[np.int8], _A, _A, _A, _A, _A, _A]: ...
+def largest_ball(
+    chain: Chain, views: list[View], settings: list[EnclosureSettings], q: _A
+) -> tuple[int, float]: ...
 def series(screws: _A, rates: _A, axes: int, origin: int, order: int) -> _A: ...
 def ball(
     chain: Chain,

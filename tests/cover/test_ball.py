@@ -7,6 +7,7 @@ import pytest
 from reference import near, region
 from reference.near import cloud, distances, nearest
 
+from rankdrop import _core
 from rankdrop.cover.ball import LARGEST, certified_radius, proven_free
 from rankdrop.cover.setting import enclose, settings_for
 from rankdrop.errors import OptionError
@@ -274,3 +275,17 @@ def test_near_points_are_where_they_should_be():
     found = np.array([nearest(robot, task, row, points, setting.scale, setting.matters) for row in q])
     assert (found > pa10_distance(q) - 1e-6).all()  # σ = 0 to 1e-12 is θ to a millionth where two lines cross
     assert np.median(found / pa10_distance(q)) < 1.05
+
+
+@pytest.mark.parametrize("name", ["puma560", "pa10", "gen3", "mimics", "almarkhi4"])
+def test_the_largest_ball_of_all_settings_is_that_of_each_measured_alone(name):
+    robot = an_arm(name)
+    task = resolve_task(None, robot)
+    settings = settings_for(robot, task)
+    views, told = [x.view(robot) for x in settings], [x.core_settings(LARGEST) for x in settings]
+    best = set()
+    for q in np.random.default_rng(8).uniform(-np.pi, np.pi, (20, robot.n)):
+        radii = [float(enclose(robot, setting, q[None], radius=LARGEST)[1][0]) for setting in settings]
+        assert _core.largest_ball(settings[0].chain(robot), views, told, q) == (int(np.argmax(radii)), max(radii))
+        best.add(int(np.argmax(radii)))
+    assert len(best) > 1 or len(settings) < 3

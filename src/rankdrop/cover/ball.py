@@ -90,9 +90,10 @@ class Certificate:
 
 
 @once
-def _views(robot: Robot, task: Task) -> tuple[tuple[_core.View, _core.EnclosureSettings], ...]:
+def _views(robot: Robot, task: Task) -> tuple[list[_core.View], list[_core.EnclosureSettings]]:
     """What the core gets of each setting."""
-    return tuple((setting.view(robot), setting.core_settings(LARGEST)) for setting in settings_for(robot, task))
+    settings = settings_for(robot, task)
+    return [setting.view(robot) for setting in settings], [setting.core_settings(LARGEST) for setting in settings]
 
 
 def certified_radius(
@@ -138,12 +139,8 @@ def certified_radius(
     whole_number("evaluations", evaluations, 0, MOST_EVALUATIONS)
     resolved = resolve_task(task, robot)
     settings = settings_for(robot, resolved)
-    chain, row = settings[0].chain(robot), centre[None, :]
-    singles = [
-        float(_core.enclose(chain, view, row, None, told, threads=1)[1][0]) for view, told in _views(robot, resolved)
-    ]
-    best = int(np.argmax(singles))
-    setting, single = settings[best], min(singles[best], at_most)
+    best, largest = _core.largest_ball(settings[0].chain(robot), *_views(robot, resolved), centre)
+    setting, single = settings[best], min(largest, at_most)
     if single < at_most:
         single *= 1.0 - _MARGIN
     radius, used, complete = single, len(settings), True
@@ -169,10 +166,9 @@ def proven_free(robot: Robot, q: ArrayLike, task: Task, radius: float, evaluatio
     if not 0.0 < radius <= LARGEST:
         return False
     centre = one_configuration(robot, q)
-    settings, views = settings_for(robot, task), _views(robot, task)
+    settings, (views, told) = settings_for(robot, task), _views(robot, task)
     middle = len(settings) // 2
-    view, told = views[middle]
-    single = float(_core.enclose(settings[middle].chain(robot), view, centre[None, :], None, told, threads=1)[1][0])
+    _, single = _core.largest_ball(settings[middle].chain(robot), [views[middle]], [told[middle]], centre)
     if single * (1.0 - _MARGIN) >= radius:
         return True
     single *= 1.0 - _MARGIN

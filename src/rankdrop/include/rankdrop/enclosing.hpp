@@ -23,6 +23,7 @@ struct EnclosureOutput {
     std::int8_t* free = nullptr;    // 1: the rank does not fall below `rank` in the box
     std::int32_t* split = nullptr;  // the variable that contributes most
     double* radius = nullptr;
+    double above = 0.0;             // balls that are not larger are not measured: their radius is 0
     double* bound = nullptr;        // (rows, r, r)
     double* sigma = nullptr;        // (rows, r)
     double* u = nullptr;            // (rows, m, r)

@@ -181,7 +181,7 @@ class Enclosure : private Expansion {
                 return regular(sigma, bound, r_);
             };
             double low = 0.0, high = set_.radius;
-            if (!at(0.0)) high = 0.0;
+            if (!at(0.0) || (out.above > 0.0 && !at(out.above))) high = 0.0;
             if (high > 0.0 && at(high)) low = high;
             for (int step = 0; step < 40 && low < high * (1.0 - 1e-9); ++step) {
                 const double middle = 0.5 * (low + high);

@@ -47,7 +47,7 @@ from rankdrop.local.rates import rate_limits
 from rankdrop.path.check.check import check_path
 from rankdrop.path.check.record import FREE, PathCheck
 from rankdrop.path.check.tool_path import check_poses
-from rankdrop.path.mend.remedies import mend_path
+from rankdrop.path.mend.remedies import LOCAL, mend_path
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -438,7 +438,9 @@ def one(name: str, kind: str, rows: int, starts: int, seed: tuple[int, ...]) -> 
     if not is_crossing(made, check):
         return None
     begin = time.process_time()
-    mending = mend_path(check)
+    mending = mend_path(check, kinds=LOCAL)
+    if mending.best is None:
+        mending = mend_path(check)
     remedy = mending.best
     spent = checked + time.process_time() - begin
     row: measure.Row = {

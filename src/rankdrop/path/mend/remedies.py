@@ -28,7 +28,7 @@ from rankdrop.path.check.check import check_path
 from rankdrop.path.check.record import FREE, UNDECIDED, PathCheck, Stretch
 from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve
-from rankdrop.path.mend.bumps import CLEARANCE, ON_PATH, SPARE, Bump, Bumper, NoBump, Obstacle
+from rankdrop.path.mend.bumps import CLEARANCE, ON_PATH, SPARE, Bump, Bumper, Core, NoBump, Obstacle
 from rankdrop.path.mend.candidates import (
     Candidate,
     JointToolPath,
@@ -496,8 +496,7 @@ class _Mender:
             return None
         found, failed = self._bumps(bumper, clearance)
         bumps = [bump for bump in found if bumper.size(bump.off) <= farthest]
-        led_around = [result.core for result in failed]
-        led_around += [bump.core for bump in found if bumper.size(bump.off) > farthest]
+        led_around = _without(bumps, found, failed)
         if not bumps or not led_around:
             return None
         most = sum(len(core.stretches) for core in led_around)
@@ -658,6 +657,12 @@ class _Mender:
         if not check.complete:
             raise KeyboardInterrupt
         return check
+
+
+def _without(bumps: list[Bump], found: list[Bump], failed: list[NoBump]) -> list[Core]:
+    """Parts of a path that have none of the bumps that are taken."""
+    left_out = [bump.core for bump in found if bump not in bumps]
+    return [failure.core for failure in failed] + left_out
 
 
 def _bump_proposals(bumper: Bumper, bumps: list[Bump], clearance: float) -> Iterator[Proposal]:

@@ -35,6 +35,8 @@ ASSIGNED_ONE = 5
 """Files that assign the name `one`, which says nothing of what it is: a family, a row, a stretch."""
 EMPTY_NAMES, EMPTY = frozenset({"own", "made", "told", "some", "again", "here"}), 175
 """Further names that say nothing, and how often one of them is assigned or is the name of a parameter."""
+LATE_CONSTANTS = 192
+"""Constants after a definition of their module; most are tables of files that need a function before them."""
 TWO_THINGS = 8
 """Names of classes that two modules give to different things, an underscore in front or not."""
 
@@ -113,6 +115,21 @@ def is_empty_name(node: ast.AST) -> bool:
 
 def test_names_that_say_nothing_get_rarer() -> None:
     assert sum(is_empty_name(node) for path in FILES for node in nodes(path)) <= EMPTY
+
+
+def late_constants(tree: ast.Module) -> int:
+    """How many names a module is given values for, statement by statement, after its first function or class."""
+    defined = [isinstance(node, Function | ast.ClassDef) for node in tree.body]
+    first = defined.index(True) if any(defined) else len(defined)
+    return sum(isinstance(node, ast.Assign | ast.AnnAssign) for node in tree.body[first:])
+
+
+def test_constants_stand_at_the_top() -> None:
+    assert sum(late_constants(ast.parse(path.read_text(encoding="utf-8"))) for path in FILES) <= LATE_CONSTANTS
+
+
+def test_a_constant_after_a_definition_is_counted() -> None:
+    assert late_constants(ast.parse("A = 1\ndef f(): pass\nB = 2\nclass C: pass\nD: int = 3")) == 2
 
 
 def test_a_name_of_a_class_stands_for_one_thing() -> None:

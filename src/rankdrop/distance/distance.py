@@ -55,6 +55,22 @@ _NEIGHBOURS = np.arange(-2, 3)[:, None]  # whole turns from the nearest that a j
 
 _Draw = tuple[Array, list[NDArray[np.int64]]]
 
+_BATCH = 512  # configurations whose points are tested together
+_LOST = 1e-6  # σ at a foot: equations hold there to 1e-9, where a family has a fold the place to 3e-7 [1]
+_TIE = 1e-9  # families at the same distance, to rounding [rad]
+_CLEARLY = 0.99  # a share of the distance from a family
+_LONG = 100  # terms of a family's equations beyond which walking on the singular set itself is quicker
+_BELOW = 1 - 1e-9  # of a proven radius: what bisection and rounding leave open
+_SWEEPS = 3  # rounds in which the feet of neighbours are tried
+SET_CLOUD = 1500
+"""Starts of the search for points that walks begin at."""
+THOROUGH, QUICK = (24, 24), (6, 6)
+"""Points of the cloud and of the ball that walks of one configuration begin at."""
+_LM_ITERATIONS, _EVALUATIONS = 40, 100
+_FAR = 1e3  # radius of the circle that slides are laid on [length scales]
+
+Index = NDArray[np.int64]
+
 
 @lru_cache(maxsize=64)
 def _draws(seed: int, moves: tuple[bool, ...], values: tuple[int, ...]) -> tuple[_Draw, _Draw]:
@@ -315,21 +331,6 @@ def _pinned_feet(pinned: Sequence[Pin], robot: Robot, q: Array, box: Array) -> A
     return np.asarray(feet)
 
 
-_BATCH = 512  # configurations whose points are tested together
-_LOST = 1e-6  # σ at a foot: equations hold there to 1e-9, where a family has a fold the place to 3e-7 [1]
-_TIE = 1e-9  # families at the same distance, to rounding [rad]
-_CLEARLY = 0.99  # a share of the distance from a family
-_LONG = 100  # terms of a family's equations beyond which walking on the singular set itself is quicker
-_BELOW = 1 - 1e-9  # of a proven radius: what bisection and rounding leave open
-_SWEEPS = 3  # rounds in which the feet of neighbours are tried
-SET_CLOUD = 1500
-"""Starts of the search for points that walks begin at."""
-THOROUGH, QUICK = (24, 24), (6, 6)
-"""Points of the cloud and of the ball that walks of one configuration begin at."""
-_LM_ITERATIONS, _EVALUATIONS = 40, 100
-_FAR = 1e3  # radius of the circle that slides are laid on [length scales]
-
-
 class SetDistance:
     """Nearest points of the set of corank 1, whatever family they are of.
 
@@ -461,9 +462,6 @@ class SetDistance:
         x = q[:, sliding] / self.scale[sliding]
         size = np.sqrt(np.maximum(_FAR**2 - x**2, 0.0))  # on a circle too, so wide that it is straight
         return np.concatenate([np.cos(q[:, turning]), np.sin(q[:, turning]), x, size], axis=1)
-
-
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

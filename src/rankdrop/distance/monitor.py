@@ -35,6 +35,24 @@ _Seen = tuple[Array, int, int, int, int, float, float, float, float, float, floa
 
 START, STOP = 0.2, 0.02  # distances at which motion towards a family is slowed, and stopped [rad]
 
+Value = int | float | str | list[int] | list[float] | list[str]
+
+FORMAT = 3
+"""`RANKDROP_ARM_FORMAT` of `src/rankdrop/include/rankdrop/monitor.h`."""
+_LONG = 110  # characters of a line
+
+_WORDS = "const char* const"
+_TYPES = {
+    **dict.fromkeys(("variable_names", "ids", "names"), _WORDS),
+    **dict.fromkeys(
+        ("turns", "variable", "row", "number", "corank", "first_turn", "turning", "angle", "powers", "first_term",
+         "coupled", "first_equation", "first_pin", "pinned", "first_value", "periodic", "bound_row", "bound_link"),
+        "int",
+    ),
+}  # fmt: skip
+
+_LETTERS = {'"': r"\"", "\\": r"\\", "\n": " ", "\r": " ", "?": r"\?"}
+
 
 @dataclass(frozen=True, slots=True)
 class Sightings:
@@ -402,13 +420,6 @@ def _rates(robot: Robot, rates: ArrayLike | None) -> Array:
     return limits
 
 
-Value = int | float | str | list[int] | list[float] | list[str]
-
-FORMAT = 3
-"""`RANKDROP_ARM_FORMAT` of `src/rankdrop/include/rankdrop/monitor.h`."""
-_LONG = 110  # characters of a line
-
-
 def arm_header(monitor: Monitor, *, mark: str | None = None) -> str:
     """The text of a header with one constant, `rankdrop_MARK_arm`, of type `rankdrop_arm`.
 
@@ -438,17 +449,6 @@ def arm_header(monitor: Monitor, *, mark: str | None = None) -> str:
     lines += ["", f"static const rankdrop_arm rankdrop_{mark}_arm = {{"]
     lines += [f"    {arrays.get(name) or _c_number(value)}, /* {name} */" for name, value in fields.items()]
     return "\n".join([*lines, "};", "", "#endif", ""])
-
-
-_WORDS = "const char* const"
-_TYPES = {
-    **dict.fromkeys(("variable_names", "ids", "names"), _WORDS),
-    **dict.fromkeys(
-        ("turns", "variable", "row", "number", "corank", "first_turn", "turning", "angle", "powers", "first_term",
-         "coupled", "first_equation", "first_pin", "pinned", "first_value", "periodic", "bound_row", "bound_link"),
-        "int",
-    ),
-}  # fmt: skip
 
 
 def _chain(robot: Robot) -> dict[str, Value]:
@@ -546,6 +546,3 @@ def _c_number(value: Value) -> str:
             return "HUGE_VAL"
         return "-HUGE_VAL"
     return repr(value)
-
-
-_LETTERS = {'"': r"\"", "\\": r"\\", "\n": " ", "\r": " ", "?": r"\?"}

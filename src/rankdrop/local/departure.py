@@ -46,6 +46,25 @@ from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.transform import unit
 from rankdrop.task import Task, link_index
 
+HIGHEST = 8
+"""Largest order looked for along any motion."""
+_WHOLE = ((0, 1, 2), (3, 4, 5), (0, 1, 2, 3, 4, 5))
+_LONG = 12  # terms after which the series is exact to 1e-11 for the longest of them
+_DOUBT = 100.0  # a singular value of T_p nearer to the cut than this factor, either way, is in doubt
+_NEAR = 0.02  # finite motion that measures a rate of order 3 and more: t⁴ is still far above rounding [rad]
+
+Departure = tuple[int, int | None, float, tuple[float, ...]]
+"""What one straight motion does to the rank: rank regained for small t ≠ 0; power of t at which the slowest of all lost
+singular values leaves zero, None where one never does; its rate, σ_r ≈ rate · t^order, 0.0 where it has no order; the
+singular values of D(Δ), descending."""
+
+_Indices = NDArray[np.intp]
+
+_ANGLES = 16  # directions tried per pair, then refined
+_CLIMBS = 6  # steps of the climb towards the best direction
+_SOFT = 8  # power by which the smallest of the lost singular values weighs more than the next
+_RANDOM = 24  # random starts of it
+
 
 def release_mimics(robot: Robot, q: Array) -> tuple[Robot, Array, Array]:
     """The same chain with every mimic joint a variable of its own.
@@ -101,20 +120,6 @@ def taylor(robot: Robot, q: ArrayLike, task: Task, directions: ArrayLike, order:
     terms = _core.series(np.ascontiguousarray(screws), np.ascontiguousarray(rates), axes, origin, order)
     columns = terms[..., list(task.rows)]  # (P + 1, d, N, m)
     return np.asarray(np.swapaxes(columns * row_scale(robot, task), -1, -2) @ share)
-
-
-HIGHEST = 8
-"""Largest order looked for along any motion."""
-_WHOLE = ((0, 1, 2), (3, 4, 5), (0, 1, 2, 3, 4, 5))
-_LONG = 12  # terms after which the series is exact to 1e-11 for the longest of them
-_DOUBT = 100.0  # a singular value of T_p nearer to the cut than this factor, either way, is in doubt
-_NEAR = 0.02  # finite motion that measures a rate of order 3 and more: t⁴ is still far above rounding [rad]
-
-
-Departure = tuple[int, int | None, float, tuple[float, ...]]
-"""What one straight motion does to the rank: rank regained for small t ≠ 0; power of t at which the slowest of all lost
-singular values leaves zero, None where one never does; its rate, σ_r ≈ rate · t^order, 0.0 where it has no order; the
-singular values of D(Δ), descending."""
 
 
 def departures(place: Configuration, directions: Array) -> tuple[Departure, ...]:
@@ -232,14 +237,6 @@ def _near_and_far(place: Configuration, direction: Array) -> Array:
     """(2,) means of σ_r after motions by ±h and ±2h."""
     steps = _NEAR * np.array([1.0, -1.0, 2.0, -2.0])
     return np.asarray(place.last(place.q + steps[:, None] * direction * place.scale).reshape(2, 2).mean(axis=1))
-
-
-_Indices = NDArray[np.intp]
-
-_ANGLES = 16  # directions tried per pair, then refined
-_CLIMBS = 6  # steps of the climb towards the best direction
-_SOFT = 8  # power by which the smallest of the lost singular values weighs more than the next
-_RANDOM = 24  # random starts of it
 
 
 def measured_gains(place: Configuration, directions: Array) -> Array:

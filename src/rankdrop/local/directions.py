@@ -29,6 +29,23 @@ from rankdrop.units import counted_as_radian, given_exponent, in_metres, into_me
 FRAMES = ("base", "tool", "link")
 """Frames in whose axes a lost motion can be reported."""
 
+ENTRY_SHARE = 1e-6
+"""A part of a direction below this share of the other part is not there."""
+AXIS = 1e-6
+"""An axis is X, Y or Z when its other components are below this."""
+
+NEARLY_SHARE = 0.25
+"""A part of a direction below this share of the whole: what the other part alone says is true to 3 %."""
+
+_NOTHING = 0.02  # parts of a unit direction that are shorter are not drawn
+_TURN = 300.0  # degrees of a ring
+
+_DEPENDENT = 1e-9  # columns of the input more dependent than this span nothing certain
+
+_NEIGHBOURS = 16  # regular configurations around q that tell what is always lost from what is lost at q
+_STILL = 1e-6  # projectors on a lost subspace that differ by less are the same
+_STEP = 0.1  # how far away they are [rad; slides per reach]
+
 
 def rewrite_wrench(wrench: Array, turn: Array, offset: Array) -> Array:
     """Wrenches (f; τ) written in other axes, at another point: f' = Rᵀf, τ' = Rᵀ(τ − d × f).
@@ -42,16 +59,6 @@ def rewrite_wrench(wrench: Array, turn: Array, offset: Array) -> Array:
     """
     force, moment = wrench[..., :3], wrench[..., 3:]
     return np.concatenate([force @ turn, (moment - cross(offset, force)) @ turn], axis=-1)
-
-
-ENTRY_SHARE = 1e-6
-"""A part of a direction below this share of the other part is not there."""
-AXIS = 1e-6
-"""An axis is X, Y or Z when its other components are below this."""
-
-
-NEARLY_SHARE = 0.25
-"""A part of a direction below this share of the whole: what the other part alone says is true to 3 %."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,10 +187,6 @@ def blocked_words(direction: ArrayLike, frame_name: str = "the base", length: fl
     return text
 
 
-_NOTHING = 0.02  # parts of a unit direction that are shorter are not drawn
-_TURN = 300.0  # degrees of a ring
-
-
 def arrow_of(direction: ArrayLike) -> tuple[Array, Array, bool]:
     """One lost freedom as one arrow at the reference point, with a ring about its foot where it mixes both motions.
 
@@ -263,9 +266,6 @@ def main_axis(vector: ArrayLike) -> tuple[int, bool]:
     return largest, all(share <= AXIS for axis, share in enumerate(shares) if axis != largest)
 
 
-_DEPENDENT = 1e-9  # columns of the input more dependent than this span nothing certain
-
-
 def readable_basis(B: ArrayLike) -> Array:
     """Orthonormal basis of span(B) with the fewest non-zero entries, found by plane (Givens) rotations (AM 2.3).
 
@@ -317,11 +317,6 @@ def readable_bases(orthonormal: Array) -> Array:
         (B, m, k) orthonormal columns.
     """
     return _core.readable(np.ascontiguousarray(orthonormal))
-
-
-_NEIGHBOURS = 16  # regular configurations around q that tell what is always lost from what is lost at q
-_STILL = 1e-6  # projectors on a lost subspace that differ by less are the same
-_STEP = 0.1  # how far away they are [rad; slides per reach]
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,9 @@ from rankdrop.sections import words_of
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 
+_PER_RATE = {"translation": "m/rad", "rotation": "1", "task": "1"}  # unit of σ: speed per joint rate
+_PER_BALL = {"translation": "m/s", "rotation": "rad/s", "task": "rad/s"}  # speed, since the ball has no unit
+
 
 @dataclass(frozen=True, slots=True)
 class Ellipsoid:
@@ -162,10 +165,6 @@ def ellipsoids(
         bounded = _shapes(here.jacobian * limits, here.task, length, limits, _PER_BALL, zero)
         bounded = replace(bounded, by_limits=True)
     return Ellipsoids(plain, bounded, length)
-
-
-_PER_RATE = {"translation": "m/rad", "rotation": "1", "task": "1"}  # unit of σ: speed per joint rate
-_PER_BALL = {"translation": "m/s", "rotation": "rad/s", "task": "rad/s"}  # speed, since the ball has no unit
 
 
 def _shapes(

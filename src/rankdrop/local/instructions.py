@@ -27,6 +27,8 @@ PRINTED_IN_GR: tuple[Instruction, ...] = (
 )
 """The instructions of GR's section 5, in their order."""
 
+_INSTRUCTIONS = ("readoss", "msos", "subspace", "newscrews", "dimension")
+
 
 @dataclass(frozen=True, eq=False)
 class Executed:
@@ -105,6 +107,3 @@ def executed(
                 raise OptionError("there is no such instruction", got=repr(name), allowed=", ".join(_INSTRUCTIONS))
         steps.append(Executed(name, first, last, outcome))
     return tuple(steps)
-
-
-_INSTRUCTIONS = ("readoss", "msos", "subspace", "newscrews", "dimension")

@@ -37,6 +37,9 @@ _CROSSED = 1e-6  # a minimum of σ on the way at or below this is a singular con
 WORTH = 1.01
 """From a regular configuration a jog that raises σ_r by a smaller factor is none."""
 
+Free = Callable[[Array, float], bool]
+"""Whether it is proven that no configuration within a distance [rad] of q (n,) is singular."""
+
 
 @dataclass(frozen=True, slots=True)
 class Jog:
@@ -56,9 +59,6 @@ class Jog:
 
 
 _NONE = Jog((), regular=False, sigma_after=None)
-
-Free = Callable[[Array, float], bool]
-"""Whether it is proven that no configuration within a distance [rad] of q (n,) is singular."""
 
 
 def _nothing_proven(_q: Array, _radius: float) -> bool:

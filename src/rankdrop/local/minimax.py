@@ -45,6 +45,14 @@ _LONGEST = 4.0  # τ: a step is at most so many times the shortest gradient [rad
 _SHORTEST = 1e-12  # τ below which a step is lost in rounding
 _ENOUGH = 1e-4  # share of the fall that the model promises which has to come true
 
+Promise = tuple[Array, Array, Array, Array]
+"""A step of the model: (B, n) Δ; (B,) fall of the model's F along it; (B,) what no step's fall less ‖Δ‖²/2τ can exceed,
+near 0 where F cannot fall, however well Δ was found; (B, N, k, k) Λ."""
+
+FLAT = 1e-8
+"""Fall of σ that a step of about the length of its slope has to promise, for a place to be no local minimum [1]. A line
+search that ends for want of a fall of 1e-12 leaves promises of about that size at smooth minima."""
+
 
 @dataclass(frozen=True, eq=False)
 class Lowest:
@@ -59,11 +67,6 @@ class Lowest:
     q: Array
     value: Array
     slope: Array
-
-
-Promise = tuple[Array, Array, Array, Array]
-"""A step of the model: (B, n) Δ; (B,) fall of the model's F along it; (B,) what no step's fall less ‖Δ‖²/2τ can exceed,
-near 0 where F cannot fall, however well Δ was found; (B, N, k, k) Λ."""
 
 
 def largest(values: Array) -> Array:
@@ -193,11 +196,6 @@ def spread(gradients: Array) -> float:
     directions = unit(gradients)
     angles = np.arccos(np.clip(directions @ directions.T, -1.0, 1.0))
     return float(np.triu(np.where(directions.any(axis=1), angles, 0.0), 1).sum())
-
-
-FLAT = 1e-8
-"""Fall of σ that a step of about the length of its slope has to promise, for a place to be no local minimum [1]. A line
-search that ends for want of a fall of 1e-12 leaves promises of about that size at smooth minima."""
 
 
 def tied_model(problem: Problem) -> Evaluate:

@@ -63,6 +63,23 @@ _AGAIN = 4  # of the starts whose steps came to no end, so many walk from there,
 _NEAR = 1.5  # where that is no farther than so many times the nearest
 _MOST_CONDITIONS = 16  # what the core's singular value decomposition takes on its narrow side
 
+OTHERS = 40
+"""Starts of the search for other sheets; points that are known are counted as well."""
+_HERE = 1e-3  # the end of a walk is a place that is known where it is so near to it, whole turns aside [rad]
+_LOOKED_AT = 8  # of the nearest ends
+_AROUND = 6  # starts around an end: where most of them lead nearer, the end is no minimum
+_ASIDE = 0.01  # how far from it they are [rad]
+_GENERIC = 0.05  # a step off a singular q, whose feet often lie on two sheets at once [rad]
+_STEPS = 16  # such steps, of which the one that leads off its sheet is taken
+_BACK = (0.1, 0.0)  # shares of that step from which the foot is walked to again
+_THROUGH = 1.05  # a sheet through q is no farther than that step, to rounding and curvature
+
+Run = Callable[[Array, float], tuple[Array, ...]]
+"""Starts (N, n), and how far ends may be -> ends (C, n), their distances (C,), and what else there is."""
+
+Finest = tuple[Array, float]
+"""A nearest point (n,) to the last digit, and its stationarity."""
+
 
 @dataclass(frozen=True, slots=True)
 class Nearest:
@@ -222,18 +239,6 @@ class Elsewhere:
     corank: int
 
 
-OTHERS = 40
-"""Starts of the search for other sheets; points that are known are counted as well."""
-_HERE = 1e-3  # the end of a walk is a place that is known where it is so near to it, whole turns aside [rad]
-_LOOKED_AT = 8  # of the nearest ends
-_AROUND = 6  # starts around an end: where most of them lead nearer, the end is no minimum
-_ASIDE = 0.01  # how far from it they are [rad]
-_GENERIC = 0.05  # a step off a singular q, whose feet often lie on two sheets at once [rad]
-_STEPS = 16  # such steps, of which the one that leads off its sheet is taken
-_BACK = (0.1, 0.0)  # shares of that step from which the foot is walked to again
-_THROUGH = 1.05  # a sheet through q is no farther than that step, to rounding and curvature
-
-
 def other_sheets(
     here: Configuration, known: ArrayLike | None, *, limits: bool = False, seed: int = 0,
     seeds: Iterable[ArrayLike] = (),
@@ -338,14 +343,6 @@ def _draws(seed: int, counts: tuple[int, ...], moves: tuple[bool, ...]) -> tuple
 
     first = draw_in_balls(np.resize(_RADII, (counts[0], 1)))
     return first, *(draw_in_balls(np.ones((count, 1))) for count in counts[1:])
-
-
-Run = Callable[[Array, float], tuple[Array, ...]]
-"""Starts (N, n), and how far ends may be -> ends (C, n), their distances (C,), and what else there is."""
-
-
-Finest = tuple[Array, float]
-"""A nearest point (n,) to the last digit, and its stationarity."""
 
 
 @dataclass(frozen=True, slots=True)

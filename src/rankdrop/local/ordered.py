@@ -31,6 +31,8 @@ from rankdrop.tolerances import DEPENDENT
 NO_TURN = 1e-12
 """A direction shorter than this share of the whole screw: a slide."""
 
+_SAMPLES = 4  # random configurations that tell which losses hold everywhere
+
 
 def lie_product(first: Array, second: Array) -> Array:
     """(6,) GR equation 2, direction first."""
@@ -55,9 +57,6 @@ def motion(screw: Array, amount: float) -> Array:
     result[:3, :3] = result[3:, 3:] = turn
     result[3:, :3] = hat(shift) @ turn
     return result
-
-
-_SAMPLES = 4  # random configurations that tell which losses hold everywhere
 
 
 @dataclass(frozen=True, slots=True)

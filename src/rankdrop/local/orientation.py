@@ -67,6 +67,18 @@ _WIDE = -0.85  # cos θ below which a rotation vector is taken from the quaterni
 JUMPING = ("rotvec", "quaternion", "mrp")
 """Coordinates that jump at half a turn."""
 
+_Axes = NDArray[np.intp]
+
+WEAK = 1e-6
+"""σ below which the way back leaves a direction alone: what is off along it is of second order in σ."""
+_STILL = 1e-9  # a correction so short leaves rounding [rad]
+_LONGEST = 0.5  # a correction is cut to this [rad]
+_ACCEPTED = 1e-11  # far above rounding, far below the 1e-10 that self-motions promise
+_ROUNDS = 12  # Gauss–Newton converges in three or four
+
+NEAR = 0.1
+"""Closer than this to a representation singularity is near [rad]: coordinate rates are up to ten times ‖ω‖ there."""
+
 
 def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
     """Coordinates of rotation matrices.
@@ -142,9 +154,6 @@ def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
         return np.asarray(2.0 / (1.0 + square) * (np.eye(3) + hat(c)))
     outer = c[..., :, None] * c[..., None, :]
     return np.asarray(4.0 / (1.0 + square) ** 2 * ((1.0 - square) * np.eye(3) + 2.0 * hat(c) + 2.0 * outer))
-
-
-_Axes = NDArray[np.intp]
 
 
 def _turns(axis: _Axes, angle: Array) -> Array:
@@ -224,14 +233,6 @@ def _quaternion(r: Array) -> Array:
 def _check_known(representation: str) -> None:
     if representation not in NAMES:
         raise OptionError("there is no such representation", got=repr(representation), allowed=", ".join(NAMES))
-
-
-WEAK = 1e-6
-"""σ below which the way back leaves a direction alone: what is off along it is of second order in σ."""
-_STILL = 1e-9  # a correction so short leaves rounding [rad]
-_LONGEST = 0.5  # a correction is cut to this [rad]
-_ACCEPTED = 1e-11  # far above rounding, far below the 1e-10 that self-motions promise
-_ROUNDS = 12  # Gauss–Newton converges in three or four
 
 
 def determined_by_pose(task: Task) -> bool:
@@ -352,10 +353,6 @@ def _vector_rates(vector: Array, omega: Array) -> Array:
     share = np.where(angle < 1e-2, 1 / 12 + angle**2 / 720, (1.0 - 0.5 * safe / np.tan(0.5 * safe)) / safe**2)
     once = hat(vector) @ omega
     return np.asarray(omega - 0.5 * once + share * (hat(vector) @ once))
-
-
-NEAR = 0.1
-"""Closer than this to a representation singularity is near [rad]: coordinate rates are up to ten times ‖ω‖ there."""
 
 
 @dataclass(frozen=True, slots=True)

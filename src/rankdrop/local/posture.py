@@ -19,6 +19,18 @@ from rankdrop.task import Task
 
 _ALONG = 1e-9  # a point this near an axis, per length of the way, is on it
 
+STEP = np.pi / 18
+"""Turning joints of candidates stand at multiples of this, 10° [rad]."""
+_STOPS = 8  # slides of candidates stand at eighths of their travel
+_CANDIDATES = 512  # of a start; twice as many change no arm of the catalogue visibly
+_LIMIT, _UNDER, _FOLDED, _CLOSE = 6.0, 3.0, 2.0, 0.5  # a joint beyond a limit weighs more than all the rest
+_DEEP = 0.1  # this far below the base is as bad as farther [reach]
+_TIP = 0.05  # the tip should be above the base by this [reach]
+_APART = 0.12  # links this far apart are not in each other's way [reach]
+_SHARP = 0.85  # cosine of the angle, 32°, from which a link that turns back onto the one before it counts as folded
+_LONG = 0.08  # shorter pieces of the spine are flanges, not links [reach]
+_POINTS = np.linspace(0.0, 1.0, 6)  # along a link, between which distances are measured
+
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
@@ -101,19 +113,6 @@ def _foot(robot: Robot, i: int, point: Array) -> Array:
     axis = joint.screw[3:]
     origin = np.cross(axis, joint.screw[:3])
     return np.asarray(origin + axis * (axis @ (point - origin)))
-
-
-STEP = np.pi / 18
-"""Turning joints of candidates stand at multiples of this, 10° [rad]."""
-_STOPS = 8  # slides of candidates stand at eighths of their travel
-_CANDIDATES = 512  # of a start; twice as many change no arm of the catalogue visibly
-_LIMIT, _UNDER, _FOLDED, _CLOSE = 6.0, 3.0, 2.0, 0.5  # a joint beyond a limit weighs more than all the rest
-_DEEP = 0.1  # this far below the base is as bad as farther [reach]
-_TIP = 0.05  # the tip should be above the base by this [reach]
-_APART = 0.12  # links this far apart are not in each other's way [reach]
-_SHARP = 0.85  # cosine of the angle, 32°, from which a link that turns back onto the one before it counts as folded
-_LONG = 0.08  # shorter pieces of the spine are flanges, not links [reach]
-_POINTS = np.linspace(0.0, 1.0, 6)  # along a link, between which distances are measured
 
 
 def fault(robot: Robot, q: Array) -> Array:

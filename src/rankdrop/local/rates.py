@@ -39,6 +39,16 @@ from rankdrop.units import counted_as_radian
 TINY = 1e-100
 """Its square is still a number."""
 
+MOST = 200_000  # vertices that are listed at most; 8 joints need 70
+_FLAT = 1e-12  # singular values of weighted null motions below this share are zero: rounding of unit vectors
+
+_NOTHING = 1e-12  # a share below it is rounding
+WEAKEST = "weakest direction"
+_AXES = ("along X", "along Y", "along Z", "about X", "about Y", "about Z")
+
+_CROSSWISE = np.array([1.0, -1.0])
+"""(a, b) is normal to (b, a) times these."""
+
 
 @once
 def rate_limits(robot: Robot) -> Array:
@@ -52,10 +62,6 @@ def rate_limits(robot: Robot) -> Array:
             shared = max(0.0, joint.velocity) / abs(joint.mimic.multiplier)
             limits[joint.mimic.leader] = min(limits[joint.mimic.leader], shared)
     return read_only(np.array([limits[joint.name] for joint in robot.variables]))
-
-
-MOST = 200_000  # vertices that are listed at most; 8 joints need 70
-_FLAT = 1e-12  # singular values of weighted null motions below this share are zero: rounding of unit vectors
 
 
 def largest_speeds(particular: Array, null: Array, limits: Array) -> tuple[Array, bool]:
@@ -115,11 +121,6 @@ def _standing(particular: Array, null: Array, stuck: Array) -> tuple[Array, Arra
     size = np.abs(particular).max(axis=1, initial=0.0)
     reachable = np.abs(moved[:, stuck]).max(axis=1, initial=0.0) <= 1e-9 * np.maximum(size, np.finfo(float).tiny)
     return moved, null @ vt[rank:].T, reachable
-
-
-_NOTHING = 1e-12  # a share below it is rounding
-WEAKEST = "weakest direction"
-_AXES = ("along X", "along Y", "along Z", "about X", "about Y", "about Z")
 
 
 @dataclass(frozen=True, slots=True)
@@ -339,10 +340,6 @@ def _choices(joints: tuple[int, ...], size: int) -> NDArray[np.intp]:
     chosen = np.array(list(combinations(joints, size)))
     chosen.flags.writeable = False
     return chosen
-
-
-_CROSSWISE = np.array([1.0, -1.0])
-"""(a, b) is normal to (b, a) times these."""
 
 
 def null_circuits(null: Array, bounded: NDArray[np.intp], most: int) -> Array | None:

@@ -34,6 +34,9 @@ from rankdrop.sections import html, words_of
 from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import DEFAULT, Tolerances
 
+_COUPLED = 1e-12  # entries of a projector below this do not join two coordinates
+_READABLE = 3  # a block of more dimensions gets a basis by pivoting: the readable search takes too long
+
 
 def away_from_limits(robot: Robot, q: ArrayLike) -> Array:
     """Towards the middle of every joint's range: the gradient of −½ Σ ((q_i − middle_i)/(range_i/2))².
@@ -102,10 +105,6 @@ def towards(robot: Robot, q: ArrayLike, preferred: ArrayLike) -> Array:
         raise ConfigurationError("one preferred configuration is needed", got=np.shape(preferred), allowed=(robot.n,))
     way = goal - rows
     return np.asarray(way - whole_turns(robot, way)).reshape(*batch, robot.n)
-
-
-_COUPLED = 1e-12  # entries of a projector below this do not join two coordinates
-_READABLE = 3  # a block of more dimensions gets a basis by pivoting: the readable search takes too long
 
 
 @dataclass(frozen=True, slots=True)
@@ -329,7 +328,3 @@ def _vectors(name: str, value: ArrayLike, size: int, batch: tuple[int, ...]) -> 
     except ValueError:
         raise OptionError(f"{name} and q have different batch axes", got=array.shape[:-1], allowed=batch) from None
     return array
-
-
-
-

@@ -25,6 +25,14 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import words_of
 from rankdrop.task import Task
 
+CLOSED, LIMIT, REACHED = "closed loop", "joint limit", "length reached"
+BRANCHES, NONE, STUCK = "singular: branches here", "no null space", "no convergence"
+
+_STRAIGHT = 0.9  # cosine between two steps below which the step is halved
+_SHORTEST = 1e-4  # share of the step at which the tracer gives up
+_AT_LIMIT = 1e-6  # a step this short onto a limit counts as having reached it [rad]
+_MET = 1e-6  # a minimum of σ on the curve below this is a singular configuration [1]
+
 
 class Ending(StrEnum):
     """Why the trace of a self-motion ends, or why it does not begin."""
@@ -41,8 +49,6 @@ class Ending(StrEnum):
     CROSSING = "crossing"
     NARROW_BEND = "bends without end"
     NOT_CONVERGED = "no convergence"
-CLOSED, LIMIT, REACHED = "closed loop", "joint limit", "length reached"
-BRANCHES, NONE, STUCK = "singular: branches here", "no null space", "no convergence"
 _ENDED = {
     Ending.NO_NULL_SPACE: NONE, Ending.BENDS_AWAY: BRANCHES, Ending.DEFINITE: BRANCHES, Ending.NO_TANGENT: BRANCHES,
     Ending.NO_START: BRANCHES, Ending.STARTS_BEYOND: LIMIT, Ending.AT_LIMIT: LIMIT, Ending.LONG_ENOUGH: REACHED,
@@ -67,10 +73,6 @@ class End:
     joint: str = ""
     travelled: float = 0.0
     bend: float = 0.0
-_STRAIGHT = 0.9  # cosine between two steps below which the step is halved
-_SHORTEST = 1e-4  # share of the step at which the tracer gives up
-_AT_LIMIT = 1e-6  # a step this short onto a limit counts as having reached it [rad]
-_MET = 1e-6  # a minimum of σ on the curve below this is a singular configuration [1]
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,6 +32,15 @@ from rankdrop.task import Task
 
 Vector = tuple[float, float, float]
 
+EXACT = 1e-6
+"""An angle up to this is 0 [rad]."""
+ARM_AXES = 7
+"""Axes of an arm with three in the shoulder, one in the elbow and three in the wrist; more are of a base."""
+_STRUCTURE = 3  # random configurations; what holds at all of them says nothing about one
+_COSTS = 1e-7  # σ_r above it: no rank is lost
+_SAMPLES, _HALVED = 25, 60  # values of a joint between which the wrist passes above axis 1, and halvings of an interval
+_FLAT = 1e-9  # shorter projections have no direction, as shares of the reach
+
 
 class Part(StrEnum):
     """A part of the arm, from the base outwards."""
@@ -76,14 +85,6 @@ class Special:
 
 ON_JOINTS = (Shape.JOINT, Shape.STRETCHED, Shape.FOLDED)
 """Shapes where one joint has a value."""
-EXACT = 1e-6
-"""An angle up to this is 0 [rad]."""
-ARM_AXES = 7
-"""Axes of an arm with three in the shoulder, one in the elbow and three in the wrist; more are of a base."""
-_STRUCTURE = 3  # random configurations; what holds at all of them says nothing about one
-_COSTS = 1e-7  # σ_r above it: no rank is lost
-_SAMPLES, _HALVED = 25, 60  # values of a joint between which the wrist passes above axis 1, and halvings of an interval
-_FLAT = 1e-9  # shorter projections have no direction, as shares of the reach
 
 
 def specials_at(robot: Robot, task: Task, q: Array, corank: int) -> tuple[Special, ...]:

@@ -51,6 +51,35 @@ from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
 from rankdrop.units import counted_as_radian, out_of_metres
 
+StillReason = Literal["always moves", "definite", "rows", "no tangent", "regular", "left", "stayed", "stayed so far",
+                      "too small", "untraced"]  # fmt: skip
+"""Why a singularity can be left with the tool held still ("left"), or cannot, or is not known to be."""
+EdgeReason = Literal["open", "never whole", "several", "both signs", "one sign", "flat"]
+"""What decides whether the tool is at an edge of its reach: the sign of the form on the null space, or why not."""
+
+_STEP = Annotated[float, option("Length of motions", unit="rad", ge=1e-3, le=1.0)]
+_SEED = Annotated[int, option("Seed", ge=0)]
+
+FLAT = DEFAULT.block_rank
+"""A form with entries below this is zero: the cut of D, for the same reason [1/rad]."""
+_STARTS = 48  # random starts for directions on which all forms vanish
+_NEWTON = 12  # steps of each
+_ARRIVED = 1e-14  # one that moves no farther has arrived
+_APART = 0.05  # unit vectors nearer than this, up to sign, are the same direction
+_SAMPLES = 256  # combinations of lost directions tried for a definite one
+
+_MOST = 4  # tangents that are traced, both ways
+_STEPS = 4  # of a trace
+_LENGTH = 0.12  # at least so far, so that the ends are 0.1 rad away even where the curve bends
+_LEFT = 1e-5  # σ_r that a trace has to reach: where it is of second order an error of 1e-12 hides σ of 1e-6
+_STAYED = 1e-6  # σ_r up to which a trace counts as singular all along
+_FIRST = 1e-6  # singular values of D along a tangent below this are zero
+
+Traces = tuple[Array, Array, Array, NDArray[np.bool_]]
+"""Short self-motions from q, one per tangent: (c, steps + 1, n) configurations, the first q itself [rad, m];
+(c, steps + 1) σ_r there, r the generic rank; (c,) largest displacement of the task on the way, translations over the
+length scale; (c,) whether the end effector stood still and the arm did move."""
+
 
 def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
     """Per actuator a, the joints i (from 1) whose change leaves the span of all screws, and that are dependent at q.
@@ -71,8 +100,6 @@ def receptors(place: Configuration) -> tuple[tuple[int, ...], ...]:
     leaves = np.linalg.norm(np.einsum("mp,ami->api", place.u2, change), axis=1) > ENTRY
     depends = np.linalg.norm(place.v2, axis=1) > ENTRY
     return tuple(tuple(int(i) + 1 for i in np.flatnonzero(row & depends)) for row in leaves)
-
-
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,13 +180,6 @@ class LostMotion:
     direction: tuple[float, ...]
     type: int
     form: tuple[float, ...]
-
-
-StillReason = Literal["always moves", "definite", "rows", "no tangent", "regular", "left", "stayed", "stayed so far",
-                      "too small", "untraced"]  # fmt: skip
-"""Why a singularity can be left with the tool held still ("left"), or cannot, or is not known to be."""
-EdgeReason = Literal["open", "never whole", "several", "both signs", "one sign", "flat"]
-"""What decides whether the tool is at an edge of its reach: the sign of the form on the null space, or why not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,10 +289,6 @@ def escape(
     if place is here:
         return ways_out
     return _out_of_metres(ways_out, here.robot)
-
-
-_STEP = Annotated[float, option("Length of motions", unit="rad", ge=1e-3, le=1.0)]
-_SEED = Annotated[int, option("Seed", ge=0)]
 
 
 def _out_of_metres(escape: Escape, robot: Robot) -> Escape:
@@ -392,15 +408,6 @@ def _direction(
     )
 
 
-FLAT = DEFAULT.block_rank
-"""A form with entries below this is zero: the cut of D, for the same reason [1/rad]."""
-_STARTS = 48  # random starts for directions on which all forms vanish
-_NEWTON = 12  # steps of each
-_ARRIVED = 1e-14  # one that moves no farther has arrived
-_APART = 0.05  # unit vectors nearer than this, up to sign, are the same direction
-_SAMPLES = 256  # combinations of lost directions tried for a definite one
-
-
 def null_basis(place: Configuration) -> Array:
     """(n, s) orthonormal basis of the null space of J in scaled joint coordinates."""
     return np.asarray(np.linalg.qr(place.v2 / place.scale[:, None])[0])
@@ -505,19 +512,6 @@ def boundary(place: Configuration, each: Array) -> tuple[bool | None, EdgeReason
         return True, "one sign"
     return None, "flat"
 
-
-_MOST = 4  # tangents that are traced, both ways
-_STEPS = 4  # of a trace
-_LENGTH = 0.12  # at least so far, so that the ends are 0.1 rad away even where the curve bends
-_LEFT = 1e-5  # σ_r that a trace has to reach: where it is of second order an error of 1e-12 hides σ of 1e-6
-_STAYED = 1e-6  # σ_r up to which a trace counts as singular all along
-_FIRST = 1e-6  # singular values of D along a tangent below this are zero
-
-
-Traces = tuple[Array, Array, Array, NDArray[np.bool_]]
-"""Short self-motions from q, one per tangent: (c, steps + 1, n) configurations, the first q itself [rad, m];
-(c, steps + 1) σ_r there, r the generic rank; (c,) largest displacement of the task on the way, translations over the
-length scale; (c,) whether the end effector stood still and the arm did move."""
 
 Stillness = tuple[Direction | None, bool | None, StillReason, float]
 """A self-motion that restores the rank, whether there is one and why, and the largest task error on its way."""

@@ -26,6 +26,11 @@ _MANY_TURNS = 8 * pi  # [rad]; cables of real arms allow a few turns, and 30 deg
 _LARGEST_DEGREES = 720.0
 _LETTERS = {"R": JointKind.REVOLUTE, "P": JointKind.PRISMATIC, "H": JointKind.HELICAL}
 
+Convention = Literal["standard", "modified"]
+CONVENTIONS = ("standard", "modified")
+DH_KEYS = ("a", "alpha", "d", "theta", "kind", "pitch", "name", "lower", "upper", "velocity")
+_MEASURES = {"a": "length", "alpha": "angle", "d": "length", "theta": "angle", "pitch": "length"}
+
 
 def check_keys(given: Iterable[str], allowed: Sequence[str], where: Where) -> None:
     """Refuse keys that nobody reads.
@@ -109,12 +114,6 @@ def joint_name(given: Mapping[str, Any], number: int, where: Where) -> str:
 def relocate(error: RobotError, where: str) -> RobotError:
     """The same error at a place that its raiser could not know."""
     return RobotError(**error.parts | {"where": where})
-
-
-Convention = Literal["standard", "modified"]
-CONVENTIONS = ("standard", "modified")
-DH_KEYS = ("a", "alpha", "d", "theta", "kind", "pitch", "name", "lower", "upper", "velocity")
-_MEASURES = {"a": "length", "alpha": "angle", "d": "length", "theta": "angle", "pitch": "length"}
 
 
 @dataclass(frozen=True, slots=True)

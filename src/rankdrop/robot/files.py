@@ -59,6 +59,10 @@ LARGEST_NUMBER = 1e100
 RANGE = {"angle": LARGEST_ANGLE, "length": LARGEST_LENGTH, "number": LARGEST_NUMBER}
 _UNIT = {"angle": " rad", "length": " m", "number": ""}
 
+_DECLARED = re.compile(rb"""<\?xml[^>]*encoding\s*=\s*["'](iso-8859-1|latin-?1|windows-1252)["']""", re.IGNORECASE)
+
+_MISPLACED = expat.errors.codes[expat.errors.XML_ERROR_MISPLACED_XML_PI]
+
 
 def allowed_range(measure: str, *, rate: bool = False) -> str:
     """The range of an angle, a length or a number, in words.
@@ -69,9 +73,6 @@ def allowed_range(measure: str, *, rate: bool = False) -> str:
     """
     most = RANGE[measure]
     return f"-{most:g} … {most:g}{_UNIT[measure]}{'/s' if rate else ''}"
-
-
-_DECLARED = re.compile(rb"""<\?xml[^>]*encoding\s*=\s*["'](iso-8859-1|latin-?1|windows-1252)["']""", re.IGNORECASE)
 
 
 def read_text(path: Path, *, largest: int | None = None) -> str:
@@ -130,9 +131,6 @@ class Element:
     def first(self, tag: str) -> Element | None:
         """The first child with this tag."""
         return next((child for child in self.children if child.tag == tag), None)
-
-
-_MISPLACED = expat.errors.codes[expat.errors.XML_ERROR_MISPLACED_XML_PI]
 
 
 def read_xml(text: str, file: str, skip: frozenset[str] = frozenset(), *, most: int | None = None) -> Element:

@@ -37,6 +37,15 @@ _WIDEST = radians(5.0)  # angles are multiples of 15°: at half of that every an
 _LONGEST = 0.1  # of the arm's size: with more it is another arm
 _WIDER = (1.0, 1.5, 2.0, 3.0)  # a frame may have to turn by more than the axes in it do
 
+NEAR = 0.015
+"""Structure is near where it is missed by this share of the arm's size, or this angle [rad]: Gen3's 12 mm of 1.2 m are,
+20 mm between the axes of an elbow are a design."""
+
+INTENDED = 3e-4
+"""A file's arm that misses structure by a length up to this is meant to have it [m]: CAD exports are no better."""
+_CALIBRATED = 2e-3, 1e-3  # [rad], [m]: what calibration adds to a drawing
+_SMALL_ARM = 0.3  # [m]; of smaller arms such lengths may be a design
+
 
 class Hold(StrEnum):
     """What holds between joint axes."""
@@ -57,11 +66,6 @@ class AxesHold(NamedTuple):
 
     what: Hold
     joints: tuple[int, ...]
-
-
-NEAR = 0.015
-"""Structure is near where it is missed by this share of the arm's size, or this angle [rad]: Gen3's 12 mm of 1.2 m are,
-20 mm between the axes of an elbow are a design."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,12 +170,6 @@ def ideal(
 def ideal_name(robot: Robot) -> str:
     """Name of the ideal arm near an arm."""
     return f"{robot.name}_ideal"
-
-
-INTENDED = 3e-4
-"""A file's arm that misses structure by a length up to this is meant to have it [m]: CAD exports are no better."""
-_CALIBRATED = 2e-3, 1e-3  # [rad], [m]: what calibration adds to a drawing
-_SMALL_ARM = 0.3  # [m]; of smaller arms such lengths may be a design
 
 
 def intended_tolerance(robot: Robot) -> Tolerance | None:

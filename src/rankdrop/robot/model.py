@@ -29,6 +29,21 @@ from rankdrop.robot.transform import Array as Array  # the name that all others 
 from rankdrop.robot.transform import dot, from_xyz_rpy, norm, times, unmasked
 from rankdrop.sections import html, words_of
 
+MOST_TURNS = 12
+"""Largest common denominator of the multipliers of joints that follow another one which is looked for."""
+_SAME_RATIO = 1e-12  # multipliers that differ by less are one, rounded differently
+
+_Given = TypeVarTuple("_Given")
+_Made = TypeVar("_Made")
+
+GRID = 1e-9
+"""Numbers that agree to this have one coarse fingerprint [1, m]."""
+
+_BEYOND = 1e-9  # a joint at its limit is inside [rad, m]
+
+TOOL = "tool point"
+"""What the tip of an arm with a tool is called."""
+
 
 class JointKind(StrEnum):
     """What one joint does: turn about its axis, slide along it, or both at a fixed pitch."""
@@ -299,14 +314,6 @@ class Robot:
         return html(words_of(self).sections_of(self))
 
 
-MOST_TURNS = 12
-"""Largest common denominator of the multipliers of joints that follow another one which is looked for."""
-_SAME_RATIO = 1e-12  # multipliers that differ by less are one, rounded differently
-
-_Given = TypeVarTuple("_Given")
-_Made = TypeVar("_Made")
-
-
 def once(function: Callable[[Robot, *_Given], _Made]) -> Callable[[Robot, *_Given], _Made]:
     """A function of a robot and other arguments (hashable, by position) that computes each value once for a robot.
 
@@ -374,10 +381,6 @@ def _read_only(value: ArrayLike, shape: tuple[int, ...], where: str, what: str) 
     return array
 
 
-GRID = 1e-9
-"""Numbers that agree to this have one coarse fingerprint [1, m]."""
-
-
 def geometry(robot: Robot, *, tip: bool = True) -> Array:
     """All numbers that decide the Jacobian: screws, then home pose, then multipliers and offsets of mimic joints.
 
@@ -409,9 +412,6 @@ def _structure(robot: Robot) -> bytes:
     return repr(parts).encode()
 
 
-_BEYOND = 1e-9  # a joint at its limit is inside [rad, m]
-
-
 def joints_beyond_limits(robot: Robot, q: Sequence[float]) -> tuple[int, ...]:
     """Numbers of the joints, from 1, that a configuration has beyond their limits: a family may have no others.
 
@@ -431,10 +431,6 @@ def first_joint_beyond_limit(robot: Robot, rows: Array) -> int:
     if len(beyond):
         return int(beyond[0, 1])
     return -1
-
-
-TOOL = "tool point"
-"""What the tip of an arm with a tool is called."""
 
 
 def with_tool(robot: Robot, xyz: ArrayLike, rpy: Sequence[float] = (0.0, 0.0, 0.0)) -> Robot:

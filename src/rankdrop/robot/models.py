@@ -24,18 +24,17 @@ from rankdrop.robot.transform import frame_on_axis, inverse, rigid
 from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, connect_links
 from rankdrop.robot.urdf import from_tree
 
+AxisFrame = tuple[Joint, Array, Array, str]
+"""A joint with a frame on its axis, parallel to the base at q = 0: the joint; (3,) the step from the frame of the joint
+before it, or the base origin [m]; (3,) its axis, unit, in the base frame; a name for the link that it carries, which
+differs from all others, `Robot.base` and `Robot.tip`."""
+
 
 def _package(module: str, package: str, extra: str) -> Any:
     try:
         return import_module(module)
     except ImportError:
         raise MissingExtraError(package, extra, f"a model of {package}") from None
-
-
-AxisFrame = tuple[Joint, Array, Array, str]
-"""A joint with a frame on its axis, parallel to the base at q = 0: the joint; (3,) the step from the frame of the joint
-before it, or the base origin [m]; (3,) its axis, unit, in the base frame; a name for the link that it carries, which
-differs from all others, `Robot.base` and `Robot.tip`."""
 
 
 def axis_frames(

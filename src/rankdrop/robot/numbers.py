@@ -39,6 +39,22 @@ Line = tuple[Array, Array]
 Normal = tuple[Array, Array, Array]
 """A common normal of two axes: (3,) its direction, of length 1; (3,) its feet on the axis before and after [m]."""
 
+STEP = pi / 12
+"""Angles between parts of an arm are multiples of 15°, or nothing is known of them."""
+
+_SAME = 1e-13
+"""Rebuilt numbers that differ by no more are the arm's own [1, m]: the rounding of a chain of products."""
+_PASSES = 5
+"""Making the axes exact may leave a frame that is exact but for noise, and the other way round; two are enough."""
+ORDINARY = (0.03, 30.0)
+"""Sizes of arms [m]: three decades, so that every arm is of this size in just one of km, m, mm and µm."""
+
+_Frame = tuple[Array, Array, bool]  # as given, as made, whether it is far from the arm
+
+FAR_SLIDE = 10.0
+"""Limits of a slide that lie farther apart than this times the reach of the links say nothing of the arm: ±1e6 m of a
+mobile base, a rail of 20 m under an arm of one. The Stanford arm has 6."""
+
 
 def anchors(robot: Robot) -> Array:
     """(N, 3) a point of every axis near the arm [m]: from the tip on, the one nearest to the next.
@@ -386,10 +402,6 @@ def angle_between(one: Array, two: Array) -> float:
     return norm(one - two) / (sqrt(2.0) if one.ndim == 2 else 1.0)
 
 
-STEP = pi / 12
-"""Angles between parts of an arm are multiples of 15°, or nothing is known of them."""
-
-
 def step_for(angle: float) -> float:
     """Angles are multiples of this to a tolerance [rad]: of 15° but for noise, of 90° where more is forgiven.
 
@@ -453,14 +465,6 @@ def tidy(lengths: Array, unit: float = 1.0) -> Array:
     return np.asarray(np.where(np.abs(lengths - whole) < NOTHING * unit, whole, lengths)) + 0.0
 
 
-_SAME = 1e-13
-"""Rebuilt numbers that differ by no more are the arm's own [1, m]: the rounding of a chain of products."""
-_PASSES = 5
-"""Making the axes exact may leave a frame that is exact but for noise, and the other way round; two are enough."""
-ORDINARY = (0.03, 30.0)
-"""Sizes of arms [m]: three decades, so that every arm is of this size in just one of km, m, mm and µm."""
-
-
 def square_up(
     robot: Robot, *, angle: float = SQUARE, length: float | None = None
 ) -> tuple[Robot, tuple[ExactChange, ...]]:
@@ -515,9 +519,6 @@ def _unit(robot: Robot) -> float:
     while 0.0 < size <= low * 1000.0**power:
         power -= 1
     return float(1000.0**power)
-
-
-_Frame = tuple[Array, Array, bool]  # as given, as made, whether it is far from the arm
 
 
 def _frames_squared(robot: Robot, angle: float) -> Robot:
@@ -647,11 +648,6 @@ def largest_changes(changes: Sequence[ExactChange]) -> tuple[Moved, Moved]:
     turned = [change.by for change in changes if change.turns]
     moved = [change.by for change in changes if not change.turns]
     return Moved(len(turned), max(turned, default=0.0)), Moved(len(moved), max(moved, default=0.0))
-
-
-FAR_SLIDE = 10.0
-"""Limits of a slide that lie farther apart than this times the reach of the links say nothing of the arm: ±1e6 m of a
-mobile base, a rail of 20 m under an arm of one. The Stanford arm has 6."""
 
 
 def link_lengths(robot: Robot) -> Array:

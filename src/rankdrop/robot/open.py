@@ -25,6 +25,10 @@ from rankdrop.robot.toml_file import robot_from_toml
 _SEVERAL = {"cylindrical": 2, "spherical": 3}  # variables of the joints of a screw file that are not one
 _SUGGESTED, _TELLING = 3, 2  # names that an error suggests; letters of a text from which it is looked for inside names
 
+_LARGEST = 30.0  # [m]; Canadarm2, the longest arm flown, reaches 17.6 m, and arms of 30 mm become 30 m
+_SMALLEST = 0.03  # [m]; the smallest arms sold reach some 0.2 m
+_NOTHING = 1e-9  # [m]; a bare wrist has no length at all, and none is missing
+
 
 @dataclass(frozen=True, slots=True)
 class CatalogEntry:
@@ -268,11 +272,6 @@ def _meant(names: Sequence[str]) -> str | None:
     if not names:
         return None
     return f"did you mean {' or '.join(names)}?"
-
-
-_LARGEST = 30.0  # [m]; Canadarm2, the longest arm flown, reaches 17.6 m, and arms of 30 mm become 30 m
-_SMALLEST = 0.03  # [m]; the smallest arms sold reach some 0.2 m
-_NOTHING = 1e-9  # [m]; a bare wrist has no length at all, and none is missing
 
 
 def with_size_note(robot: Robot) -> Robot:

@@ -33,6 +33,19 @@ _UNITS: dict[str, dict[str, float]] = {
 _ARITHMETIC = re.compile(r"(?:(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d++)?+(?![\w.])|pi\b|sqrt\b|[-+*/() ])*+")
 _WITH_UNIT = re.compile(r"(?P<value>.*?)\s*(?P<unit>[A-Za-zµ°]+)?(?P<rate>/s)?", re.DOTALL)
 
+_SIGNS: dict[type, Callable[[float], float]] = {ast.USub: neg, ast.UAdd: pos}
+_OPERATORS: dict[type, Callable[[float, float], float]] = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv}
+
+LETTERS_ALLOWED = "a letter, then letters and digits; not pi, sin, cos, nor s, c, t or q with a number"
+
+_PI = Decimal("3.14159265358979323846264338327950288419716939937510582")
+_DIGITS = 60  # of the arithmetic: more than any file prints, and than π above has
+_PARTS = {2: 2, 3: 4}  # places -> parts of π
+_FINEST = 12
+_LARGEST = 8 * 3.15  # [rad], four turns: no drawing has a larger fixed angle
+_DECIMAL = re.compile(r"[+-]?\d*\.(\d*)(?:[eE]([+-]?\d{1,3}))?", re.ASCII)
+_RADIANS = re.compile(r"\s*rad\s*\Z")
+
 
 def quantity(value: Any, measure: str, *, where: str, rate: bool = False, endless: bool = False) -> float:
     """A number in rad or m from a number or a text.
@@ -110,10 +123,6 @@ def _from_text(text: str, measure: str, where: str, rate: bool) -> float:
         raise _error("the text is not a quantity", repr(text), measure, where, rate) from None
 
 
-_SIGNS: dict[type, Callable[[float], float]] = {ast.USub: neg, ast.UAdd: pos}
-_OPERATORS: dict[type, Callable[[float, float], float]] = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv}
-
-
 def _evaluate(node: ast.expr) -> float:
     match node:
         case ast.Constant(value=int() | float() as number):
@@ -167,9 +176,6 @@ def degrees_text(q: Iterable[float], units: Iterable[str]) -> str:
 def count(number: int, one: str, many: str = "") -> str:
     """ "1 axis", "3 axes", "1,000 starts": `many` where it is not `one` with an s."""
     return f"{number:,} {one if number == 1 else many or one + 's'}"
-
-
-LETTERS_ALLOWED = "a letter, then letters and digits; not pi, sin, cos, nor s, c, t or q with a number"
 
 
 def is_letter(name: object) -> bool:
@@ -254,15 +260,6 @@ def read_joints(text: str | Iterable[int]) -> tuple[int, ...]:
                               allowed="numbers and runs, such as 2-7 or 1,2,4-7")  # fmt: skip
         joints += range(int(first), int(last or first) + 1)
     return tuple(sorted(joints))
-
-
-_PI = Decimal("3.14159265358979323846264338327950288419716939937510582")
-_DIGITS = 60  # of the arithmetic: more than any file prints, and than π above has
-_PARTS = {2: 2, 3: 4}  # places -> parts of π
-_FINEST = 12
-_LARGEST = 8 * 3.15  # [rad], four turns: no drawing has a larger fixed angle
-_DECIMAL = re.compile(r"[+-]?\d*\.(\d*)(?:[eE]([+-]?\d{1,3}))?", re.ASCII)
-_RADIANS = re.compile(r"\s*rad\s*\Z")
 
 
 class Written(float):

@@ -27,6 +27,8 @@ ORDERS = ("linear-first", "angular-first")
 _NO_PITCH = 1e-9  # share of |S| below which an angular part or a pitch is rounding
 _SOME_PITCH = 1e-4  # share above which it is meant; between the two the kind must be given
 
+_ENTRY = re.compile(r"[^\s,;\[\]]+")
+
 
 def revolute(axis: ArrayLike, point: ArrayLike) -> Array:
     """(6,) screw (p × ω; ω) of a revolute joint about `axis` through `point` [m]."""
@@ -206,9 +208,6 @@ def _item(values: Sequence[float] | None, i: int, default: float) -> float:
     if values is None:
         return default
     return float(values[i])
-
-
-_ENTRY = re.compile(r"[^\s,;\[\]]+")
 
 
 def read_screw_list(path: Path) -> Array:

@@ -28,6 +28,23 @@ _KEY = re.compile(r"""\s*(?:"([^"]*)"|'([^']*)'|([\w-]+))\s*[.=]""")
 Lines = Mapping[tuple[str, int | None, str], int]
 """The line, from 1, of a table, of which [[table]] of that name (from 0; None for a [table]), of a key in it or ""."""
 
+_HEAD = ("name", "maker", "aliases", "task", "about", "source", "notes", "lengths")
+_DH_FILE_KEYS = (*_HEAD, "convention", "base", "tool", "joints")
+_SCREW_FILE_KEYS = (*_HEAD, "order", "home", "joints")
+_SCREW_KEYS = ("kind", "screw", "axis", "point", "pitch", "axes", "name", "lower", "upper", "velocity")
+_KEYS_OF = {
+    "prismatic": ("axis",),
+    "revolute": ("axis", "point"),
+    "cylindrical": ("axis", "point"),
+    "helical": ("axis", "point", "pitch"),
+    "spherical": ("point", "axes"),
+}
+
+Place = Callable[[str, int | None], Where]
+
+_Simple = tuple[JointKind, Array, str]
+"""Kind, (6,) linear-first screw and ending of the name of a simple joint."""
+
 
 def lines_of(text: str) -> Lines:
     """First lines of the tables and keys of a TOML text, found by reading it line by line."""
@@ -63,21 +80,6 @@ def line_of(lines: Lines, table: str, index: int | None, key: str) -> int:
     """
     places = ((table, index, key), (table, index, ""), ("", None, table))
     return next((lines[place] for place in places if place in lines), 1)
-
-
-_HEAD = ("name", "maker", "aliases", "task", "about", "source", "notes", "lengths")
-_DH_FILE_KEYS = (*_HEAD, "convention", "base", "tool", "joints")
-_SCREW_FILE_KEYS = (*_HEAD, "order", "home", "joints")
-_SCREW_KEYS = ("kind", "screw", "axis", "point", "pitch", "axes", "name", "lower", "upper", "velocity")
-_KEYS_OF = {
-    "prismatic": ("axis",),
-    "revolute": ("axis", "point"),
-    "cylindrical": ("axis", "point"),
-    "helical": ("axis", "point", "pitch"),
-    "spherical": ("point", "axes"),
-}
-
-Place = Callable[[str, int | None], Where]
 
 
 def robot_from_toml(
@@ -231,10 +233,6 @@ def _form(document: dict[str, Any], where: Where) -> str:
         "the kind of table is not said", where=where(""),
         allowed='convention = "standard" or "modified" (a DH file), order = "linear-first" or "angular-first" (screws)',
     )
-
-
-_Simple = tuple[JointKind, Array, str]
-"""Kind, (6,) linear-first screw and ending of the name of a simple joint."""
 
 
 def _screw_columns(joints: list[dict[str, Any]], order: str | None, place: Place) -> dict[str, Any]:

@@ -29,6 +29,25 @@ from rankdrop.robot.transform import about_axis, times, translation
 NOWHERE = Element("joint", {}, 0)
 """The element of a joint from a source that keeps no lines."""
 
+_TIP_NAMES = tuple(
+    re.compile(pattern, re.IGNORECASE)
+    for pattern in (
+        r"tool_?0$",
+        r"(^|_)tcp(_link|_frame)?$|(^|_)tool(_link|_frame|_center_point)?$",
+        r"(^|_)(ee|eef|end_?effector)(_link|_frame)?$",
+        r"grasp|pinch|gripper_frame",
+        r"flange|attachment",
+        r"(hand|gripper|palm)(_link|_base|_base_link)?$",
+    )
+)
+"""Names that say "this is the tip", best first."""
+_JAW = re.compile(r"grip|finger|jaw|claw", re.IGNORECASE)
+_WRIST = re.compile(r"wrist|roll|rot|yaw|pitch|flex", re.IGNORECASE)
+
+_HANDS = re.compile(r"hand|arm|grip|palm|wrist|tool|tcp|flange|ee_|eef|effector", re.IGNORECASE)
+_MOST_LIMBS = 12
+"""So many limbs are listed."""
+
 
 @dataclass(frozen=True, slots=True)
 class TreeJoint:
@@ -236,22 +255,6 @@ def _hint(name: str, known: Iterable[str]) -> dict[str, str]:
     return hint
 
 
-_TIP_NAMES = tuple(
-    re.compile(pattern, re.IGNORECASE)
-    for pattern in (
-        r"tool_?0$",
-        r"(^|_)tcp(_link|_frame)?$|(^|_)tool(_link|_frame|_center_point)?$",
-        r"(^|_)(ee|eef|end_?effector)(_link|_frame)?$",
-        r"grasp|pinch|gripper_frame",
-        r"flange|attachment",
-        r"(hand|gripper|palm)(_link|_base|_base_link)?$",
-    )
-)
-"""Names that say "this is the tip", best first."""
-_JAW = re.compile(r"grip|finger|jaw|claw", re.IGNORECASE)
-_WRIST = re.compile(r"wrist|roll|rot|yaw|pitch|flex", re.IGNORECASE)
-
-
 @dataclass(frozen=True, slots=True)
 class Ends:
     """Base and tip, the joints between them, and what was chosen for the user."""
@@ -383,11 +386,6 @@ def _default_tip(tree: Tree, base: str) -> tuple[str, RobotNote]:
     tip, fixed = _name_of_tip(tree, ends[0].link, ends[0].body)
     gripper = tuple(joint.name for joint in ends[0].gripper)
     return tip, RobotNote(NoteOn.TIP, tip, number=longest, fixed=fixed, gripper=gripper)
-
-
-_HANDS = re.compile(r"hand|arm|grip|palm|wrist|tool|tcp|flange|ee_|eef|effector", re.IGNORECASE)
-_MOST_LIMBS = 12
-"""So many limbs are listed."""
 
 
 def _several_limbs(tree: Tree, base: str, limbs: list[_Limb]) -> RobotError:

@@ -23,6 +23,9 @@ from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_end
 
 _NUMBER = re.compile(r"[+-]?(\d++\.?\d*+|\.\d++)([eE][+-]?\d++)?", re.ASCII)
 
+_KINDS = {"revolute": JointKind.REVOLUTE, "continuous": JointKind.REVOLUTE, "prismatic": JointKind.PRISMATIC}
+_NOT_READ = frozenset({"visual", "collision", "inertial", "material", "transmission", "gazebo", "sensor"})
+
 
 def number(text: str, where: str, key: str, measure: str = "number") -> float:
     """One finite number in the range of its measure.
@@ -148,10 +151,6 @@ def _trace(tree: Tree, joint: TreeJoint, known: dict[str, Mimic]) -> Mimic:
         last = Mimic(last.leader, factor * last.multiplier, factor * last.offset + shift)
         known[name] = last
     return last
-
-
-_KINDS = {"revolute": JointKind.REVOLUTE, "continuous": JointKind.REVOLUTE, "prismatic": JointKind.PRISMATIC}
-_NOT_READ = frozenset({"visual", "collision", "inertial", "material", "transmission", "gazebo", "sensor"})
 
 
 def from_urdf(

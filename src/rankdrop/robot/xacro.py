@@ -38,6 +38,14 @@ _MOST_FOLDERS = 20_000  # looked into for one package: a second or so
 _LARGEST = 2**20  # bytes of a package.xml that are read; real ones have a few thousand
 _NEVER = frozenset({"node_modules", "meshes", "build", "log"})
 
+_NOWHERE = "/package-that-is-not-found/"  # stands for a package's folder: meshes may be named with it, nothing is read
+_SHOWN = 12  # arguments in one line of an error; the longest of the vendors' files take some forty
+_LONGEST = 30  # characters of a default that is shown: longer ones are paths made of other arguments
+_NO_ARGUMENT = re.compile(r"Undefined substitution argument (\S+)")
+_ARGUMENT = re.compile(r"\$\(arg\s+([^\s)]+)\)")
+EXPANDED = " (expanded)"
+"""Stands after the name of a file that was expanded, in the source of a robot."""
+
 
 def find_package(name: str, file: Path, given: Mapping[str, str | os.PathLike[str]]) -> Path | None:
     """The folder of a package, or None.
@@ -126,15 +134,6 @@ def _is_package(folder: Path, name: str) -> bool:
         return folder.name == name and (folder / "manifest.xml").is_file()
     match = _TAG.search(_COMMENT.sub("", text))
     return match is not None and match[1] == name
-
-
-_NOWHERE = "/package-that-is-not-found/"  # stands for a package's folder: meshes may be named with it, nothing is read
-_SHOWN = 12  # arguments in one line of an error; the longest of the vendors' files take some forty
-_LONGEST = 30  # characters of a default that is shown: longer ones are paths made of other arguments
-_NO_ARGUMENT = re.compile(r"Undefined substitution argument (\S+)")
-_ARGUMENT = re.compile(r"\$\(arg\s+([^\s)]+)\)")
-EXPANDED = " (expanded)"
-"""Stands after the name of a file that was expanded, in the source of a robot."""
 
 
 def uses_xacro(element: Element) -> bool:

@@ -19,15 +19,6 @@ from rankdrop.units import WRITTEN
 
 UNITS = table("units", angle=str, length=str, time=str, joint=str, distance=str)
 
-
-def file(kind: str, about: str, /, **entries: Any) -> Any:
-    """The table of a kind of file: `schema` and `units` first, then its entries; `units=None` leaves units out."""
-    told = "units of the numbers of this file; the unit of each entry: `unit` of this schema"
-    schema = f"rankdrop/{kind}/1"
-    units = (optional(UNITS), told, lambda _: WRITTEN)
-    return table(f"{kind}_file", about, schema=(Literal[schema], "", lambda _: schema), **{"units": units} | entries)
-
-
 JOINTS = table(
     "joints",
     name=str,
@@ -59,8 +50,48 @@ NEAR = table(
     ideal=(str, "what the option --ideal takes to find it", attrgetter("tolerance.text")),
 )
 
-
 ARM_OF = attrgetter("robot", "task", "generic_rank")  # what `ROBOT` is made of
+
+TOLERANCES = table(
+    "tolerances",
+    of=Tolerances,
+    singular=num("1", gt=0),
+    target=num("1", gt=0),
+    stationary=num("1", gt=0),
+    block_rank=num("1/distance", gt=0),
+    tangent=num("1", gt=0),
+    value=num("joint", gt=0),
+    fit_gap=num("1", gt=0),
+    coefficient=num("1", gt=0),
+    explained=num("distance", gt=0),
+)
+PINNED = table("pinned", of=Pin, number=Positive, values=nonempty(num("joint")))
+INSIDE_PINNED = table("inside_pinned", number=Positive, values=list_of(num("joint")))
+TOLERANCE = table(
+    "tolerance",
+    of=ModelTolerance,
+    text=str,
+    length=num("m", gt=0) | None,
+    angle=num("rad", gt=0) | None,
+)
+MOVED = table(
+    "moved",
+    name=str,
+    kind=Literal["twist", "angle", "distance", "offset", "base", "tip"],
+    joints=nonempty(Positive),
+    before=num("entry"),
+    after=num("entry"),
+    by=num("entry", ge=0),
+    text=str,
+)
+
+
+def file(kind: str, about: str, /, **entries: Any) -> Any:
+    """The table of a kind of file: `schema` and `units` first, then its entries; `units=None` leaves units out."""
+    told = "units of the numbers of this file; the unit of each entry: `unit` of this schema"
+    schema = f"rankdrop/{kind}/1"
+    units = (optional(UNITS), told, lambda _: WRITTEN)
+    return table(f"{kind}_file", about, schema=(Literal[schema], "", lambda _: schema), **{"units": units} | entries)
 
 
 def _attribute_of(index: int, name: str) -> Any:
@@ -102,36 +133,4 @@ ROBOT = table(
     home=(row(row(num("pose"), 4), 4), "pose of the tip at q = 0 in the base frame", _attribute_of(0, "home")),
     chain=(nonempty(CHAIN), "every moving joint, mimic joints included, as screws (v; ω) at q = 0 in the base frame",
         _attribute_of(0, "joints")),
-)
-TOLERANCES = table(
-    "tolerances",
-    of=Tolerances,
-    singular=num("1", gt=0),
-    target=num("1", gt=0),
-    stationary=num("1", gt=0),
-    block_rank=num("1/distance", gt=0),
-    tangent=num("1", gt=0),
-    value=num("joint", gt=0),
-    fit_gap=num("1", gt=0),
-    coefficient=num("1", gt=0),
-    explained=num("distance", gt=0),
-)
-PINNED = table("pinned", of=Pin, number=Positive, values=nonempty(num("joint")))
-INSIDE_PINNED = table("inside_pinned", number=Positive, values=list_of(num("joint")))
-TOLERANCE = table(
-    "tolerance",
-    of=ModelTolerance,
-    text=str,
-    length=num("m", gt=0) | None,
-    angle=num("rad", gt=0) | None,
-)
-MOVED = table(
-    "moved",
-    name=str,
-    kind=Literal["twist", "angle", "distance", "offset", "base", "tip"],
-    joints=nonempty(Positive),
-    before=num("entry"),
-    after=num("entry"),
-    by=num("entry", ge=0),
-    text=str,
 )

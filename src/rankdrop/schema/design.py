@@ -179,30 +179,6 @@ ARMS = table(
     **_MEASURED,
 )
 
-
-def _version(_: Any) -> str:
-    return VERSION
-
-
-def _arms(compared: Any) -> list[dict[str, Any]]:
-    columns = zip(compared.names, compared.robots, compared.records, strict=True)
-    return [{**record, "name": name, "about": robot.about, "joints": robot.n, "reach": float(reach(robot))}
-            for name, robot, record in columns]  # fmt: skip
-
-
-SIDE_BY_SIDE_FILE = file(
-    "side-by-side",
-    "Written by `rankdrop compare --json`: arms side by side, measured for the same task.",
-    version=(str, "of rankdrop", _version),
-    task=(str, "", lambda compared: compared.task.name),
-    length_scale=(num("m", gt=0), "", lambda compared: float(compared.task.length_scale)),
-    limits=bool,
-    seed=Count,
-    sentence=str,
-    holds=bool,
-    measures=list_of(MEASURES),
-    arms=(list_of(ARMS), "", _arms),
-)
 SWEEP_PARAMETERS = table(
     "sweep_parameters",
     name=str,
@@ -241,6 +217,50 @@ VARIANTS = table(
     values=list_of(num("entry")),
     **_MEASURED,
 )
+
+TableColumn = tuple[str, str, str, Callable[[Mapping[str, Any]], Any]]
+"""Of a Parquet table: name, type, meaning, and the value from a record."""
+FAMILY_COLUMNS: list[TableColumn] = [
+    ("variant", "int64", "number of the variant, from 1", lambda family: family["variant"]),
+    ("family", "string", "id of the family in its variant", lambda family: family["id"]),
+    ("key", "string", "what it is, apart from the arm's lengths", lambda family: family["key"]),
+    ("name", "string", "its name", lambda family: family["name"]),
+    ("corank", "int64", "rank lost on it", lambda family: family["corank"]),
+    ("dimension", "int64", "of it in joint space", lambda family: family["dimension"]),
+    ("conditions", "string", "of its coupled joints, one a line", lambda family: "\n".join(family["conditions"])),
+    ("sound", "int64", "solutions of its conditions that are singular", lambda family: family["sound"][0]),
+    ("tested", "int64", "solutions of its conditions", lambda family: family["sound"][1]),
+    ("share", "float64", "share of the joint space near it; null where not asked for",
+     lambda family: family["share"] and family["share"]["share"]),
+    ("share_error", "float64", "standard error of the share",
+     lambda family: family["share"] and family["share"]["error"]),
+]  # fmt: skip
+"""Of the table of families."""
+
+
+def _version(_: Any) -> str:
+    return VERSION
+
+
+def _arms(compared: Any) -> list[dict[str, Any]]:
+    columns = zip(compared.names, compared.robots, compared.records, strict=True)
+    return [{**record, "name": name, "about": robot.about, "joints": robot.n, "reach": float(reach(robot))}
+            for name, robot, record in columns]  # fmt: skip
+
+
+SIDE_BY_SIDE_FILE = file(
+    "side-by-side",
+    "Written by `rankdrop compare --json`: arms side by side, measured for the same task.",
+    version=(str, "of rankdrop", _version),
+    task=(str, "", lambda compared: compared.task.name),
+    length_scale=(num("m", gt=0), "", lambda compared: float(compared.task.length_scale)),
+    limits=bool,
+    seed=Count,
+    sentence=str,
+    holds=bool,
+    measures=list_of(MEASURES),
+    arms=(list_of(ARMS), "", _arms),
+)
 SWEEP_FILE = file(
     "sweep",
     "Written by `rankdrop sweep --json`: variants of an arm, measured for the same task. Variants and joints are "
@@ -268,26 +288,6 @@ SWEEP_FILE = file(
     exact=list_of(SWEEP_EXACT),
     variants=(list_of(VARIANTS), "", lambda designs: designs.records),
 )
-
-
-TableColumn = tuple[str, str, str, Callable[[Mapping[str, Any]], Any]]
-"""Of a Parquet table: name, type, meaning, and the value from a record."""
-FAMILY_COLUMNS: list[TableColumn] = [
-    ("variant", "int64", "number of the variant, from 1", lambda family: family["variant"]),
-    ("family", "string", "id of the family in its variant", lambda family: family["id"]),
-    ("key", "string", "what it is, apart from the arm's lengths", lambda family: family["key"]),
-    ("name", "string", "its name", lambda family: family["name"]),
-    ("corank", "int64", "rank lost on it", lambda family: family["corank"]),
-    ("dimension", "int64", "of it in joint space", lambda family: family["dimension"]),
-    ("conditions", "string", "of its coupled joints, one a line", lambda family: "\n".join(family["conditions"])),
-    ("sound", "int64", "solutions of its conditions that are singular", lambda family: family["sound"][0]),
-    ("tested", "int64", "solutions of its conditions", lambda family: family["sound"][1]),
-    ("share", "float64", "share of the joint space near it; null where not asked for",
-     lambda family: family["share"] and family["share"]["share"]),
-    ("share_error", "float64", "standard error of the share",
-     lambda family: family["share"] and family["share"]["error"]),
-]  # fmt: skip
-"""Of the table of families."""
 
 
 def variant_columns(parameters: Sequence[Any], measures: Sequence[str]) -> list[TableColumn]:

@@ -112,19 +112,6 @@ COVER_SETTINGS = table(
 )
 LEAF = table("leaf", halvings=(list_of(Count), "", attrgetter("covering.plan.depth")), width=num("distance"))
 
-
-def _cells_in_all(shape: Any) -> float:
-    """Boxes of the last level, free or not; they may be more than 2⁶³."""
-    return float(np.prod(shape.cells(shape.levels), dtype=np.float64))
-
-
-BOXES = table(
-    "boxes",
-    all=(num("1"), "", lambda covering: _cells_in_all(covering.tree.shape)),
-    left=(Count, "", attrgetter("tree.leaves")),
-    proven=(Count, "", attrgetter("tree.proven_leaves")),
-    tested=Count,
-)
 EXPLAINED_FAMILIES = table("explained_families", id=str, name=str, boxes=Count)
 PLACES = table(
     "places",
@@ -149,6 +136,38 @@ EXPLAINED = table(
     diagonal=num("distance"),
     places=(list_of(PLACES), "", lambda account: account.spots[:_MOST_PLACES]),
     places_in_all=(Count, "", lambda account: len(account.spots)),
+)
+
+VERIFIED_FILE = file(
+    "verified",
+    "Written by `rankdrop verify --json`: whether a certificate holds.",
+    units=None,
+    holds=bool,
+    kind=(Literal["ball", "path", "covering", "existence", "posture change", "sign proof", ""],
+        "empty: the file is damaged"),
+    arm=str,
+    claim=(str, "what holds; empty where it does not"),
+    statement=(optional(list_of(str)), "the whole claim, entry by entry: arm, task, place, ranges"),
+    reason=(str, "why it does not hold; empty where it does"),
+    assumed=(list_of(str), "what the proof rests on in addition to the arm's numbers"),
+    how=(optional(str), "how the boxes of a covering were proven"),
+    enclosures=Count,
+    complete=(bool, "false: interrupted"),
+    version=(str, "", lambda _: VERSION),
+)
+
+
+def _cells_in_all(shape: Any) -> float:
+    """Boxes of the last level, free or not; they may be more than 2⁶³."""
+    return float(np.prod(shape.cells(shape.levels), dtype=np.float64))
+
+
+BOXES = table(
+    "boxes",
+    all=(num("1"), "", lambda covering: _cells_in_all(covering.tree.shape)),
+    left=(Count, "", attrgetter("tree.leaves")),
+    proven=(Count, "", attrgetter("tree.proven_leaves")),
+    tested=Count,
 )
 
 
@@ -180,21 +199,4 @@ COVER_FILE = file(
     free_share=(num("1", ge=0, le=1), "", attrgetter("covering.free_share")),
     sha256=(str | None, "", lambda covered: covered.sha256 or None),
     explained=(EXPLAINED | None, "", attrgetter("account")),
-)
-VERIFIED_FILE = file(
-    "verified",
-    "Written by `rankdrop verify --json`: whether a certificate holds.",
-    units=None,
-    holds=bool,
-    kind=(Literal["ball", "path", "covering", "existence", "posture change", "sign proof", ""],
-        "empty: the file is damaged"),
-    arm=str,
-    claim=(str, "what holds; empty where it does not"),
-    statement=(optional(list_of(str)), "the whole claim, entry by entry: arm, task, place, ranges"),
-    reason=(str, "why it does not hold; empty where it does"),
-    assumed=(list_of(str), "what the proof rests on in addition to the arm's numbers"),
-    how=(optional(str), "how the boxes of a covering were proven"),
-    enclosures=Count,
-    complete=(bool, "false: interrupted"),
-    version=(str, "", lambda _: VERSION),
 )

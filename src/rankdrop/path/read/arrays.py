@@ -43,6 +43,8 @@ _HEADER = 10_240  # bytes: NumPy itself accepts headers of 10,000
 _ZIP_END = 22  # bytes of the record at the end of an archive
 _ENTRY = 1024  # bytes of a member in the list of an archive
 
+Found = TypeVar("Found")
+
 
 def read_arrays(path: Path, robot: Robot, *, deg: bool = False) -> Trajectory:
     """A trajectory from a .npy file (T, n), or (T, n + 1) with a rising time in front; or from an .npz archive.
@@ -148,9 +150,6 @@ def _shape_in(archive: ZipFile, name: str) -> tuple[int, ...] | None:
             return _header(stream.read(_HEADER))[0]
     except _DAMAGED:
         return None
-
-
-Found = TypeVar("Found")
 
 
 def _opened(

@@ -37,6 +37,9 @@ _SCRATCH = 64 * 2**20  # bytes that a recording whose files are compressed may h
 _RATIO = 100  # and as many for each byte of it
 _PAGE = 65536  # bytes that a reader may ask for beyond the end of a file
 
+Row = tuple[Array, Array | None, Array | None, int, int, int, str]
+"""q, qd, qdd; times of header, of recording and from the start of the plan [ns]; where it stands in the bag."""
+
 
 def read_bag(path: Path, robot: Robot, *, topic: str | None = None, deg: bool = False) -> Trajectory:
     """A trajectory from one topic of a bag.
@@ -235,10 +238,6 @@ def _only_topic(types: Mapping[str, set[str]], name: str, every: str) -> str:
         raise TrajectoryError("several topics have joint values", where=name, got=every,
                               mend=f"topic={fitting[0]!r}", typed=f"--topic {fitting[0]}")  # fmt: skip
     return fitting[0]
-
-
-Row = tuple[Array, Array | None, Array | None, int, int, int, str]
-"""q, qd, qdd; times of header, of recording and from the start of the plan [ns]; where it stands in the bag."""
 
 
 @dataclass

@@ -82,6 +82,9 @@ _IN_CALL = re.compile(r"SVEL_(?:CP|JOINT)\(\s*([^,)]*).*", re.IGNORECASE)
 _DEGREE = radians(1.0)
 _BLENDS = ("C_PTP", "C_DIS", "C_VEL", "C_ORI", "C_SPL")
 
+_Tool = tuple[str, Array | None]
+"""The text that set a tool, and its frame (4, 4); None: not known."""
+
 
 def read(text: str, name: str, declarations: str = "") -> Program:
     """A program from its text.
@@ -117,10 +120,6 @@ def _begins_statement(line: str) -> bool:
     """Whether a line begins with a word that stands in no bracket."""
     first = _WORD.match(line)
     return first is not None and first[1].upper() in _BEGINS
-
-
-_Tool = tuple[str, Array | None]
-"""The text that set a tool, and its frame (4, 4); None: not known."""
 
 
 class _KrlReader:

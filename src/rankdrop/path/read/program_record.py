@@ -33,6 +33,9 @@ MILLIMETRE = 1e-3
 PROGRAMS = (".src", ".mod", ".prg", ".script", ".ls", ".jbi")
 """Endings of robot programs."""
 
+Kind = Literal["joint", "line", "arc"]
+"""How a move goes."""
+
 
 class Language(StrEnum):
     """Of a program."""
@@ -79,10 +82,6 @@ MOVES = frozenset((Reason.VARIABLE, Reason.CHANGED, Reason.EXPRESSION, Reason.IN
 """Reasons of lines that move the arm: what they do was not read."""
 BREAKS = MOVES | {Reason.ROUTINE, Reason.BRANCH}
 """Reasons after which nobody knows from this file where the arm is."""
-
-
-Kind = Literal["joint", "line", "arc"]
-"""How a move goes."""
 
 
 @dataclass(frozen=True)

@@ -66,6 +66,17 @@ ROBOTS: dict[str, tuple[str, Callable[[int], str]]] = {
     "a key of many parts": (".toml", lambda size: repeated("a.", size, tail="a = 1")),
     "a long number": (".toml", lambda size: repeated("1", size, 'convention = "standard"\n[[joints]]\na = ')),
     "a long sum": (".toml", lambda size: repeated("1+", size, 'convention = "standard"\n[[joints]]\na = "', '1"')),
+    "rows of a table with a heading": (".csv", lambda size: repeated("0,0,1,0\n", size, "a,alpha,d,theta\n")),
+    "headings without rows": (".csv", lambda size: repeated("a,alpha,d,theta\n", size)),
+    "calls of links": (".m", lambda size: repeated("L=Link([0 1 0 0]);\n", size)),
+    "calls inside each other": (".m", lambda size: repeated("Link(", size)),
+    "calls in one line": (".m", lambda size: repeated("Link([0 1 0 0]);", size)),
+    "lists of parameters": (".py", lambda size: repeated("a = [0, 0]\n", size)),
+    "a long list": (".py", lambda size: repeated("0, ", size, "a = [", "0]\nd = [0]\nalpha = [0]\n")),
+    "numbered names": (".py", lambda size: repeated(lambda i: f"a{i % 100} = 1\n", size)),
+    "assignments": (".py", lambda size: repeated(lambda i: f"x{i} = x{i - 1}\n", size, "L = Link([0 x1 0 0])\n")),
+    "blanks in an assignment": (".py", lambda size: repeated(" ", size, "a", "= 1")),
+    "bars": (".txt", lambda size: repeated("|", size, "alpha", "x")),
     "lines of screws": (".txt", lambda size: repeated("0 0 0 0 0 1\n", size)),
 }  # fmt: skip
 ROWS = "joint1,joint2,joint3,joint4\n"

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from rankdrop.errors import RobotError
 from rankdrop.lists import flat_map
-from rankdrop.robot.files import name_of_file, read_xml
+from rankdrop.robot.files import LARGEST_TABLE, name_of_file, read_xml
 
 if TYPE_CHECKING:
     from rankdrop.robot.model import Robot
@@ -98,6 +98,18 @@ def _holds_screws(file: RobotFile) -> bool:
     return not file.root and file.suffix != ".toml" and is_screw_list(file.text)
 
 
+def _holds_dh_text(file: RobotFile) -> bool:
+    from rankdrop.robot.dh_rows import is_table
+
+    return not file.root and file.suffix != ".toml" and len(file.text) <= LARGEST_TABLE and is_table(file.text)
+
+
+def _read_dh_text(file: RobotFile) -> Robot:
+    from rankdrop.robot.dh_text import from_dh_text
+
+    return from_dh_text(file.text, file=str(file.path), name=name_of_file(file.path), as_written=file.as_written)
+
+
 def _read_urdf(file: RobotFile) -> Robot:
     from rankdrop.robot.urdf import from_urdf
     from rankdrop.robot.xacro import uses_xacro
@@ -117,6 +129,7 @@ FORMATS = (
     Format("URDF", (".urdf", ".xml"), lambda file: file.root != "", _read_urdf),
     Format("plain screws (six numbers a line)", (".txt",), _holds_screws, _reader("screws.from_screw_list"),
            links=False),
+    Format("DH tables", (".txt", ".csv", ".m", ".py"), _holds_dh_text, _read_dh_text, links=False),
     Format("TOML (DH, screws)", (".toml",), lambda file: file.suffix == ".toml" or _is_toml(file.text), _read_toml,
            links=False),
 )  # fmt: skip
@@ -138,7 +151,7 @@ def format_of(file: RobotFile) -> Format:
         raise RobotError("the file is a pointer of Git LFS, not the file itself", where=str(file.path),
                          mend="fetch it: git lfs pull")  # fmt: skip
     raise RobotError("the file is neither TOML nor XML", where=str(file.path), allowed=", ".join(format_endings()),
-                     mend=f"give a file in {format_names()}")  # fmt: skip
+                     mend=f"give a file in {format_names()}; a table has a heading: a, alpha, d, theta")  # fmt: skip
 
 
 def format_names() -> str:

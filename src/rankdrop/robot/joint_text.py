@@ -78,7 +78,7 @@ def joints_of_text(text: str, names: Sequence[str], *, where: str) -> JointText:
     """
     if len(text) > LONGEST_PASTE:
         return JointText(text)
-    plain = _with_plain_constants(text)
+    plain = with_plain_constants(text)
     message = _of_message(plain, names, where)
     if message is not None:
         return message
@@ -87,7 +87,7 @@ def joints_of_text(text: str, names: Sequence[str], *, where: str) -> JointText:
     return _of_code(plain.replace("|", ","))
 
 
-def _with_plain_constants(text: str) -> str:
+def with_plain_constants(text: str) -> str:
     """The text with pi for the names that languages give it, units for conversions, no blanks around * and /."""
     plain = text.strip().rstrip(";").strip()
     for name, value in _CONSTANTS:

@@ -35,6 +35,8 @@ class NoteOn(StrEnum):
     IDEAL = "ideal-arm"
     NO_HOME = "no-home-pose"
     SCREW_LINES = "screw-lines"
+    DH_TEXT = "dh-table-in-text"
+    NOT_PLACED = "tool-or-base-not-read"
     SIZE = "reach-in-millimetres"
     PACKAGE = "package-found"
     NO_PACKAGE = "package-missing"

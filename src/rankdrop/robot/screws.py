@@ -240,7 +240,8 @@ def _screws_with_lines(path: Path) -> tuple[Array, list[int]]:
             else:
                 column = len(text.rstrip()) + 1
             raise RobotError(
-                "a screw has six numbers (direction; moment)", where=f"{where}, column {column}", got=len(entries)
+                "a screw has six numbers (direction; moment)", where=f"{where}, column {column}", got=len(entries),
+                mend={4: "rows of four numbers of a DH table need a heading: a, alpha, d, theta"}.get(len(entries)),
             )
         rows.append(values)
         lines.append(number)

@@ -1,0 +1,437 @@
+"""Where a text has the rows of a Denavit–Hartenberg table: calls, a table with a heading, lists, or numbered names.
+
+- Calls of toolboxes: `Link([theta d a alpha])`, `Link('d', 0.1, 'a', 0, 'alpha', pi/2)`, `RevoluteMDH(d=0.1, a=0)`.
+- A table with a heading that names its columns, as it is printed, in CSV, Markdown, or as a comment above an array.
+- A list for each parameter: `a = [0, -0.425, …]`, `d = […]`, `alpha = […]`.
+- Numbered names: `a1 = 0.4`, `alpha1 = -pi/2`, or `{alpha0: 0, a0: 0, d1: 0.75, …}`.
+
+The entries stay texts; `dh_text` makes an arm of them.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import chain, count
+
+from rankdrop.errors import RobotError
+
+KEYS = ("a", "alpha", "d", "theta", "offset", "lower", "upper")
+_LONGEST_HEADING = 400  # characters
+_LONGEST_CALL = 600  # characters of the arguments of one call
+_GREEK = str.maketrans({"α": "alpha", "⍺": "alpha", "𝛼": "alpha", "θ": "theta", "ϑ": "theta", "𝜃": "theta", "π": "pi",
+                        "−": "-", "–": "-"})  # fmt: skip
+_LATEX = re.compile(r"\\(pi|alpha|theta)(?![A-Za-z])")
+
+
+@dataclass(frozen=True)
+class WrittenRow:
+    """One row: its entries as they are written, by `KEYS`, and the line of the text.
+
+    Attributes:
+        slides: its d is the joint variable.
+        varies: an entry names the joint variable; None where the form does not write it.
+    """
+
+    entries: Mapping[str, str]
+    line: int
+    slides: bool = False
+    varies: bool | None = None
+
+
+@dataclass(frozen=True)
+class WrittenTable:
+    """The rows that were found, and what their form says of them.
+
+    Attributes:
+        rows: base to tip.
+        convention: "standard" or "modified"; "" where the form does not say.
+        units: of the columns, by `KEYS`, where the heading states them.
+        radians: the form has angles in radians, whatever their size.
+        constants: names with the expressions that the text gives them.
+    """
+
+    rows: tuple[WrittenRow, ...]
+    convention: str = ""
+    units: Mapping[str, str] = field(default_factory=dict)
+    radians: bool = False
+    constants: Mapping[str, str] = field(default_factory=dict)
+
+
+def table_in(text: str, file: str) -> WrittenTable | None:
+    """The table that a text has; None where it has none.
+
+    Raises:
+        RobotError: two arms, or a row that does not fit.
+    """
+    plain = _LATEX.sub(r"\1", text.translate(_GREEK)).replace("$", "")
+    lines = plain.splitlines()
+    return _of_calls(lines, file) or _of_heading(lines) or _of_lists(lines) or _of_numbers(lines)
+
+
+def is_table(text: str) -> bool:
+    """Whether a text has a table."""
+    try:
+        return table_in(text, "") is not None
+    except RobotError:
+        return True  # its reader says why it cannot be read
+
+
+# Calls of toolboxes
+
+_COMMENT = re.compile(r"[%#].*|//.*")
+_CALL = re.compile(r"\b(?:(?P<kind>Revolute|Prismatic)(?P<modified>M?)(?:DH)?|(?P<link>Link|link|DHLink))\s*\(")
+_ASSIGNED = re.compile(
+    r"(?:^|[;,{(])\s*(?:(?:double|float|const|self\.)\s*)*(?P<name>[A-Za-z_]\w{0,40})\s*=\s*(?P<value>[^=;,#%\n]{1,80})"
+)
+_TARGET = re.compile(r"(?P<name>[\w.]{1,40}(?:[({\[]\d{1,3}[)}\]])?)\s*=\s*(?:\w{1,20}\.)?$")
+_LATER = re.compile(
+    r"(?P<name>[\w.]{1,40}(?:[({\[]\d{1,3}[)}\]])?)\.(?P<key>offset|qlim)\s*=\s*(?P<value>[^;\n]{1,120})"
+)
+_WORD = re.compile(r"""^["']?(?P<key>[A-Za-z_]+)["']?\s*=?\s*""")
+_TEXT = re.compile(r"""^["'](?P<text>\w+)["']$""")
+_PARAMETERS = {key: key for key in (*KEYS, "qlim", "sigma", "mdh")}
+_VECTORS = {"Link": ("theta", "d", "a", "alpha", "sigma", "offset"), "link": ("alpha", "a", "theta", "d", "sigma")}
+"""Order of the numbers of one bracket; `link` is that of older versions."""
+
+
+def _of_calls(lines: list[str], file: str) -> WrittenTable | None:
+    code = [_COMMENT.sub("", line) for line in lines]
+    calls = list(chain.from_iterable(map(_calls_in, code, count(1))))
+    if not calls:
+        return None
+    _refuse_two_arms(calls, file)
+    settings = chain.from_iterable(map(_LATER.finditer, code))
+    later = {(found["name"], found["key"]): found["value"] for found in settings}
+    rows = tuple(_row_of(call, later) for call in calls)
+    conventions = {call.convention for call in calls}
+    if len(conventions) > 1:
+        raise RobotError("the links are of both conventions", where=file, allowed="all standard, or all modified")
+    return WrittenTable(rows, conventions.pop(), radians=True, constants=_constants(code))
+
+
+@dataclass(frozen=True)
+class _Call:
+    """One call: the name that it is assigned to, its arguments by key."""
+
+    name: str
+    entries: Mapping[str, str]
+    line: int
+    convention: str
+    slides: bool
+
+
+def _calls_in(line: str, number: int) -> Iterator[_Call]:
+    for found in _CALL.finditer(line):
+        arguments = _arguments(line, found.end())
+        targets = _TARGET.findall(line[max(0, found.start() - 60) : found.start()])
+        call = _call_of(found, arguments, "".join(targets), number)
+        if call.entries:
+            yield call
+
+
+def _call_of(found: re.Match[str], arguments: list[str], name: str, line: int) -> _Call:
+    flags = {text["text"].lower() for word in arguments if (text := _TEXT.match(word))}
+    entries = _entries_of(arguments, _VECTORS.get(found["link"] or "Link", _VECTORS["Link"]))
+    without_d = bool(found["link"]) and "theta" in entries and "d" not in entries
+    slides = [found["kind"] == "Prismatic", "prismatic" in flags, entries.get("sigma") == "1", without_d]
+    modified = [bool(found["modified"]), "modified" in flags, entries.get("mdh") in ("1", "True", "true")]
+    convention = ("standard", "modified")[any(modified)]
+    return _Call(name, entries, line, convention, any(slides))
+
+
+def _entries_of(arguments: list[str], order: tuple[str, ...]) -> dict[str, str]:
+    """Arguments by key: 'd', 0.1 and d=0.1, and the numbers of one bracket."""
+    entries: dict[str, str] = {}
+    waiting = ""
+    for word in arguments:
+        quoted = _TEXT.match(word)
+        named = _WORD.match(word)
+        if waiting:
+            entries[waiting], waiting = word, ""
+        elif quoted is not None:
+            waiting = _PARAMETERS.get(quoted["text"], "")
+        elif named is not None and "=" in named[0]:
+            entries[named["key"]] = word[named.end() :].strip()
+        elif word.startswith("[") and not entries:
+            entries |= dict(zip(order, re.split(r"\s*,\s*|\s+", word.strip("[] ")), strict=False))
+    return entries
+
+
+def _arguments(line: str, at: int) -> list[str]:
+    """The arguments of a call that begins at a place, split at the commas outside brackets."""
+    depth, words, word = 0, [], ""
+    for letter in line[at : at + _LONGEST_CALL]:
+        if letter in ")" and depth == 0:
+            break
+        depth += (letter in "([{") - (letter in ")]}")
+        if letter == "," and depth == 0:
+            words.append(word.strip())
+            word = ""
+        else:
+            word += letter
+    return [*words, word.strip()]
+
+
+def _refuse_two_arms(calls: list[_Call], file: str) -> None:
+    lines: dict[str, int] = {}
+    for call in calls:
+        if call.name and call.name in lines:
+            raise RobotError("the file has two arms", where=f"{file}, line {call.line}",
+                             got=f"{call.name} again, first in line {lines[call.name]}",
+                             mend="keep the rows of one arm")  # fmt: skip
+        lines[call.name] = call.line
+
+
+def _row_of(call: _Call, later: Mapping[tuple[str, str], str]) -> WrittenRow:
+    entries = {key: call.entries[key] for key in ("a", "alpha", "d", "theta") if key in call.entries}
+    if call.slides:
+        entries.pop("d", None)  # the variable
+    else:
+        entries.pop("theta", None)
+    offset = later.get((call.name, "offset"), call.entries.get("offset", "0"))
+    limits = later.get((call.name, "qlim"), call.entries.get("qlim", ""))
+    return WrittenRow(entries | {"offset": offset} | _limits(limits), call.line, call.slides)
+
+
+_PAIR = re.compile(r"\[\s*(?P<lower>[^,\s\]]+(?:\([^)]*\))?)\s*[,\s]\s*(?P<upper>[^\]]+?)\s*\](?P<factor>\s*\*.*)?")
+_CONVERTED = re.compile(r"^(?:\w{1,20}\.)?(?:deg2rad|radians|d2r)\((?P<pair>.*)\)$")
+
+
+def _limits(text: str) -> dict[str, str]:
+    """lower and upper of `[-pi, pi]`, `[-165 165]*deg` or `deg2rad([-360 360])`; empty for anything else."""
+    converted = _CONVERTED.match(text.strip())
+    inside, scale = text.strip(), ""
+    if converted is not None:
+        inside, scale = converted["pair"], "*pi/180"
+    pair = _PAIR.match(inside)
+    if pair is None:
+        return {}
+    factor = pair["factor"] or scale
+    return {key: f"({pair[key]}){factor}" for key in ("lower", "upper")}
+
+
+def _constants(lines: list[str]) -> dict[str, str]:
+    """Names with their expressions; of two different expressions both, with a bar between."""
+    constants: dict[str, str] = {}
+    for line in lines:
+        for found in _ASSIGNED.finditer(line):
+            value = found["value"].strip()
+            before = constants.get(found["name"])
+            if before not in (None, value):
+                value = f"{before} | {value}"
+            constants[found["name"]] = value
+    return constants
+
+
+# A table with a heading
+
+_UNIT = re.compile(r"[(\[{]\s*(?P<unit>mm|cm|m|deg(?:rees?)?|°|rad(?:ians?)?)\s*(?:[)\]}]|$)", re.IGNORECASE)
+_HEADS = (
+    ("alpha", re.compile(r"(?:link\s?)?(?:alpha|twist)(?:\s?angle)?")),
+    ("offset", re.compile(r"(?:theta)?(?:off(?:set)?|0)")),
+    ("theta", re.compile(r"theta|q|joint\s?angle|angle")),
+    ("a", re.compile(r"a|link\s?length|length")),
+    ("d", re.compile(r"d|r|link\s?offset|joint\s?distance")),
+    ("lower", re.compile(r"q-|q\(?min\)?|min|lower(?:\s?limit)?")),
+    ("upper", re.compile(r"q\+|q\(?max\)?|max|upper(?:\s?limit)?")),
+)
+_TWIST = re.compile(r"alpha|twist", re.IGNORECASE)
+_BEFORE = re.compile(r"\(?[ijnk]?-1\)?$")
+_INDEX = re.compile(r"[_{}( ]*[ijnk]?[})]?$")
+_FRAME = re.compile(r"[+\-=─━═╋┼┳┻┏┓┗┛┣┫┌┐└┘├┤┬┴|┃│\s:]+|\\hline|```\w*")
+_BARS = str.maketrans("┃│║&", "||||")
+_AROUND = re.compile(r"^[^|,;\t\d]*?=\s*[\w.]*\(?\s*(?=\[)")
+
+
+def _of_heading(lines: list[str]) -> WrittenTable | None:
+    for number, line in enumerate(lines):
+        heads = _heads(line)
+        if heads is None:
+            continue
+        rows = tuple(_rows_below(lines, number + 1, heads.keys))
+        if rows:
+            return WrittenTable(rows, heads.convention, heads.units, constants=_constants(lines))
+    return None
+
+
+@dataclass(frozen=True)
+class _Heads:
+    """What a heading says: the key of each column ("" for others), units by key, the convention."""
+
+    keys: tuple[str, ...]
+    units: Mapping[str, str]
+    convention: str
+
+
+def _heads(line: str) -> _Heads | None:
+    """The heading in a line; None where it names no a, alpha and d."""
+    if len(line) > _LONGEST_HEADING or _TWIST.search(line) is None:
+        return None
+    cells = _cells(_AROUND.sub("", line.lstrip("#%/* ")), None)
+    read = [_head(cell) for cell in cells]
+    keys = [key for key, _, _ in read]
+    if _named_r(cells) and "a" not in keys:
+        keys = list(map(_khalil, cells, keys))
+    if not {"a", "alpha", "d"} <= set(keys) or max(map(keys.count, KEYS)) > 1:
+        return None
+    return _heads_of(cells, keys, read)
+
+
+def _heads_of(cells: list[str], keys: list[str], read: list[tuple[str, str, bool]]) -> _Heads:
+    units = {key: unit for key, (_, unit, _) in zip(keys, read, strict=True) if key and unit}
+    convention = ""
+    if any(before for _, _, before in read) or _named_r(cells):
+        convention = "modified"
+    return _Heads(tuple(keys), units, convention)
+
+
+def _named_r(cells: list[str]) -> bool:
+    """Whether a column is called r, as in tables with the lengths d and r."""
+    return any(re.fullmatch(r"r[_{]?[ijnk]?}?", cell.strip().lower()) for cell in cells)
+
+
+def _khalil(cell: str, key: str) -> str:
+    """Of a table with d and r, d is the length that others call a, and r their d."""
+    if key == "d" and not cell.strip().lower().startswith("r"):
+        return "a"
+    return key
+
+
+def _head(cell: str) -> tuple[str, str, bool]:
+    """The key of one heading, its unit, and whether it counts the link before."""
+    unit = _UNIT.search(cell)
+    name = unicodedata.normalize("NFKD", _UNIT.sub("", cell)).translate(_GREEK).lower()
+    name = name.replace("−", "-").replace("\\", "").replace("$", "").replace("*", "").strip(" _'\"`")
+    name = re.sub(r"\s+", " ", name)
+    shorter = _BEFORE.sub("", name.strip("{}")).rstrip("_{( ")
+    before = shorter != name.strip("{}") and not name.startswith("q")
+    if not before:
+        shorter = name
+    for candidate in (shorter, _INDEX.sub("", shorter)):
+        for key, pattern in _HEADS:
+            if pattern.fullmatch(candidate):
+                return key, _unit_of(unit), before
+    return "", "", False
+
+
+def _unit_of(found: re.Match[str] | None) -> str:
+    if found is None:
+        return ""
+    word = found["unit"].lower()[:3]
+    return {"°": "deg"}.get(word, word)
+
+
+def _rows_below(lines: list[str], at: int, keys: tuple[str, ...]) -> Iterator[WrittenRow]:
+    begun = False
+    for number in range(at, len(lines)):
+        line = _AROUND.sub("", lines[number])
+        if _FRAME.fullmatch(line) or not line.strip():
+            continue
+        cells = _cells(line, len(keys))
+        fits = len(cells) == len(keys) and re.search(r"\d", line) is not None
+        if fits:
+            begun = True
+            yield _row_of_cells(dict(zip(keys, cells, strict=True)), number + 1)
+        elif begun:
+            return
+
+
+_SPLITS = tuple(map(re.compile, (r"\|", r";", r",", r"\t+", r"\s{2,}", r"\s+")))
+_DECIMAL_COMMA = re.compile(r"^(-?\d+),(\d+)$")
+
+
+def _cells(line: str, count: int | None) -> list[str]:
+    """The cells of a line, by the first separator that makes as many as are wanted; None: at least three."""
+    body = re.sub(r"(?:\\\\|\\hline)\s*$", "", _row_without_comment(line)).translate(_BARS).strip()
+    around = "| \t"
+    if count is None or "|" not in body:
+        around = "|[](){} \t,;"
+    body = body.strip(around)
+    for split in _SPLITS:
+        cells = [cell.strip(" []{}") for cell in split.split(body)]
+        if split.pattern == ";":
+            cells = [_DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in cells]
+        if len(cells) == count or (count is None and len(cells) >= 3):
+            return cells
+    return []
+
+
+def _row_without_comment(line: str) -> str:
+    """A row without a comment behind it and the brackets around it."""
+    bare = re.split(r"\s[#%]|//", line, maxsplit=1)[0]
+    if re.search(r"[\[{]", bare):
+        return bare.strip("[]{}(),; \t")
+    return bare
+
+
+_VARIABLE = re.compile(r"(?:\b(?:q|theta|th|t)_?\{?\d{0,2}\}?(?:\(t\))?\*?|\bd_?\{?\d{0,2}\}?\*|\*)(?!\w)")
+_SLIDE = re.compile(r"^q_?\{?\d{0,2}\}?\*?$|\*$|^d_?\{?\d{0,2}\}?\*$")
+
+
+def _row_of_cells(cells: dict[str, str], line: int) -> WrittenRow:
+    entries = {key: cell for key, cell in cells.items() if key}
+    slides = bool(_SLIDE.search(entries.get("d", "").lower()))
+    varies = slides or bool(_VARIABLE.search(entries.get("theta", "q").lower()))
+    for key in ("theta", "d"):
+        if key in entries:
+            entries[key] = _constant_part(entries[key])
+    return WrittenRow(entries, line, slides, varies)
+
+
+def _constant_part(cell: str) -> str:
+    """The part of a cell that is added to the joint variable: "- 90°" of "q2 - 90°"; all of it where it has none."""
+    rest = _VARIABLE.sub("", cell.lower(), count=1).strip().rstrip("+").strip()
+    return rest or "0"
+
+
+# Lists and numbered names
+
+_LIST = re.compile(r"(?:^|[\s.;])(?P<name>[A-Za-z]\w{0,30})\s*=\s*[\w.]*\(?\s*[\[{](?P<items>[^\[\]{}]{1,2000})[\]}]")
+_NAMED_LIST = re.compile(r"(?:dh_?)?(?P<key>(?:alpha|a|d|theta|theta_offset|offset)s?)\b(?:_?dh)?")
+_NUMBERED = re.compile(
+    r"(?<!\w)(?P<key>alpha|a|d|q|theta|th|offset)_?(?P<number>\d{1,2})\s*[=:]\s*(?P<value>[^=;,:#%\n{}]{1,60})"
+)
+
+
+def _of_lists(lines: list[str]) -> WrittenTable | None:
+    code = "\n".join(_COMMENT.sub("", line) for line in lines)
+    lists: dict[str, list[str]] = {}
+    for found in _LIST.finditer(code):
+        name = _NAMED_LIST.fullmatch(found["name"].lower())
+        if name is not None:
+            key = {"theta_offset": "offset"}.get(name["key"].rstrip("s"), name["key"].rstrip("s"))
+            lists[key] = [item for item in re.split(r"\s*[,;]\s*|\s+", found["items"].strip()) if item]
+    sizes = {len(items) for items in lists.values()}
+    if not lists.keys() >= {"a", "alpha", "d"} or len(sizes) != 1:
+        return None
+    entries = zip(*lists.values(), strict=True)
+    rows = tuple(WrittenRow(dict(zip(lists, values, strict=True)), 1) for values in entries)
+    return WrittenTable(rows, constants=_constants(code.splitlines()))
+
+
+def _of_numbers(lines: list[str]) -> WrittenTable | None:
+    found: dict[str, dict[int, tuple[str, int]]] = {}
+    for number, line in enumerate(lines, 1):
+        for item in _NUMBERED.finditer(_COMMENT.sub("", line)):
+            key = {"q": "theta", "th": "theta"}.get(item["key"], item["key"])
+            found.setdefault(key, {})[int(item["number"])] = (item["value"].strip().rstrip(")}]"), number)
+    if not found.keys() >= {"a", "alpha", "d"}:
+        return None
+    before = min(found["alpha"]) == 0 and min(found["d"]) == 1
+    rows = tuple(_numbered_row(found, number, int(before)) for number in sorted(found["d"]))
+    if len(rows) < 2:
+        return None
+    return WrittenTable(rows, ("", "modified")[before], constants=_constants(lines))
+
+
+def _numbered_row(found: Mapping[str, Mapping[int, tuple[str, int]]], number: int, before: int) -> WrittenRow:
+    at = {"a": number - before, "alpha": number - before, "d": number, "theta": number, "offset": number}
+    entries = {key: found[key][place][0] for key, place in at.items() if place in found.get(key, {})}
+    varies = None
+    if "theta" in entries:
+        varies = bool(_VARIABLE.search(entries["theta"].lower()))
+        entries["theta"] = _constant_part(entries["theta"])
+    return WrittenRow(entries, found["d"][number][1], varies=varies)

@@ -1,0 +1,46 @@
+"""Rows of a table are found in a text: which form it has, its columns, its variables."""
+
+from __future__ import annotations
+
+import pytest
+
+from rankdrop.robot.dh_rows import is_table, table_in
+
+
+@pytest.mark.parametrize(
+    "heading",
+    ["a,alpha,d,theta", "i | a_i | α_i | d_i | θ_i", "# [a, alpha, d, theta0]",
+     "link length;twist;link offset;joint angle",
+     "a (mm)  alpha (deg)  d (mm)  theta (deg)"],
+)  # fmt: skip
+def test_a_heading_names_its_columns(heading: str) -> None:
+    row = "2, 90, 3, 45"
+    if "|" in heading:
+        row = "1 | 2 | 90 | 3 | 45"
+    found = table_in(f"{heading}\n{row}\n", "t")
+    assert found is not None
+    entries = {{"offset": "theta"}.get(key, key): entry for key, entry in found.rows[0].entries.items()}
+    assert entries == {"a": "2", "alpha": "90", "d": "3", "theta": "45"}
+    assert found.convention == ""
+
+
+def test_indices_of_the_link_before_say_the_convention() -> None:
+    for heading in ("a_{i-1} alpha_{i-1} d_i theta_i", "aⱼ₋₁ ⍺ⱼ₋₁ dⱼ θⱼ", "a(i-1) alpha(i-1) d(i) theta(i)"):
+        found = table_in(f"{heading}\n0 0 1 q1\n", "t")
+        assert found is not None
+        assert found.convention == "modified"
+
+
+def test_the_joint_variable_is_found_in_a_row() -> None:
+    found = table_in("a alpha d theta\n0 0 1 q1\n0 0 q2 0\n0 0 d3* 0\n0 0 1 θ4-90°\n0 0 1 0\n", "t")
+    assert found is not None
+    assert [(row.slides, row.varies) for row in found.rows] == [
+        (False, True), (True, True), (True, True), (False, True), (False, False),
+    ]  # fmt: skip
+    assert [row.entries["theta"] for row in found.rows] == ["0", "0", "0", "-90°", "0"]
+
+
+def test_text_without_a_table_has_none() -> None:
+    lists = "a = [1, 2]\nalpha = [1]\nd = [1, 2]\n"
+    for text in ("nothing known", "alpha, beta, gamma\n1, 2, 3\n", lists, "Link", "a1 = 1"):
+        assert not is_table(text)

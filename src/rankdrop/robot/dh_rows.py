@@ -25,6 +25,59 @@ _GREEK = str.maketrans({"α": "alpha", "⍺": "alpha", "𝛼": "alpha", "θ": "t
                         "−": "-", "–": "-"})  # fmt: skip
 _LATEX = re.compile(r"\\(pi|alpha|theta)(?![A-Za-z])")
 
+# Calls of toolboxes
+
+_COMMENT = re.compile(r"[%#].*|//.*")
+_CALL = re.compile(r"\b(?:(?P<kind>Revolute|Prismatic)(?P<modified>M?)(?:DH)?|(?P<link>Link|link|DHLink))\s*\(")
+_ASSIGNED = re.compile(
+    r"(?:^|[;,{(])\s*(?:(?:double|float|const|self\.)\s*)*(?P<name>[A-Za-z_]\w{0,40})\s*=\s*(?P<value>[^=;,#%\n]{1,80})"
+)
+_TARGET = re.compile(r"(?P<name>[\w.]{1,40}(?:[({\[]\d{1,3}[)}\]])?)\s*=\s*(?:\w{1,20}\.)?$")
+_LATER = re.compile(
+    r"(?P<name>[\w.]{1,40}(?:[({\[]\d{1,3}[)}\]])?)\.(?P<key>offset|qlim)\s*=\s*(?P<value>[^;\n]{1,120})"
+)
+_WORD = re.compile(r"""^["']?(?P<key>[A-Za-z_]+)["']?\s*=?\s*""")
+_TEXT = re.compile(r"""^["'](?P<text>\w+)["']$""")
+_PARAMETERS = {key: key for key in (*KEYS, "qlim", "sigma", "mdh")}
+_VECTORS = {"Link": ("theta", "d", "a", "alpha", "sigma", "offset"), "link": ("alpha", "a", "theta", "d", "sigma")}
+"""Order of the numbers of one bracket; `link` is that of older versions."""
+
+_PAIR = re.compile(r"\[\s*(?P<lower>[^,\s\]]+(?:\([^)]*\))?)\s*[,\s]\s*(?P<upper>[^\]]+?)\s*\](?P<factor>\s*\*.*)?")
+_CONVERTED = re.compile(r"^(?:\w{1,20}\.)?(?:deg2rad|radians|d2r)\((?P<pair>.*)\)$")
+
+# A table with a heading
+
+_UNIT = re.compile(r"[(\[{]\s*(?P<unit>mm|cm|m|deg(?:rees?)?|°|rad(?:ians?)?)\s*(?:[)\]}]|$)", re.IGNORECASE)
+_HEADS = (
+    ("alpha", re.compile(r"(?:link\s?)?(?:alpha|twist)(?:\s?angle)?")),
+    ("offset", re.compile(r"(?:theta)?(?:off(?:set)?|0)")),
+    ("theta", re.compile(r"theta|q|joint\s?angle|angle")),
+    ("a", re.compile(r"a|link\s?length|length")),
+    ("d", re.compile(r"d|r|link\s?offset|joint\s?distance")),
+    ("lower", re.compile(r"q-|q\(?min\)?|min|lower(?:\s?limit)?")),
+    ("upper", re.compile(r"q\+|q\(?max\)?|max|upper(?:\s?limit)?")),
+)
+_TWIST = re.compile(r"alpha|twist", re.IGNORECASE)
+_BEFORE = re.compile(r"\(?[ijnk]?-1\)?$")
+_INDEX = re.compile(r"[_{}( ]*[ijnk]?[})]?$")
+_FRAME = re.compile(r"[+\-=─━═╋┼┳┻┏┓┗┛┣┫┌┐└┘├┤┬┴|┃│\s:]+|\\hline|```\w*")
+_BARS = str.maketrans("┃│║&", "||||")
+_AROUND = re.compile(r"^[^|,;\t\d]*?=\s*[\w.]*\(?\s*(?=\[)")
+
+_SPLITS = tuple(map(re.compile, (r"\|", r";", r",", r"\t+", r"\s{2,}", r"\s+")))
+_DECIMAL_COMMA = re.compile(r"^(-?\d+),(\d+)$")
+
+_VARIABLE = re.compile(r"(?:\b(?:q|theta|th|t)_?\{?\d{0,2}\}?(?:\(t\))?\*?|\bd_?\{?\d{0,2}\}?\*|\*)(?!\w)")
+_SLIDE = re.compile(r"^q_?\{?\d{0,2}\}?\*?$|\*$|^d_?\{?\d{0,2}\}?\*$")
+
+# Lists and numbered names
+
+_LIST = re.compile(r"(?:^|[\s.;])(?P<name>[A-Za-z]\w{0,30})\s*=\s*[\w.]*\(?\s*[\[{](?P<items>[^\[\]{}]{1,2000})[\]}]")
+_NAMED_LIST = re.compile(r"(?:dh_?)?(?P<key>(?:alpha|a|d|theta|theta_offset|offset)s?)\b(?:_?dh)?")
+_NUMBERED = re.compile(
+    r"(?<!\w)(?P<key>alpha|a|d|q|theta|th|offset)_?(?P<number>\d{1,2})\s*[=:]\s*(?P<value>[^=;,:#%\n{}]{1,60})"
+)
+
 
 @dataclass(frozen=True)
 class WrittenRow:
@@ -77,24 +130,6 @@ def is_table(text: str) -> bool:
         return table_in(text, "") is not None
     except RobotError:
         return True  # its reader says why it cannot be read
-
-
-# Calls of toolboxes
-
-_COMMENT = re.compile(r"[%#].*|//.*")
-_CALL = re.compile(r"\b(?:(?P<kind>Revolute|Prismatic)(?P<modified>M?)(?:DH)?|(?P<link>Link|link|DHLink))\s*\(")
-_ASSIGNED = re.compile(
-    r"(?:^|[;,{(])\s*(?:(?:double|float|const|self\.)\s*)*(?P<name>[A-Za-z_]\w{0,40})\s*=\s*(?P<value>[^=;,#%\n]{1,80})"
-)
-_TARGET = re.compile(r"(?P<name>[\w.]{1,40}(?:[({\[]\d{1,3}[)}\]])?)\s*=\s*(?:\w{1,20}\.)?$")
-_LATER = re.compile(
-    r"(?P<name>[\w.]{1,40}(?:[({\[]\d{1,3}[)}\]])?)\.(?P<key>offset|qlim)\s*=\s*(?P<value>[^;\n]{1,120})"
-)
-_WORD = re.compile(r"""^["']?(?P<key>[A-Za-z_]+)["']?\s*=?\s*""")
-_TEXT = re.compile(r"""^["'](?P<text>\w+)["']$""")
-_PARAMETERS = {key: key for key in (*KEYS, "qlim", "sigma", "mdh")}
-_VECTORS = {"Link": ("theta", "d", "a", "alpha", "sigma", "offset"), "link": ("alpha", "a", "theta", "d", "sigma")}
-"""Order of the numbers of one bracket; `link` is that of older versions."""
 
 
 def _of_calls(lines: list[str], file: str) -> WrittenTable | None:
@@ -196,10 +231,6 @@ def _row_of(call: _Call, later: Mapping[tuple[str, str], str]) -> WrittenRow:
     return WrittenRow(entries | {"offset": offset} | _limits(limits), call.line, call.slides)
 
 
-_PAIR = re.compile(r"\[\s*(?P<lower>[^,\s\]]+(?:\([^)]*\))?)\s*[,\s]\s*(?P<upper>[^\]]+?)\s*\](?P<factor>\s*\*.*)?")
-_CONVERTED = re.compile(r"^(?:\w{1,20}\.)?(?:deg2rad|radians|d2r)\((?P<pair>.*)\)$")
-
-
 def _limits(text: str) -> dict[str, str]:
     """lower and upper of `[-pi, pi]`, `[-165 165]*deg` or `deg2rad([-360 360])`; empty for anything else."""
     converted = _CONVERTED.match(text.strip())
@@ -224,26 +255,6 @@ def _constants(lines: list[str]) -> dict[str, str]:
                 value = f"{before} | {value}"
             constants[found["name"]] = value
     return constants
-
-
-# A table with a heading
-
-_UNIT = re.compile(r"[(\[{]\s*(?P<unit>mm|cm|m|deg(?:rees?)?|°|rad(?:ians?)?)\s*(?:[)\]}]|$)", re.IGNORECASE)
-_HEADS = (
-    ("alpha", re.compile(r"(?:link\s?)?(?:alpha|twist)(?:\s?angle)?")),
-    ("offset", re.compile(r"(?:theta)?(?:off(?:set)?|0)")),
-    ("theta", re.compile(r"theta|q|joint\s?angle|angle")),
-    ("a", re.compile(r"a|link\s?length|length")),
-    ("d", re.compile(r"d|r|link\s?offset|joint\s?distance")),
-    ("lower", re.compile(r"q-|q\(?min\)?|min|lower(?:\s?limit)?")),
-    ("upper", re.compile(r"q\+|q\(?max\)?|max|upper(?:\s?limit)?")),
-)
-_TWIST = re.compile(r"alpha|twist", re.IGNORECASE)
-_BEFORE = re.compile(r"\(?[ijnk]?-1\)?$")
-_INDEX = re.compile(r"[_{}( ]*[ijnk]?[})]?$")
-_FRAME = re.compile(r"[+\-=─━═╋┼┳┻┏┓┗┛┣┫┌┐└┘├┤┬┴|┃│\s:]+|\\hline|```\w*")
-_BARS = str.maketrans("┃│║&", "||||")
-_AROUND = re.compile(r"^[^|,;\t\d]*?=\s*[\w.]*\(?\s*(?=\[)")
 
 
 def _of_heading(lines: list[str]) -> WrittenTable | None:
@@ -339,10 +350,6 @@ def _rows_below(lines: list[str], at: int, keys: tuple[str, ...]) -> Iterator[Wr
             return
 
 
-_SPLITS = tuple(map(re.compile, (r"\|", r";", r",", r"\t+", r"\s{2,}", r"\s+")))
-_DECIMAL_COMMA = re.compile(r"^(-?\d+),(\d+)$")
-
-
 def _cells(line: str, count: int | None) -> list[str]:
     """The cells of a line, by the first separator that makes as many as are wanted; None: at least three."""
     body = re.sub(r"(?:\\\\|\\hline)\s*$", "", _row_without_comment(line)).translate(_BARS).strip()
@@ -367,10 +374,6 @@ def _row_without_comment(line: str) -> str:
     return bare
 
 
-_VARIABLE = re.compile(r"(?:\b(?:q|theta|th|t)_?\{?\d{0,2}\}?(?:\(t\))?\*?|\bd_?\{?\d{0,2}\}?\*|\*)(?!\w)")
-_SLIDE = re.compile(r"^q_?\{?\d{0,2}\}?\*?$|\*$|^d_?\{?\d{0,2}\}?\*$")
-
-
 def _row_of_cells(cells: dict[str, str], line: int) -> WrittenRow:
     entries = {key: cell for key, cell in cells.items() if key}
     slides = bool(_SLIDE.search(entries.get("d", "").lower()))
@@ -385,15 +388,6 @@ def _constant_part(cell: str) -> str:
     """The part of a cell that is added to the joint variable: "- 90°" of "q2 - 90°"; all of it where it has none."""
     rest = _VARIABLE.sub("", cell.lower(), count=1).strip().rstrip("+").strip()
     return rest or "0"
-
-
-# Lists and numbered names
-
-_LIST = re.compile(r"(?:^|[\s.;])(?P<name>[A-Za-z]\w{0,30})\s*=\s*[\w.]*\(?\s*[\[{](?P<items>[^\[\]{}]{1,2000})[\]}]")
-_NAMED_LIST = re.compile(r"(?:dh_?)?(?P<key>(?:alpha|a|d|theta|theta_offset|offset)s?)\b(?:_?dh)?")
-_NUMBERED = re.compile(
-    r"(?<!\w)(?P<key>alpha|a|d|q|theta|th|offset)_?(?P<number>\d{1,2})\s*[=:]\s*(?P<value>[^=;,:#%\n{}]{1,60})"
-)
 
 
 def _of_lists(lines: list[str]) -> WrittenTable | None:

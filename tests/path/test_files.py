@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rankdrop.path.read.csv_file import names_of
+from rankdrop.path.read.csv_file import names_of, parse_trajectory
 from rankdrop.path.read.files import read_trajectory
 from rankdrop.path.read.poses import holds_poses, read_poses
 from rankdrop.path.read.trajectory import TrajectoryError, unit_hint
@@ -275,3 +275,13 @@ def test_a_joint_whose_name_ends_like_a_unit_states_none(tmp_path: Path) -> None
     read = read_trajectory(file, arm)
     assert read.bare
     assert read.q[0, 0] == 0.5
+
+
+def test_a_program_without_a_reader_is_refused_with_how_to_write_its_targets() -> None:
+    """Python of a maker's library: it was refused as a table without columns (xArm-Python-SDK#153)."""
+    text = "from xarm.wrapper import XArmAPI\narm.set_servo_angle(angle=[0, -45, 0, 0, -45, 0])\n"
+    for name in ("a.py", "a.drl"):
+        with pytest.raises(TrajectoryError, match=r"no program in a language .*fix: write its targets"):
+            parse_trajectory(text, name, open_robot("ur5"))
+    with pytest.raises(TrajectoryError, match="joints have no column"):
+        parse_trajectory(text, "a.csv", open_robot("ur5"))

@@ -43,6 +43,9 @@ PER_SECOND = {"ms": 1e3, "us": 1e6, "µs": 1e6, "μs": 1e6, "ns": 1e9}
 Known = Callable[[str], tuple[Hashable, str] | None]
 """Name of a column -> what it is, and its measure (angle, length or number); None for a column that is not used."""
 
+TABLES = (".csv", ".tsv", ".txt", ".dat", "")
+"""Endings of files of plain numbers."""
+
 
 def csv_text(names: Sequence[str], q: Array, times: Array | None = None) -> str:
     """Rows of joint values as CSV, to the last bit, with a column of times in front where there are any."""
@@ -420,6 +423,7 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     columns, time, unused = find_columns(table.head, table.head_place, _joint_columns(table, robot), deg=deg)
     missing = [joint.name for i, joint in enumerate(robot.variables) if i not in columns]
     if missing:
+        _refuse_program(name, table)
         raise TrajectoryError("joints have no column", where=table.head_place, got=", ".join(table.head),
                               allowed=joint_names(robot), mend=f"add {', '.join(missing)}")  # fmt: skip
     places, factors = zip(*(columns[i] for i in range(robot.n)), strict=True)
@@ -433,6 +437,21 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     return Trajectory(
         Path(name).name, regular_times(len(q)) if times is None else times, q, times is not None, unused,
         notes=table.notes, bare=not stated,
+    )  # fmt: skip
+
+
+def _refuse_program(name: str, table: Table) -> None:
+    """Refuse a file that is no table by its ending, such as a program in a language without a reader.
+
+    Raises:
+        TrajectoryError: with the forms that its targets can be written in.
+    """
+    if Path(name).suffix.lower() in TABLES:
+        return
+    raise TrajectoryError(
+        "this file is no table of joint values, and no program in a language that is read", where=table.head_place,
+        got=", ".join(table.head), allowed="programs: .src, .mod, .script, .ls, .jbi; tables: .csv",
+        mend="write its targets to a CSV file: columns q1, q2 … for joint values; x, y, z, roll, pitch, yaw for poses",
     )  # fmt: skip
 
 

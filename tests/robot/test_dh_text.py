@@ -163,6 +163,7 @@ def test_the_singularities_are_those_of_the_same_arm_in_the_catalogue(tmp_path: 
         ("L(1) = Link([0 0.1 0 90]);\n", r"many turns in radians; got 90; fix: write pi/2"),
         ("standard, angles in degrees\na,alpha,d,theta\n0,1,0.1,0\n", "unit of the angles is in doubt; got 1"),
         ("modified\na,alpha,d,theta\n0,10,0.1,0\n", "unit of the angles is in doubt; got 10"),
+        ("standard\na,alpha,d,theta\n43.18,90,0,0\n2,0,12.5,0\n", "unit of the lengths is in doubt; got 43.18 at most"),
         ("a2 = 0.25;\na2 = 0.26;\nL1 = Link('d',0,'a',a2,'alpha',0);\n", r"line 3, .*two values; got .* 0.25 \| 0.26"),
         ("L = [RevoluteDH(a=a[i], alpha=0, d=0)]\n", "gives this name no number; got a"),
         ("L1 = Link('d',0,'a',1,'alpha',0);\nL1 = Link('d',0,'a',2,'alpha',0);\n", "two arms; got L1 again"),

@@ -32,7 +32,8 @@ _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?!\w)")
 _CELL_UNIT = re.compile(r"(?<=[\d.)i])\s*(?P<unit>mm|cm|m|deg|°|rad)$")
 _BEHIND = re.compile(r"(?<=[\d.)])\s*(?:deg\b|°)")
 _ONE_DEGREE = dict.fromkeys(("deg", "deg2rad", "d2r", "dtr", "degree"), "pi/180")  # where the text does not say it
-_LARGEST_ARM = 10.0  # [m]: an arm of larger numbers is in mm
+_LARGEST_ARM = 10.0  # [m]: an arm of larger numbers is in mm, or in cm
+_LEAST_MILLIMETRES = 50.0  # the longest link of an arm is longer; a table in cm has smaller numbers
 _MOST_RADIANS = 2 * pi + 0.01
 _DEEPEST = 20  # names in the values of names
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
@@ -194,15 +195,24 @@ class _Reader:
         return max(sizes)
 
     def _length_unit(self) -> str:
+        """The unit of lengths without one.
+
+        Raises:
+            RobotError: it is in doubt.
+        """
         stated = {unit for key, unit in self.table.units.items() if unit in _LENGTHS}
         named = _LENGTH_UNIT.search(self.text)
         if len(stated) == 1:
             return stated.pop()
         if named is not None:
             return named[1].lower()
-        if self._largest(("a", "d")) > _LARGEST_ARM:
-            return "mm"
-        return "m"
+        largest = self._largest(("a", "d"))
+        if largest <= _LARGEST_ARM:
+            return "m"
+        if largest < _LEAST_MILLIMETRES:
+            raise RobotError("the unit of the lengths is in doubt", where=self.file, got=f"{largest:g} at most",
+                             allowed="mm, cm or m", mend="name the unit in the heading: a [cm]")  # fmt: skip
+        return "mm"
 
     def _angle_unit(self) -> str:
         """The unit of angles without one.

@@ -11,7 +11,7 @@ from papers.am_method import pa10
 from papers.item import Sheet, Shown, listed, rounded
 from rankdrop import conditions
 from rankdrop.exact import derive, exact_chain
-from rankdrop.families import Curve, Family, Outcome, refine, search, singular_curves
+from rankdrop.families import Family, Outcome, SingularCurve, refine, search, singular_curves
 from rankdrop.kinematics import jacobian, link_poses, pose
 from rankdrop.local import (
     decompose,
@@ -60,7 +60,7 @@ def known(name: str) -> Analysis:
 
 
 @cache
-def curves() -> tuple[Curve, ...]:
+def curves() -> tuple[SingularCurve, ...]:
     """The singular set of the 4-DoF robot at θ1 = 0 (AM Figure 5)."""
     return singular_curves(open_robot("almarkhi4"), (2, 3, 4))
 

@@ -25,7 +25,7 @@ from papers.kg_arm import (
     worst,
 )
 from rankdrop import conditions
-from rankdrop.exact import METHODS, Distances, derive, exact_chain, suppress
+from rankdrop.exact import METHODS, ZeroDistances, derive, exact_chain, suppress
 from rankdrop.kinematics import jacobian
 from rankdrop.robot import Array, from_dh
 from rankdrop.text import conditions_text, notes_of
@@ -156,9 +156,9 @@ def _same_family(equation: int, index: int) -> bool:
     q = on(zeros, equation)
     q = q[np.min([np.abs(value(text, q, kg.LENGTHS)) for text in (*others, "1")], axis=0) > 1e-3]
     family, anywhere = derivation().families[index], singular()
-    ours = np.max([Distances(derivation().chain, anywhere).of(p) for p in family.equalities], axis=0) < 1e-5
+    ours = np.max([ZeroDistances(derivation().chain, anywhere).of(p) for p in family.equalities], axis=0) < 1e-5
     printed = np.max([np.abs(value(text, anywhere, kg.LENGTHS)) for text in zeros], axis=0) < 1e-5
-    distances = Distances(derivation().chain, q)
+    distances = ZeroDistances(derivation().chain, q)
     return (
         len(q) > 20 and bool(sigma6(q).max() < SMALL) and int(ours.sum()) > 20 and bool((ours == printed).all())
         and all(float(distances.of(p).max()) < 1e-5 for p in family.equalities)

@@ -37,7 +37,7 @@ EMPTY_NAMES, EMPTY = frozenset({"own", "made", "told", "some", "again", "here"})
 """Further names that say nothing, and how often one of them is assigned or is the name of a parameter."""
 LATE_CONSTANTS = 192
 """Constants after a definition of their module; most are tables of files that need a function before them."""
-TWO_THINGS = 8
+TWO_THINGS = 5
 """Names of classes that two modules give to different things, an underscore in front or not."""
 
 

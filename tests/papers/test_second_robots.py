@@ -28,7 +28,7 @@ from rankdrop import (
     search,
     singular_values,
 )
-from rankdrop.exact import METHODS, Distances, decouple, derive, exact_chain, suppress
+from rankdrop.exact import METHODS, ZeroDistances, decouple, derive, exact_chain, suppress
 from rankdrop.families import Outcome, refine, singular_curves
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local import (
@@ -445,7 +445,7 @@ def singular_of_another():
 
 def satisfied(q, polynomials):
     """(N,) the distance from where all of some polynomials vanish, estimated."""
-    distances = Distances(chain(), q)
+    distances = ZeroDistances(chain(), q)
     return np.max([distances.of(p) for p in polynomials], axis=0)
 
 

@@ -1,6 +1,6 @@
 from .arm.chain import Chain as Chain
 from .arm.chain import exact_chain as exact_chain
-from .conjunctions import Distances as Distances
+from .conjunctions import ZeroDistances as ZeroDistances
 from .decoupling import Decoupling as Decoupling
 from .decoupling import decouple as decouple
 from .determinants import Determinants as Determinants

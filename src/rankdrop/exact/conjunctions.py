@@ -58,7 +58,7 @@ Atoms = frozenset[Atom]
 """The atoms of one polynomial, which vanishes where one of them does."""
 
 
-class Distances:
+class ZeroDistances:
     """Distances of configurations from the zeros of polynomials, to first order: |f|/|∇f|, half the distance from the
     zeros of a sum of squares; where the slope may be rounding, the smaller of that and √|f|.
 
@@ -118,7 +118,7 @@ def values_of(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, 
     )
 
 
-def _distance(equality: Equality, distances: Distances) -> Array:
+def _distance(equality: Equality, distances: ZeroDistances) -> Array:
     """First-order distance of configurations from where it holds: (N,) [rad, m]; of atoms the nearest."""
     if equality.whole is None:
         parts = equality.atoms
@@ -139,7 +139,7 @@ class Conjunction:
     equal: tuple[Equality, ...]
     unequal: tuple[tuple[Equality, ...], ...] = ()
 
-    def holds(self, distances: Distances) -> NDArray[np.bool_]:
+    def holds(self, distances: ZeroDistances) -> NDArray[np.bool_]:
         """Whether it holds at configurations, within `ZERO`: (N,)."""
         met = np.ones(len(distances), dtype=np.bool_)
         for equality in self.equal:
@@ -258,7 +258,7 @@ class SetDerivation:
 
     def holds(self, q: ArrayLike) -> NDArray[np.bool_]:
         """Whether one of the conditions holds at configurations q (N, n), within `ZERO`: (N,)."""
-        distances = Distances(self.chain, q)
+        distances = ZeroDistances(self.chain, q)
         none = np.zeros(len(distances), dtype=np.bool_)
         return np.asarray(np.logical_or.reduce([none, *(condition.holds(distances) for condition in self.conditions)]))
 

@@ -23,7 +23,7 @@ from .searching import Outcome as Outcome
 from .searching import Search as Search
 from .searching import refine as refine
 from .searching import search as search
-from .slices import Curve as Curve
+from .slices import SingularCurve as SingularCurve
 from .slices import Slice as Slice
 from .slices import Solid as Solid
 from .slices import Sweep as Sweep

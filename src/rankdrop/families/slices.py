@@ -523,7 +523,7 @@ def sweeps(robot: Robot, q: ArrayLike, task: Task, count: int = 121) -> tuple[Sw
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class SingularCurve:
     """One traced piece of the singular set.
 
     Attributes:
@@ -542,7 +542,7 @@ class Curve:
 def singular_curves(
     robot: Robot, joints: Sequence[int], *, held: ArrayLike | None = None, corank: int = 1,
     task: Task | str | None = None, starts: int = 200, step: float = 0.05,
-) -> tuple[Curve, ...]:  # fmt: skip
+) -> tuple[SingularCurve, ...]:  # fmt: skip
     """Every curve of singular configurations that random starts meet, longest first.
 
     Args:
@@ -592,11 +592,11 @@ def singular_curves(
     return tuple(sorted(curves, key=lambda curve: -curve.length))
 
 
-def _curve(q: Array, closed: bool) -> Curve:
+def _curve(q: Array, closed: bool) -> SingularCurve:
     """A curve with its turns, the first of them forwards."""
     turns = np.round((q[-1] - q[0]) / (2 * np.pi)).astype(int) * closed
     if turns.any() and turns[np.flatnonzero(turns)[0]] < 0:
         q, turns = q[::-1].copy(), -turns
     q.flags.writeable = False
     length = float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum())
-    return Curve(q, closed, length, tuple(int(turn) for turn in turns))
+    return SingularCurve(q, closed, length, tuple(int(turn) for turn in turns))

@@ -23,7 +23,7 @@ from rankdrop.kinematics import pose
 from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.mend.bumps import Bumper, Core
 from rankdrop.path.mend.candidates import JointToolPath
-from rankdrop.path.mend.local_change import Change, largest_move, step, tool_off
+from rankdrop.path.mend.local_change import LocalChange, largest_move, step, tool_off
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.robot.model import Array
@@ -316,7 +316,7 @@ class Detourer:
         old, new = self.bumper.configurations(places), np.concatenate([q, (q[1:] + q[:-1]) / 2])
         return tool_off(self.bumper.robot, old, new)
 
-    def changes(self, detours: list[Detour]) -> list[Change]:
+    def changes(self, detours: list[Detour]) -> list[LocalChange]:
         """What each of them changes."""
         bumper, out = self.bumper, []
         for detour in detours:
@@ -326,7 +326,7 @@ class Detourer:
                 after = np.zeros_like(moves[-1])
             else:
                 after = moves[-1]
-            out.append(Change(start, end, largest_move(moves), detour.off, after))
+            out.append(LocalChange(start, end, largest_move(moves), detour.off, after))
         return out
 
     def trajectory(self, detours: list[Detour]) -> tuple[Trajectory, tuple[float, float]]:

@@ -14,7 +14,7 @@ from rankdrop.robot.model import Array, Robot
 
 
 @dataclass(frozen=True, eq=False)
-class Change:
+class LocalChange:
     """A part of a path that a local remedy changes; the rest stays as it is.
 
     Attributes:
@@ -46,7 +46,7 @@ class RowsBefore:
     before: Array
 
     @classmethod
-    def of(cls, original: Curve, changed: Curve, changes: Sequence[Change]) -> RowsBefore:
+    def of(cls, original: Curve, changed: Curve, changes: Sequence[LocalChange]) -> RowsBefore:
         """By the last row before each change and the first one after it; changes are in order."""
         rows, others = original.samples, changed.samples
         after, before = [0], [0]

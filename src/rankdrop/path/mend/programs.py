@@ -24,7 +24,7 @@ from rankdrop.path.check.passing import Turn
 from rankdrop.path.check.program import ProgramCheck, ProgramPart
 from rankdrop.path.check.record import FREE, PathCheck
 from rankdrop.path.curve import Place
-from rankdrop.path.mend.local_change import Change
+from rankdrop.path.mend.local_change import LocalChange
 from rankdrop.path.mend.remedies import BUMP, DETOUR, mend_path
 from rankdrop.path.read.program_record import Move
 from rankdrop.questions import RemedyOptions
@@ -66,7 +66,7 @@ class LineRemedy:
     advice: Advice
     turn: Turn | None = None
     factor: float = np.nan
-    change: Change | None = None
+    change: LocalChange | None = None
     span: tuple[float, float] = (0.0, 1.0)
     goal: Array | None = None
     notes: tuple[str, ...] = ()

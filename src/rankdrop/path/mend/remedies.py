@@ -41,7 +41,7 @@ from rankdrop.path.mend.candidates import (
     tool_path,
 )
 from rankdrop.path.mend.detours import Detour, Detourer, NoDetour
-from rankdrop.path.mend.local_change import Change, RowsBefore
+from rankdrop.path.mend.local_change import LocalChange, RowsBefore
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
 from rankdrop.path.mend.retime import Usage, retime_path, usage
 from rankdrop.path.mend.slow_down import slowed_down
@@ -93,7 +93,7 @@ class Proposal:
     parameters: tuple[Parameter, ...]
     made: Trajectory
     off: tuple[float, float]
-    changes: tuple[Change, ...] = ()
+    changes: tuple[LocalChange, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,7 @@ class Remedy:
     usage: Usage | None
     off: tuple[float, float]
     retimed: bool
-    changes: tuple[Change, ...] = ()
+    changes: tuple[LocalChange, ...] = ()
 
     @property
     def deviation(self) -> tuple[float, float]:
@@ -460,7 +460,7 @@ class _Mender:
             return
         still = np.zeros(self.found.robot.n)
         changes = tuple(
-            Change(work.place_at(window.low), work.place_at(window.high), still, window.off, still)
+            LocalChange(work.place_at(window.low), work.place_at(window.high), still, window.off, still)
             for window in windows
         )
         off = max(window.off[0] for window in windows), max(window.off[1] for window in windows)
@@ -539,7 +539,7 @@ class _Mender:
         """The tool led around what no bump avoids, on the path with its bumps."""
         if not _poses_determine(bumper.tool) or bumper.path.degree != 1:
             return DETOUR, None
-        changes: list[Change] = []
+        changes: list[LocalChange] = []
         rows = RowsBefore.of(bumper.path, bumper.path, ())
         if bumped is not None:
             before, checked = bumped
@@ -617,7 +617,7 @@ class _Mender:
         if slowed is None:
             return SLOW, path.degree == 1
         still = np.zeros(self.found.robot.n)
-        changes = tuple(Change(path.place(part.start), path.place(part.end), still, (0.0, 0.0), still, part.longer)
+        changes = tuple(LocalChange(path.place(part.start), path.place(part.end), still, (0.0, 0.0), still, part.longer)
                         for part in slowed[1])  # fmt: skip
         proposal = Proposal(("slow-down", len(changes)), (), slowed[0], (0.0, 0.0), changes)
         remedy = self._as_remedy(SLOW, proposal, retimed=True)
@@ -679,7 +679,7 @@ def _bump_proposal(bumper: Bumper, bumps: list[Bump]) -> Proposal:
     changes = []
     for bump in sorted(bumps, key=lambda bump: bump.core.low):
         start, end = (path.place(spot) for spot in bumper.ends(bump))
-        changes.append(Change(start, end, bumper.most_moved(bump), bump.off, np.zeros_like(bump.way)))
+        changes.append(LocalChange(start, end, bumper.most_moved(bump), bump.off, np.zeros_like(bump.way)))
     off = max(bump.off[0] for bump in bumps), max(bump.off[1] for bump in bumps)
     return Proposal(("bump", len(bumps)), (), bumper.trajectory(bumps), off, tuple(changes))
 

@@ -145,7 +145,7 @@ def parsed_toml(text: str, file: str, *, parse_float: Callable[[str], Any] = flo
         RobotError: too large, too many dots, or not TOML.
     """
     if len(text) > LARGEST_TABLE:
-        raise RobotError("the file is too large", where=file, allowed=f"at most {LARGEST_TABLE / 2**20:g} MB of TOML")
+        raise RobotError("the file is too large", where=file, allowed=f"at most {LARGEST_TABLE / 2**20:g} MB")
     dots = 0
     for line, words in enumerate(text.splitlines(), 1):
         dots += words.count(".") ** 2

@@ -159,8 +159,9 @@ class _Call:
 
 
 def _calls_in(line: str, number: int) -> Iterator[_Call]:
-    for found in _CALL.finditer(line):
-        arguments = _arguments(line, found.end())
+    end = 0
+    while found := _CALL.search(line, end):
+        arguments, end = _arguments(line, found.end())
         targets = _TARGET.findall(line[max(0, found.start() - 60) : found.start()])
         call = _call_of(found, arguments, "".join(targets), number)
         if call.entries:
@@ -195,10 +196,11 @@ def _entries_of(arguments: list[str], order: tuple[str, ...]) -> dict[str, str]:
     return entries
 
 
-def _arguments(line: str, at: int) -> list[str]:
-    """The arguments of a call that begins at a place, split at the commas outside brackets."""
-    depth, words, word = 0, [], ""
+def _arguments(line: str, at: int) -> tuple[list[str], int]:
+    """The arguments of a call that begins at a place, split at the commas outside brackets; where they end."""
+    depth, words, word, end = 0, [], "", at
     for letter in line[at : at + _LONGEST_CALL]:
+        end += 1
         if letter in ")" and depth == 0:
             break
         depth += (letter in "([{") - (letter in ")]}")
@@ -207,7 +209,7 @@ def _arguments(line: str, at: int) -> list[str]:
             word = ""
         else:
             word += letter
-    return [*words, word.strip()]
+    return [*words, word.strip()], end
 
 
 def _refuse_two_arms(calls: list[_Call], file: str) -> None:
@@ -346,7 +348,7 @@ def _rows_below(lines: list[str], at: int, keys: tuple[str, ...]) -> Iterator[Wr
         if fits:
             begun = True
             yield _row_of_cells(dict(zip(keys, cells, strict=True)), number + 1)
-        elif begun:
+        elif begun or _heads(lines[number]) is not None:
             return
 
 

@@ -44,3 +44,25 @@ def test_text_without_a_table_has_none() -> None:
     lists = "a = [1, 2]\nalpha = [1]\nd = [1, 2]\n"
     for text in ("nothing known", "alpha, beta, gamma\n1, 2, 3\n", lists, "Link", "a1 = 1"):
         assert not is_table(text)
+
+
+def test_a_call_goes_on_over_several_lines() -> None:
+    """What stands on the lines below is read; it was left out, and alpha taken as 0."""
+    lines = ["L = [", "RevoluteDH(d=0.1, a=0.2,", "  alpha=pi / 2),", "RevoluteDH(", "  d=0.3,  # up", "  a=0.4,"]
+    found = table_in("\n".join([*lines, "  ),", "]"]), "t")
+    assert found is not None
+    assert [dict(row.entries) for row in found.rows] == [
+        {"a": "0.2", "alpha": "pi / 2", "d": "0.1", "offset": "0"}, {"a": "0.4", "d": "0.3", "offset": "0"},
+    ]  # fmt: skip
+    assert [row.line for row in found.rows] == [2, 4]
+
+
+def test_a_statement_of_matlab_goes_on_after_three_points() -> None:
+    lines = ["L(1) = Link([0 0.1 ...", "  0.2 pi/2], ... % the shoulder", "  'modified');"]
+    found = table_in("\n".join([*lines, "L(2) = Link([0 0 0.3 0], 'modified');"]), "t")
+    assert found is not None
+    assert found.convention == "modified"
+    assert [dict(row.entries) for row in found.rows] == [
+        {"a": "0.2", "alpha": "pi/2", "d": "0.1", "offset": "0"}, {"a": "0.3", "alpha": "0", "d": "0", "offset": "0"},
+    ]  # fmt: skip
+    assert [row.line for row in found.rows] == [1, 4]

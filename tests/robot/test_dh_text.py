@@ -167,6 +167,7 @@ def test_the_singularities_are_those_of_the_same_arm_in_the_catalogue(tmp_path: 
         ("a2 = 0.25;\na2 = 0.26;\nL1 = Link('d',0,'a',a2,'alpha',0);\n", r"line 3, .*two values; got .* 0.25 \| 0.26"),
         ("L = [RevoluteDH(a=a[i], alpha=0, d=0)]\n", "gives this name no number; got a"),
         ("L1 = Link('d',0,'a',1,'alpha',0);\nL1 = Link('d',0,'a',2,'alpha',0);\n", "two arms; got L1 again"),
+        ("L1 = RevoluteDH(a=1,\n    d=0.5\n", r"line 1: a call has no end; got RevoluteDH\("),
         ("L1 = RevoluteDH(a=1, d=0)\nL2 = RevoluteMDH(a=1, d=0)\n", "links are of both conventions"),
         ("modified\na alpha d theta\n0 0 0 q1\n0 0 1 0\n0 0 0 q3\n", "line 5: a row before this one has no"),
         ("0 0 0.1 0\n", "six numbers .*fix: rows of four numbers of a DH table need a heading: a, alpha, d, theta"),

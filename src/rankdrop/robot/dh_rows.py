@@ -14,7 +14,7 @@ import re
 import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import chain, count
+from itertools import chain
 
 from rankdrop.errors import RobotError
 
@@ -28,6 +28,7 @@ _LATEX = re.compile(r"\\(pi|alpha|theta)(?![A-Za-z])")
 # Calls of toolboxes
 
 _COMMENT = re.compile(r"[%#].*|//.*")
+_GOES_ON = re.compile(r"\.\.\.\s*$")
 _CALL = re.compile(r"\b(?:(?P<kind>Revolute|Prismatic)(?P<modified>M?)(?:DH)?|(?P<link>Link|link|DHLink))\s*\(")
 _ASSIGNED = re.compile(
     r"(?:^|[;,{(])\s*(?:(?:double|float|const|self\.)\s*)*(?P<name>[A-Za-z_]\w{0,40})\s*=\s*(?P<value>[^=;,#%\n]{1,80})"
@@ -134,7 +135,7 @@ def is_table(text: str) -> bool:
 
 def _of_calls(lines: list[str], file: str) -> WrittenTable | None:
     code = [_COMMENT.sub("", line) for line in lines]
-    calls = list(chain.from_iterable(map(_calls_in, code, count(1))))
+    calls = list(_calls_in(_joined(code), file))
     if not calls:
         return None
     _refuse_two_arms(calls, file)
@@ -158,14 +159,26 @@ class _Call:
     slides: bool
 
 
-def _calls_in(line: str, number: int) -> Iterator[_Call]:
-    end = 0
-    while found := _CALL.search(line, end):
-        arguments, end = _arguments(line, found.end())
-        targets = _TARGET.findall(line[max(0, found.start() - 60) : found.start()])
+def _joined(lines: list[str]) -> str:
+    """Lines as one text, without MATLAB's signs that a statement goes on."""
+    return "\n".join(_GOES_ON.sub("", line) for line in lines)
+
+
+def _calls_in(code: str, file: str) -> Iterator[_Call]:
+    """The calls in a text, each on one line or over several."""
+    end, number, counted = 0, 1, 0
+    while found := _CALL.search(code, end):
+        number += code.count("\n", counted, found.start())
+        counted = found.start()
+        arguments, end, closed = _arguments(code, found.end())
+        targets = _TARGET.findall(code[max(0, found.start() - 60) : found.start()])
         call = _call_of(found, arguments, "".join(targets), number)
-        if call.entries:
-            yield call
+        if not call.entries:
+            continue
+        if not closed:
+            raise RobotError("a call has no end", where=f"{file}, line {number}", got=found[0],
+                             allowed=f"a closing bracket within {_LONGEST_CALL} characters")  # fmt: skip
+        yield call
 
 
 def _call_of(found: re.Match[str], arguments: list[str], name: str, line: int) -> _Call:
@@ -196,20 +209,23 @@ def _entries_of(arguments: list[str], order: tuple[str, ...]) -> dict[str, str]:
     return entries
 
 
-def _arguments(line: str, at: int) -> tuple[list[str], int]:
-    """The arguments of a call that begins at a place, split at the commas outside brackets; where they end."""
-    depth, words, word, end = 0, [], "", at
-    for letter in line[at : at + _LONGEST_CALL]:
+def _arguments(code: str, at: int) -> tuple[list[str], int, bool]:
+    """The arguments of a call that begins at a place, split at the commas outside brackets; where they end, and
+    whether there is a closing bracket.
+    """
+    words: list[str] = []
+    depth, word, end = 0, "", at
+    for letter in code[at : at + _LONGEST_CALL]:
         end += 1
-        if letter in ")" and depth == 0:
-            break
+        if letter == ")" and depth == 0:
+            return [*words, word.strip()], end, True
         depth += (letter in "([{") - (letter in ")]}")
         if letter == "," and depth == 0:
             words.append(word.strip())
             word = ""
         else:
             word += letter
-    return [*words, word.strip()], end
+    return [*words, word.strip()], end, False
 
 
 def _refuse_two_arms(calls: list[_Call], file: str) -> None:

@@ -39,6 +39,8 @@ def read(text: str, **given: bool) -> Array:
     f"x=0.4 y=0.1 z=0.3 qw=0 qx={HALF[0]} qy={HALF[1]} qz=0",
     f"x: 400, y: 100, z: 300, q1: 0, q2: {HALF[0]}, q3: {HALF[1]}, q4: 0",
     "x=0.4; y=0.1; z=0.3; roll=π; pitch=0; yaw=pi/6",
+    "posx(400, 100, 300, 0, 180, 150)",
+    "posx([400.0, 100.0, 300.0, 30.0, 180.0, 180.0])",
 ])  # fmt: skip
 def test_every_form_gives_the_same_pose(text: str) -> None:
     np.testing.assert_allclose(read(text), DOWN, atol=1e-12)
@@ -51,6 +53,8 @@ def test_the_order_of_turns_is_the_makers() -> None:
     y = np.array([[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]])
     x = np.array([[1, 0, 0], [0, np.cos(c), -np.sin(c)], [0, np.sin(c), np.cos(c)]])
     np.testing.assert_allclose(read("{X 400, Y 0, Z 300, A 20, B 40, C 60}")[:3, :3], z @ y @ x, atol=1e-15)
+    last = np.array([[np.cos(c), -np.sin(c), 0], [np.sin(c), np.cos(c), 0], [0, 0, 1]])
+    np.testing.assert_allclose(read("posx(400, 0, 300, 20, 40, 60)")[:3, :3], z @ y @ last, atol=1e-15)
     np.testing.assert_allclose(read("X 400 Y 0 Z 300 W 60 P 40 R 20")[:3, :3], z @ y @ x, atol=1e-15)
 
 
@@ -61,6 +65,9 @@ def test_the_order_of_turns_is_the_makers() -> None:
     ("X 0.4, Y 0.1, Z 0.3, A 0, B 90, C 0", r"m or mm is in doubt.*fix: write a unit behind each length, such as"),
     ("X 400, Y 100, Z 300, A 0, B 1.57, C 0", r"radians or degrees is in doubt.*write a unit behind each angle"),
     ("X 400mm, Y 100, Z 300, A 0, B 90, C 0", "m or mm is in doubt"),
+    ("posx(0.4, 0, 0.3, 0, 180, 0)", r"m or mm is in doubt.*allowed: Doosan: mm and degrees"),
+    ("posx(400, 0, 300, 0, 180)", "a pose of DRL has six numbers"),
+    ("x=300mm y=0 z=200mm roll=180 pitch=0 yaw=0", r"radians or degrees is in doubt.*got 180, 0, 0; fix: write a unit"),
     ("[[0.4, 0.1, 0.3], [0, 1, 0, 0]]", "the order of the quaternion is in doubt"),
     ("x 0.4 y 0 z 0.3 rx 180deg ry 0deg rz 0deg", "can be a rotation vector or angles about three axes"),
     ("X 400, Y 100, A 90", "the names are not those of one pose; got X, Y, A"),

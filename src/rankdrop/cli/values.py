@@ -35,7 +35,8 @@ Q = Annotated[str, Parameter(
 POSE = Annotated[str, Parameter(
     help="Pose of the tip in the base axes: x,y,z,roll,pitch,yaw or x,y,z,qx,qy,qz,qw, for a position x,y,z "
     "[m, rad]; 30deg, 120mm are understood. Also as makers write it: p[x,y,z,rx,ry,rz], {X 100, …, A 0, B 90, C 0}, "
-    "X 100 … W 180 P 0 R 0, a robtarget of RAPID; x,y,z,qw,qx,qy,qz wxyz; a matrix [[…], …], or a pose message of ROS.",
+    "X 100 … W 180 P 0 R 0, a robtarget of RAPID, posx(…) of DRL; x,y,z,qw,qx,qy,qz wxyz; a matrix [[…], …], "
+    "or a pose message of ROS.",
     allow_leading_hyphen=True,
 )]  # fmt: skip
 

@@ -41,12 +41,14 @@ _MAKERS_TURNS = {
     ("a", "b", "c"): "R = Rz(A)·Ry(B)·Rx(C) [{0}]",
     ("w", "p", "r"): "R = Rz(R)·Ry(P)·Rx(W) [{0}]",
     ("q1", "q2", "q3", "q4"): "quaternion with its real part q1 first",
+    ("zyz A", "zyz B", "zyz C"): "R = Rz(A)·Ry(B)·Rz(C) [{0}]",
 }
 MAKERS_UNITS = {
     ("rx", "ry", "rz"): "Universal Robots: m and rad",
     ("a", "b", "c"): "KUKA: mm and degrees",
     ("w", "p", "r"): "FANUC: mm and degrees",
     ("q1", "q2", "q3", "q4"): "ABB: mm",
+    ("zyz A", "zyz B", "zyz C"): "Doosan: mm and degrees",
 }
 """Units of the makers, by what turns."""
 UNIT_IN_DOUBT = {
@@ -61,10 +63,11 @@ ROTATION_VECTORS = (
 """How turns about x, y and z are written without doubt."""
 STATE_POSE_UNITS = {
     "length": "write a unit behind each length, such as X 400mm or X 0.4m",
-    "angle": "write a unit behind each angle, such as B 90deg or B 1.57rad",
+    "angle": "write a unit behind each angle, such as B 90deg or roll 1.57rad",
 }
 """How a pose in a text states units."""
-URSCRIPT_UNITS = "other units need names: x 400mm, y 0mm, z 300mm, roll 180deg, pitch 0deg, yaw 0deg"
+NAMED_UNITS = "other units need names: x 400mm, y 0mm, z 300mm, roll 180deg, pitch 0deg, yaw 0deg"
+TURNS_IN_DOUBT = "radians or degrees is in doubt: an angle without a unit is above a whole turn in radians"
 ORDER_IN_DOUBT = "the order of the quaternion is in doubt: its real part is the first number or the last"
 POSE_TEXTS = "X, Y, Z and roll, pitch, yaw; qx, qy, qz, qw; rx, ry, rz; A, B, C; W, P, R; q1 … q4; or none of these"
 """Names of a pose in a text."""

@@ -4,6 +4,7 @@
 - KUKA: X, Y, Z, A, B, C; mm and degrees. R = Rz(A) Ry(B) Rx(C).
 - FANUC: X, Y, Z, W, P, R; mm and degrees. R = Rz(R) Ry(P) Rx(W); Z counts from the height of axis 2.
 - ABB: x, y, z, q1, q2, q3, q4; mm. A unit quaternion, q1 its real part.
+- Doosan: posx(x, y, z, A, B, C); mm and degrees. R = Rz(A) Ry(B) Rz(C).
 
 A unit that is not stated is that of the maker where the numbers confirm it; else it is in doubt.
 """
@@ -22,6 +23,8 @@ QUATERNION, ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
 """Names of what turns, as they are read from every file."""
 ROTATION_VECTOR, KUKA, FANUC, ABB = ("rx", "ry", "rz"), ("a", "b", "c"), ("w", "p", "r"), ("q1", "q2", "q3", "q4")
 """… and as makers name them."""
+EULER_ZYZ = ("zyz A", "zyz B", "zyz C")
+"""A, B, C of posx; no file has columns of these names."""
 LARGEST_ARM = 10.0
 """No tip of an arm is farther from its base than so many metres, none nearer to it than so many millimetres."""
 WHOLE_TURN = 2.0 * pi
@@ -78,6 +81,7 @@ WRITINGS = (
     Writing("KUKA", KUKA, "mm", "deg"),
     Writing("FANUC", FANUC, "mm", "deg"),
     Writing("ABB", ABB, "mm", ""),
+    Writing("Doosan", EULER_ZYZ, "mm", "deg"),
 )
 """Of all makers that are read."""
 
@@ -110,6 +114,12 @@ def common_turns(turn: tuple[str, ...], values: Array) -> tuple[tuple[str, ...],
     if turn == ROTATION_VECTOR:
         half = np.linalg.norm(values, axis=1, keepdims=True) / 2.0  # q = (r/|r| sin |r|/2, cos |r|/2)
         return QUATERNION, np.hstack([values / 2.0 * np.sinc(half / pi), np.cos(half)])
+    if turn == EULER_ZYZ:
+        a, b, c = values.T
+        tilted, upright = np.sin(b / 2.0), np.cos(b / 2.0)
+        sums, differences = (c + a) / 2.0, (c - a) / 2.0
+        return QUATERNION, np.column_stack([tilted * np.sin(differences), tilted * np.cos(differences),
+                                            upright * np.sin(sums), upright * np.cos(sums)])  # fmt: skip
     return turn, values
 
 

@@ -3,6 +3,7 @@
 - URScript: p[x, y, z, rx, ry, rz]; m and the rotation vector in rad.
 - KRL: {X 100, Y 0, Z 500, A 0, B 90, C 0}, also with E6POS: and with S and T.
 - RAPID: [[x, y, z], [q1, q2, q3, q4], …]; mm, the real part first.
+- DRL: posx(x, y, z, A, B, C); mm, degrees, R = Rz(A) Ry(B) Rz(C).
 - Names and values: X = 100 mm, Y = 0 mm, …, W = 180 deg, P = 0 deg, R = 0 deg; x 0.1, …, qw 1, qx 0, qy 0, qz 0.
 - Seven numbers with the order of the quaternion behind them: 0.1,0,0.5,1,0,0,0 wxyz.
 - A homogeneous matrix (`matrix_text`), and a message of ROS (`message_text`).
@@ -21,8 +22,10 @@ from rankdrop.path.read.csv_file import UNITS
 from rankdrop.path.read.makers import (
     ABB,
     ANGLES,
+    EULER_ZYZ,
     QUATERNION,
     ROTATION_VECTOR,
+    WHOLE_TURN,
     WRITINGS,
     Writing,
     common_turns,
@@ -37,13 +40,14 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import quantity
 from rankdrop.text.path_files import (
     MAKERS_UNITS,
+    NAMED_UNITS,
     ORDER_IN_DOUBT,
     POSE_TEXTS,
     RAISED,
     ROTATION_VECTORS,
     STATE_POSE_UNITS,
+    TURNS_IN_DOUBT,
     UNIT_IN_DOUBT,
-    URSCRIPT_UNITS,
     makers_note,
     passed_over_notes,
 )
@@ -55,6 +59,7 @@ _ITEM = re.compile(
 _TYPE = re.compile(r"^(?:(?:E6)?POS|FRAME)\s*:", re.IGNORECASE)
 _ORDER = re.compile(r"\b(wxyz|xyzw)\b", re.IGNORECASE)
 _BEFORE_ORDER, _AFTER_ORDER = " \t\r\n,;:([", " \t\r\n)]"
+_POSX = re.compile(r"posx\s*\(([^()]*)\)")
 _UNIT = re.compile(r"(?:mm|m|deg|°|rad)$")
 _POSTURE = frozenset(("s", "t", "f", "cf1", "cf4", "cf6", "cfx", "config", *(f"e{number}" for number in range(1, 7))))
 """Names of parts of a target that say nothing of where the tip is."""
@@ -96,6 +101,9 @@ def pose_of_text(text: str, where: str, *, deg: bool = False, robot: Robot | Non
         return pasted
     if re.match(r"p\s*\[", plain):
         return _of_urscript(plain[1:].strip(), where, deg=deg)
+    posx = _POSX.fullmatch(plain)
+    if posx is not None:
+        return _of_posx(posx[1].strip(), where)
     if plain.startswith("[") and plain[1:].lstrip().startswith("["):
         return _of_rapid(plain, where)
     order = _ORDER.search(plain)
@@ -131,8 +139,22 @@ def _of_urscript(text: str, where: str, *, deg: bool) -> PoseText:
                           mend="deg=False", typed="leave --deg out")  # fmt: skip
     row = np.array([values])
     for keys, numbers in ((_PLACE, row[:, :3]), (ROTATION_VECTOR, row[:, 3:])):
-        _confirmed_unit(WRITINGS[0], keys, numbers, where, URSCRIPT_UNITS)
+        _confirmed_unit(WRITINGS[0], keys, numbers, where, NAMED_UNITS)
     return _pose_text(WRITINGS[0], row, "m", "rad")
+
+
+def _of_posx(text: str, where: str) -> PoseText:
+    values = flat(numbers_of(f"[{text.removeprefix('[').removesuffix(']')}]"), 6)
+    if values is None:
+        raise OptionError("a pose of DRL has six numbers", where=where, got=repr(f"posx({text})"),
+                          allowed="posx(x, y, z, A, B, C)")  # fmt: skip
+    writing = next(writing for writing in WRITINGS if writing.turn == EULER_ZYZ)
+    row = np.array([values])
+    for keys, numbers in ((_PLACE, row[:, :3]), (EULER_ZYZ, row[:, 3:])):
+        _confirmed_unit(writing, keys, numbers, where, NAMED_UNITS)
+    row[:, :3] *= UNITS["length"]["mm"]
+    row[:, 3:] *= UNITS["angle"]["deg"]
+    return _pose_text(writing, row, "mm", "deg")
 
 
 def _of_rapid(text: str, where: str) -> PoseText:
@@ -214,7 +236,16 @@ def _of_common_names(values: dict[str, str], where: str, *, deg: bool) -> PoseTe
         measure = "number"
     notes = _others(values, turn, where)
     place = [_value(values[key], "length", where) for key in _PLACE]
-    return PoseText([*place, *(_value(values[key], measure, where, deg=deg) for key in turn)], notes)
+    turns = [_value(values[key], measure, where, deg=deg) for key in turn]
+    if measure == "angle" and not deg:
+        _refuse_bare_degrees([values[key] for key in turn], turns, where)
+    return PoseText([*place, *turns], notes)
+
+
+def _refuse_bare_degrees(words: list[str], angles: list[float], where: str) -> None:
+    bare = not any(map(_UNIT.search, words))
+    if bare and max(map(abs, angles), default=0.0) > WHOLE_TURN:
+        raise OptionError(TURNS_IN_DOUBT, where=where, got=", ".join(words), mend=STATE_POSE_UNITS["angle"])
 
 
 def _others(values: dict[str, str], turn: tuple[str, ...], where: str) -> tuple[str, ...]:

@@ -37,3 +37,18 @@ def test_configurations_of_programs_are_read_by_name() -> None:
     for text in ("A2 0, A1 -90, A3 90, A4 0, A5 0, A6 0", "A1 0, A2 -90", "A1 0, 5, A3 90, A4 0, A5 0, A6 0"):
         with pytest.raises(ConfigurationError, match="6 joint values"):
             parse_configuration(text, arm, deg=True)
+
+
+@pytest.mark.parametrize(("arm", "noted"), [("lrmate200id", True), ("ur5", False)])
+def test_joint_3_of_a_fanuc_is_counted_from_the_horizontal(
+    arm: str, noted: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    listed = ", ".join(f"J{i}= {10 * i}.000 deg" for i in range(1, 7))
+    values = parse_configuration(listed, open_robot(arm), deg=False)
+    assert values == pytest.approx([radians(10 * i) for i in range(1, 7)])
+    assert ("then write J3 + J2" in capsys.readouterr().err) == noted
+
+
+def test_values_without_names_get_no_note_on_joint_3(capsys: pytest.CaptureFixture[str]) -> None:
+    parse_configuration("0,0,0,0,0,0", open_robot("lrmate200id"), deg=False)
+    assert capsys.readouterr().err == ""

@@ -78,6 +78,7 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
         )  # fmt: skip
     if pasted.degrees and not deg:
         say(f"note: {option}: angles of this form are in degrees")
+    _note_on_level_joint(text, robot, option)
     values = [
         value_of(word, joint.unit, f"{option}, joint {joint.name}", deg=deg or pasted.degrees)
         for word, joint in zip(words, joints, strict=True)
@@ -86,6 +87,16 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
     if deg and 0.0 < max(typed, default=0.0) <= pi and any(x % 1.0 > _WHOLE_TO for x in typed):
         say(f"note: angles up to {max(typed):.4g} look like radians and are read as degrees")
     return values
+
+
+def _note_on_level_joint(text: str, robot: arms.Robot, option: str) -> None:
+    """Values as FANUC's pendant lists them, J1= 0.000 deg, …: its J3 is another angle than joint 3."""
+    if not re.search(r"\bJ3\s*=", text):
+        return
+    from rankdrop.path import axes_2_and_3_opposed
+
+    if axes_2_and_3_opposed(robot):
+        say(f"note: {option}: J3 is read as joint 3; a FANUC counts J3 from the horizontal: then write J3 + J2")
 
 
 def _values_by_name(text: str, names: Sequence[str]) -> list[str]:

@@ -45,6 +45,7 @@ from .read.files import WRITTEN as WRITTEN
 from .read.files import read_trajectory as read_trajectory
 from .read.files import trajectories_in as trajectories_in
 from .read.files import trajectory_bytes as trajectory_bytes
+from .read.makers import axes_2_and_3_opposed as axes_2_and_3_opposed
 from .read.pose_text import PoseText as PoseText
 from .read.pose_text import pose_of_text as pose_of_text
 from .read.poses import Poses as Poses

@@ -25,6 +25,7 @@ from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.check.tool_path import check_tilt, followed_branch, timed_branch, tip_apart
 from rankdrop.path.read.arc import arc_poses
+from rankdrop.path.read.makers import axes_2_and_3_opposed
 from rankdrop.path.read.program_record import Move, Posture, Program
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.poses.inverse import Aim
@@ -35,7 +36,6 @@ from rankdrop.units import counted_length
 
 STILL = 1e-12  # a move that is shorter does nothing [m, rad]
 _SLOWER = 1.0 + 1e-9  # a joint move at the limits of its rates stays below them by rounding
-ON_AXIS = 1e-6  # of directions of axes that count as parallel
 _AT_ZERO = 1e-6  # a joint so near to a quarter turn has either sign [rad]
 _MOST_TURNS = 4096  # combinations of whole turns of one solution
 
@@ -317,20 +317,13 @@ class MoveFollower:
         if self.program.degrees:
             values *= [np.pi / 180.0 if joint.unit == "rad" else 1e-3 for joint in self.robot.variables]
         if self.program.level and n >= 3:
-            if not self._axes_2_and_3_opposed():
+            if not axes_2_and_3_opposed(self.robot):
                 raise TrajectoryError(
                     "J3 is counted from the horizontal, and axes 2 and 3 of this arm do not point against each other",
                     where=where, mend="give the targets as poses",
                 )  # fmt: skip
             values[2] += values[1]
         return values
-
-    def _axes_2_and_3_opposed(self) -> bool:
-        """Axes 2 and 3 point against each other, and no joint is a mimic."""
-        robot = self.robot
-        if len(robot.joints) != robot.n:
-            return False
-        return float(np.dot(robot.joints[1].axis, robot.joints[2].axis)) <= -1.0 + ON_AXIS
 
     def _pose(self, move: Move) -> Array:
         """(4, 4) of a target in the base frame of the arm."""

@@ -157,3 +157,10 @@ def shoulder_height(robot: Robot) -> float:
     if upright and abs(second.axis[2]) <= _UPRIGHT:
         return float(second.foot[2])
     return 0.0
+
+
+def axes_2_and_3_opposed(robot: Robot) -> bool:
+    """Axes 2 and 3 point against each other, and no joint is a mimic: so FANUC's J3 plus J2 is the angle of joint 3."""
+    if len(robot.joints) != robot.n or robot.n < 3:
+        return False
+    return float(np.dot(robot.joints[1].axis, robot.joints[2].axis)) <= -1.0 + _UPRIGHT

@@ -285,3 +285,38 @@ def test_a_program_without_a_reader_is_refused_with_how_to_write_its_targets() -
             parse_trajectory(text, name, open_robot("ur5"))
     with pytest.raises(TrajectoryError, match="joints have no column"):
         parse_trajectory(text, "a.csv", open_robot("ur5"))
+
+
+def test_numbers_that_spaces_separate_are_columns(tmp_path: Path) -> None:
+    """As numpy.savetxt writes them: exactly the doubles that were saved."""
+    np.savetxt(tmp_path / "a.txt", np.column_stack([T, Q]), header="q1, q2, saved by hand")
+    found = read_trajectory(tmp_path / "a.txt", ARM)
+    np.testing.assert_array_equal(found.q, Q)
+    np.testing.assert_array_equal(found.times, T)
+
+
+@pytest.mark.parametrize("text", ["0 0 0 1\n0,5 0 0 1\n", "0 0 0 1\n0 0 0\n", "0 0 0 1\n0 0 0 x\n"])
+def test_rows_of_spaces_that_do_not_fit_are_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "a.txt").write_text(text)
+    with pytest.raises(TrajectoryError, match=r"a\.txt, line [12]"):
+        read_trajectory(tmp_path / "a.txt", ARM)
+
+
+@pytest.mark.parametrize("text", [
+    '{"points": [{"positions": [1, 2, 3, 4]}, {"positions": [2, 3, 4, 5]}]}',
+    '{"joint_names": [], "points": [{"positions": [1, 2, 3, 4]}, {"positions": [2, 3, 4, 5]}]}',
+    '[{"positions": [1, 2, 3, 4]}, {"positions": [2, 3, 4, 5]}]',
+    "[[1, 2, 3, 4], [2, 3, 4, 5]]",
+    '{"trajectory": [[1, 2, 3, 4], [2, 3, 4, 5]]}',
+])  # fmt: skip
+def test_points_without_names_are_in_the_order_of_the_joints(tmp_path: Path, text: str) -> None:
+    (tmp_path / "a.json").write_text(text)
+    found = read_trajectory(tmp_path / "a.json", ARM)
+    np.testing.assert_array_equal(found.q, [[1, 2, 3, 4], [2, 3, 4, 5]])
+    assert any("in the order of the arm's joints" in note for note in found.notes)
+
+
+def test_points_without_names_have_one_value_for_each_joint(tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text("[[1, 2, 3, 4], [2, 3, 4]]")
+    with pytest.raises(TrajectoryError, match="row 2: positions has another length than the joints; got 3 num"):
+        read_trajectory(tmp_path / "a.json", ARM)

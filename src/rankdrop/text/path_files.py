@@ -84,6 +84,7 @@ ROTATIONS_ALONE = "these are rotations alone: add the translation as the fourth 
 MATRIX_SHAPE = "matrices of the tip have the shape (N, {0}, 4)"
 QUATERNION_HEAD = "a first line x,y,z,qx,qy,qz,qw makes them poses of the tip"
 QUATERNIONS_AS_TEXT = f"poses with quaternions are read from CSV: {QUATERNION_HEAD}"
+POINTS_WITHOUT_NAMES = "the points name no joints: their values are taken in the order of the arm's joints"
 SAVED_WITH_COMMAS = 'separate them by commas: numpy.savetxt(file, rows, delimiter=",")'
 MATRIX_HEAD = "a first line m00,m01, … m{0}3 makes them matrices of the tip"
 """What mends arrays and tables of matrices."""

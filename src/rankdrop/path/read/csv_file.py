@@ -37,6 +37,7 @@ _FINE_TIME = re.compile(
 _WITH_UNIT = re.compile(r"(?P<name>.*)[\[(]\s*+(?P<unit>rad|deg|°|rev|m|mm|cm|µm|um|in|inch)\s*+[\])]", re.IGNORECASE)
 _UNIT_AFTER_UNDERSCORE = re.compile(r"(?P<name>.+)_(?P<unit>rad|deg|mm)", re.IGNORECASE)
 _JOINT = re.compile(r"(?:q|θ|theta|joint|j|axis|achse|a)[_ ]?(\d+)", re.IGNORECASE)
+_SEPARATORS = re.compile(r"[,;\t\"]")
 _COMMA = re.compile(r"(\d),(\d)")
 UNITS = {"angle": {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0)}, "length": {"m": 1.0, "mm": 1e-3}, "number": {}}
 PER_SECOND = {"ms": 1e3, "us": 1e6, "µs": 1e6, "μs": 1e6, "ns": 1e9}
@@ -406,7 +407,8 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
 
     The first line names the columns: joints by name or as q1 … qn, one optional time column (time, t, stamp) [s];
     other columns are ignored. A unit may follow a name: "q2 [deg]", "slide_mm", "time_ms". A file of numbers alone
-    needs one column for each joint; one column more, in front and increasing, is the time.
+    needs one column for each joint; one column more, in front and increasing, is the time. Spaces may separate the
+    columns, as numpy.savetxt writes them.
 
     Args:
         text: of the file.
@@ -417,7 +419,7 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     Raises:
         TrajectoryError: with file, line and column.
     """
-    table = read_table(text, name)
+    table = read_table(_with_commas(text), name)
     if all(map(is_number, table.head)):
         table.head = _names_of_numbers(table, robot)
     columns, time, unused = find_columns(table.head, table.head_place, _joint_columns(table, robot), deg=deg)
@@ -438,6 +440,18 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
         Path(name).name, regular_times(len(q)) if times is None else times, q, times is not None, unused,
         notes=table.notes, bare=not stated,
     )  # fmt: skip
+
+
+def _with_commas(text: str) -> str:
+    """A text with commas between its columns, where spaces separate numbers and no row has a comma or the like."""
+    given = with_line_feeds(text)
+    words = _first_line(given).split()
+    if len(words) < 2 or not all(map(is_number, words)):
+        return text
+    lines = ["" if line.lstrip().startswith("#") else line for line in given.split("\n")]
+    if any(map(_SEPARATORS.search, lines)):
+        return text
+    return "\n".join(",".join(line.split()) for line in lines)
 
 
 def _refuse_program(name: str, table: Table) -> None:

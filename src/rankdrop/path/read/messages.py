@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import reprlib
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from rankdrop.errors import MissingExtraError
 from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, trajectory_from_arrays
 from rankdrop.robot.files import DEEPEST, LARGEST_YAML
 from rankdrop.robot.model import Array, Robot
+from rankdrop.text.path_files import POINTS_WITHOUT_NAMES
 
 _INSIDE = ("trajectory", "joint_trajectory", "goal")
 _SECONDS, _NANOSECONDS = ("sec", "secs"), ("nanosec", "nsecs")
@@ -27,7 +29,8 @@ def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool =
 
     Looked for is an object with `joint_names` and `points`, each with `positions`, `time_from_start` (seconds, or an
     object of seconds and nanoseconds), and where given `velocities` and `accelerations`; at the top, or under
-    `trajectory`, `joint_trajectory` or `goal`.
+    `trajectory`, `joint_trajectory` or `goal`. Points without names, and a list of such points or of lists of numbers,
+    have the joints in the arm's order, and a note says so.
 
     Args:
         text: of the file.
@@ -41,16 +44,23 @@ def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool =
         MissingExtraError: YAML is asked for and PyYAML is not installed.
     """
     names, points = _names_and_points(text, name, yaml=yaml)
-    columns = {key: _column(points, word, names, name) for key, word in ENTRIES.items()}
+    if names is None:
+        joints = robot.n, "the joints"
+    else:
+        joints = len(names), "joint_names"
+    columns = {key: _column(points, word, joints, name) for key, word in ENTRIES.items()}
     if columns["q"] is None:
         raise TrajectoryError("the point has no positions", where=f"{name}, row 1")
     times = [_time(point, f"{name}, row {row}") for row, point in enumerate(points, start=1)]
     columns["t"] = all_or_none(times, "point", "time_from_start", lambda row: f"{name}, row {row + 1}")
-    return trajectory_from_arrays(name, robot, columns, names, deg=deg)
+    found = trajectory_from_arrays(name, robot, columns, names, deg=deg)
+    if names is None:
+        return replace(found, notes=(*found.notes, POINTS_WITHOUT_NAMES))
+    return found
 
 
-def _names_and_points(text: str, name: str, *, yaml: bool) -> tuple[list[str], list[Any]]:
-    """The names of the joints and the points of the message in a JSON or YAML text.
+def _names_and_points(text: str, name: str, *, yaml: bool) -> tuple[list[str] | None, list[Any]]:
+    """The names of the joints, None where there are none, and the points of the message in a JSON or YAML text.
 
     Raises:
         TrajectoryError: there is no message in it, or one without names or points.
@@ -59,14 +69,20 @@ def _names_and_points(text: str, name: str, *, yaml: bool) -> tuple[list[str], l
     if message is None:
         raise TrajectoryError("there is no JointTrajectory in it", where=name,
                               allowed="an object with joint_names and points")  # fmt: skip
-    names, points = message["joint_names"], message["points"]
-    if not isinstance(names, list):
-        raise TrajectoryError("joint_names is no list", where=name)
+    names, points = message.get("joint_names") or None, message["points"]
+    if names is not None:
+        _check_names(names, name)
     if not isinstance(points, list) or not points:
         raise TrajectoryError("the trajectory has no points", where=name)
-    if not all(isinstance(joint, str) for joint in names):
-        raise TrajectoryError("joint_names is no list of texts", where=name, got=reprlib.repr(names))
     return names, points
+
+
+def _check_names(names: Any, where: str) -> None:
+    """Refuse names that are no list of texts."""
+    if not isinstance(names, list):
+        raise TrajectoryError("joint_names is no list", where=where)
+    if not all(isinstance(joint, str) for joint in names):
+        raise TrajectoryError("joint_names is no list of texts", where=where, got=reprlib.repr(names))
 
 
 def all_or_none(times: list[float | None], row: str, key: str, place: Callable[[int], str]) -> Array | None:
@@ -150,27 +166,43 @@ def _too_deep(where: str) -> TrajectoryError:
 
 
 def _message(value: Any, below: int = 2) -> dict[str, Any] | None:
-    """The object with joint_names and points, at the top or one or two levels below."""
+    """The object with joint_names and points, at the top or one or two levels below; one of a list of points."""
+    if isinstance(value, list):
+        return _points_of(value)
     if not isinstance(value, dict) or below < 0:
         return None
-    if "joint_names" in value and "points" in value:
+    if "points" in value:
         return value
     return next((inner for key in _INSIDE if (inner := _message(value.get(key), below - 1)) is not None), None)
 
 
-def _column(points: list[Any], key: str, names: list[Any], name: str) -> Array | None:
-    """(T, joints) of one entry of every point; None where no point has it."""
+def _points_of(rows: list[Any]) -> dict[str, Any] | None:
+    """A message of points, or of lists of numbers; None where the rows are neither."""
+    if rows and all(isinstance(row, dict) and "positions" in row for row in rows):
+        return {"points": rows}
+    if rows and all(map(_is_row, rows)):
+        return {"points": [{"positions": row} for row in rows]}
+    return None
+
+
+def _is_row(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(map(is_double, value))
+
+
+def _column(points: list[Any], key: str, joints: tuple[int, str], name: str) -> Array | None:
+    """(T, joints) of one entry of every point; None where no point has it. `joints`: how many, and what says so."""
+    count, counted_by = joints
     rows = [point.get(key) if isinstance(point, dict) else None for point in points]
     if not any(rows):
         return None
     for row, values in enumerate(rows, start=1):
-        if not isinstance(values, list) or len(values) != len(names):
+        if not isinstance(values, list) or len(values) != count:
             if isinstance(values, list):
                 got = f"{len(values)} numbers"
             else:
                 got = reprlib.repr(values)
-            raise TrajectoryError(f"{key} has another length than joint_names", where=f"{name}, row {row}", got=got,
-                                  allowed=f"{len(names)} numbers")  # fmt: skip
+            raise TrajectoryError(f"{key} has another length than {counted_by}", where=f"{name}, row {row}", got=got,
+                                  allowed=f"{count} numbers")  # fmt: skip
         if not all(map(is_double, values)):
             raise TrajectoryError(f"{key} has a value that is no number", where=f"{name}, row {row}",
                                   got=reprlib.repr(values))  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from rankdrop.errors import RobotError
 from rankdrop.robot.dh_rows import is_table, table_in
 
 
@@ -66,3 +67,35 @@ def test_a_statement_of_matlab_goes_on_after_three_points() -> None:
         {"a": "0.2", "alpha": "pi/2", "d": "0.1", "offset": "0"}, {"a": "0.3", "alpha": "0", "d": "0", "offset": "0"},
     ]  # fmt: skip
     assert [row.line for row in found.rows] == [1, 4]
+
+
+@pytest.mark.parametrize("row", [
+    "{'a': %s, 'd': %s, 'alpha': np.pi/2}", '{"alpha": np.pi/2, "a": %s, "d": %s},',
+    "dict(a=%s, d=%s, alpha=np.pi/2),", "links.append({'a': %s, 'd': %s, 'alpha': np.pi/2})",
+])  # fmt: skip
+def test_rows_with_names_are_read(row: str) -> None:
+    found = table_in("arm = [\n" + "\n".join(row % (i, 0.1) for i in range(3)) + "\n]\n", "t")
+    assert found is not None
+    assert [dict(row.entries) for row in found.rows] == [
+        {"a": str(i), "d": "0.1", "alpha": "np.pi/2"} for i in range(3)
+    ]
+    assert [row.line for row in found.rows] == [2, 3, 4]
+
+
+def test_the_joint_variable_may_be_an_entry_of_a_list() -> None:
+    named = "[{'a': 1, 'd': 0, 'alpha': 0, 'theta': q[0]}, {'a': 1, 'd': 0, 'alpha': 0, 'theta': theta[1] + pi/2}]"
+    headed = "# a, alpha, d, theta\n[1, 0, 0, q[0]],\n[1, 0, 0, q[1] + pi/2],\n"
+    for text in (named, headed):
+        found = table_in(text, "t")
+        assert found is not None
+        assert [row.varies for row in found.rows] == [True, True]
+        assert [row.entries["theta"].replace(" ", "").lstrip("+") for row in found.rows] == ["0", "pi/2"]
+
+
+def test_rows_with_names_that_leave_doubt_are_refused() -> None:
+    row = "{'a': 1, 'd': 0, 'alpha': 0},\n"
+    with pytest.raises(RobotError, match="t, line 3: the row has not each of a, alpha and d"):
+        table_in(row * 2 + "{'d': 0, 'alpha': 0},\n", "t")
+    with pytest.raises(RobotError, match="two arms; got rows in 2 lists"):
+        table_in(f"one = [\n{row * 2}]\nother = [\n{row * 2}]\n", "t")
+    assert not is_table("{'a': 1, 'd': 0, 'alpha': 0}")

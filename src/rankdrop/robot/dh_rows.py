@@ -1,7 +1,8 @@
-"""Where a text has the rows of a Denavit–Hartenberg table: calls, a table with a heading, lists, or numbered names.
+"""Where a text has the rows of a Denavit–Hartenberg table: calls, a heading, names in each row, lists, numbered names.
 
 - Calls of toolboxes: `Link([theta d a alpha])`, `Link('d', 0.1, 'a', 0, 'alpha', pi/2)`, `RevoluteMDH(d=0.1, a=0)`.
 - A table with a heading that names its columns, as it is printed, in CSV, Markdown, or as a comment above an array.
+- Names in each row: `{'a': 0, 'd': 0.1, 'alpha': pi/2}`, `dict(a=0, d=0.1, alpha=pi/2)`.
 - A list for each parameter: `a = [0, -0.425, …]`, `d = […]`, `alpha = […]`.
 - Numbered names: `a1 = 0.4`, `alpha1 = -pi/2`, or `{alpha0: 0, a0: 0, d1: 0.75, …}`.
 
@@ -68,10 +69,17 @@ _AROUND = re.compile(r"^[^|,;\t\d]*?=\s*[\w.]*\(?\s*(?=\[)")
 _SPLITS = tuple(map(re.compile, (r"\|", r";", r",", r"\t+", r"\s{2,}", r"\s+")))
 _DECIMAL_COMMA = re.compile(r"^(-?\d+),(\d+)$")
 
-_VARIABLE = re.compile(r"(?:\b(?:q|theta|th|t)_?\{?\d{0,2}\}?(?:\(t\))?\*?|\bd_?\{?\d{0,2}\}?\*|\*)(?!\w)")
+_VARIABLE = re.compile(
+    r"(?:\b(?:q|theta|th|t)_?\{?\d{0,2}\}?(?:\[\d{1,2}\]?)?(?:\(t\))?\*?|\bd_?\{?\d{0,2}\}?\*|\*)(?!\w)"
+)
 _SLIDE = re.compile(r"^q_?\{?\d{0,2}\}?\*?$|\*$|^d_?\{?\d{0,2}\}?\*$")
 
-# Lists and numbered names
+# Names in each row, lists and numbered names
+
+_NAMED_ROW = re.compile(r"(?:\{|\bdict\()(?P<items>[^{}]{1,400}?)(?:\}|\)\s*(?=[,\]\n]|$))")
+_NAMED_ENTRY = re.compile(
+    r"(?<!\w)[\"']?(?P<key>alpha|theta|offset|a|d)[\"']?\s*[:=]\s*[\"']?(?P<value>[^,:={}\"'\n]{1,60})"
+)
 
 _LIST = re.compile(r"(?:^|[\s.;])(?P<name>[A-Za-z]\w{0,30})\s*=\s*[\w.]*\(?\s*[\[{](?P<items>[^\[\]{}]{1,2000})[\]}]")
 _NAMED_LIST = re.compile(r"(?:dh_?)?(?P<key>(?:alpha|a|d|theta|theta_offset|offset)s?)\b(?:_?dh)?")
@@ -122,7 +130,8 @@ def table_in(text: str, file: str) -> WrittenTable | None:
     """
     plain = _LATEX.sub(r"\1", text.translate(_GREEK)).replace("$", "")
     lines = plain.splitlines()
-    return _of_calls(lines, file) or _of_heading(lines) or _of_lists(lines) or _of_numbers(lines)
+    rows = _of_calls(lines, file) or _of_heading(lines) or _of_named_rows(lines, file)
+    return rows or _of_lists(lines) or _of_numbers(lines)
 
 
 def is_table(text: str) -> bool:
@@ -406,6 +415,36 @@ def _constant_part(cell: str) -> str:
     """The part of a cell that is added to the joint variable: "- 90°" of "q2 - 90°"; all of it where it has none."""
     rest = _VARIABLE.sub("", cell.lower(), count=1).strip().rstrip("+").strip()
     return rest or "0"
+
+
+def _of_named_rows(lines: list[str], file: str) -> WrittenTable | None:
+    code = "\n".join(_COMMENT.sub("", line) for line in lines)
+    rows: list[WrittenRow] = []
+    short: list[int] = []  # lines of rows without a, alpha or d
+    lists, number, counted, end = 1, 1, 0, 0
+    for found in _NAMED_ROW.finditer(code):
+        number += code.count("\n", counted, found.start())
+        lists += bool(rows) and "]" in code[end : found.start()]
+        counted, end = found.start(), found.end()
+        cells = {item["key"]: item["value"].strip() for item in _NAMED_ENTRY.finditer(found["items"])}
+        if cells.keys() >= {"a", "alpha", "d"}:
+            rows.append(_row_of_cells(cells, number))
+        elif "alpha" in cells:
+            short.append(number)
+    if len(rows) < 2:
+        return None
+    _refuse_doubtful_rows(short, lists, file)
+    return WrittenTable(tuple(rows), constants=_constants(code.splitlines()))
+
+
+def _refuse_doubtful_rows(short: list[int], lists: int, file: str) -> None:
+    """Refuse rows without one of a, alpha and d, and rows in several lists."""
+    if short:
+        raise RobotError("the row has not each of a, alpha and d", where=f"{file}, line {short[0]}",
+                         mend="write all three, 0 for none")  # fmt: skip
+    if lists > 1:
+        raise RobotError("the file has two arms", where=file, got=f"rows in {lists} lists",
+                         mend="keep the rows of one arm")  # fmt: skip
 
 
 def _of_lists(lines: list[str]) -> WrittenTable | None:

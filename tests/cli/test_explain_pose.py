@@ -42,8 +42,10 @@ def test_one_place_is_needed(run) -> None:
     assert run("explain", "irb120", "--pose", "0.35,0,0.4,pi,0,0", "--only", "escape").code == 2
 
 
-def test_degrees_that_are_read_as_radians_are_noted(run) -> None:
-    assert "angles up to 180 look like degrees" in run("explain", "irb120", "--pose", "0.35,0,0.4,180,0,0").err
+def test_degrees_without_a_unit_are_refused(run) -> None:
+    ended = run("explain", "irb120", "--pose", "0.35,0,0.4,180,0,0")
+    assert ended.code == 2
+    assert "angles look like degrees; got 180; allowed: radians, at most two turns; fix: add --deg" in ended.err
     assert "look like degrees" not in run("explain", "irb120", "--pose", "0.35,0,0.4,180deg,0,0").err
 
 

@@ -6,8 +6,9 @@ from math import pi, radians
 
 import pytest
 
-from rankdrop.cli.values import parse_configuration
-from rankdrop.errors import ConfigurationError
+from rankdrop.cli.values import parse_configuration, parse_pose
+from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.path import axes_2_and_3_opposed
 from rankdrop.robot.open import open_robot
 
 
@@ -52,3 +53,16 @@ def test_joint_3_of_a_fanuc_is_counted_from_the_horizontal(
 def test_values_without_names_get_no_note_on_joint_3(capsys: pytest.CaptureFixture[str]) -> None:
     parse_configuration("0,0,0,0,0,0", open_robot("lrmate200id"), deg=False)
     assert capsys.readouterr().err == ""
+
+
+def test_poses_in_degrees_without_a_unit_are_refused() -> None:
+    arm = open_robot("ur5")
+    with pytest.raises(OptionError, match="angles look like degrees; got 180; "):
+        parse_pose("0.4,0.1,0.3,180,0,0", deg=False, robot=arm)
+    for text, deg in (("0.4,0.1,0.3,1800deg,0,0", False), ("0.4,0.1,0.3,1800,0,0", True)):
+        assert parse_pose(text, deg=deg, robot=arm)[3] == pytest.approx(radians(1800))
+
+
+@pytest.mark.parametrize(("arm", "opposed"), [("lrmate200id", True), ("ur5", False), ("planar2r", False)])
+def test_axes_2_and_3_of_a_fanuc_are_opposed(arm: str, opposed: bool) -> None:
+    assert axes_2_and_3_opposed(open_robot(arm)) == opposed

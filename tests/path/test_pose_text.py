@@ -67,7 +67,8 @@ def test_the_order_of_turns_is_the_makers() -> None:
     ("X 400mm, Y 100, Z 300, A 0, B 90, C 0", "m or mm is in doubt"),
     ("posx(0.4, 0, 0.3, 0, 180, 0)", r"m or mm is in doubt.*allowed: Doosan: mm and degrees"),
     ("posx(400, 0, 300, 0, 180)", "a pose of DRL has six numbers"),
-    ("x=300mm y=0 z=200mm roll=180 pitch=0 yaw=0", r"radians or degrees is in doubt.*got 180, 0, 0; fix: write a unit"),
+    ("x=300mm y=0 z=200mm roll=180 pitch=0 yaw=0", r"angles look like degrees; got 180; .*write a unit behind each"),
+    ("x=300mm y=0 z=200mm roll=0deg pitch=0 yaw=-90", "angles look like degrees; got -90"),
     ("[[0.4, 0.1, 0.3], [0, 1, 0, 0]]", "the order of the quaternion is in doubt"),
     ("x 0.4 y 0 z 0.3 rx 180deg ry 0deg rz 0deg", "can be a rotation vector or angles about three axes"),
     ("X 400, Y 100, A 90", "the names are not those of one pose; got X, Y, A"),
@@ -81,6 +82,12 @@ def test_doubtful_forms_are_refused(text: str, said: str) -> None:
 def test_plain_numbers_are_none_of_these_forms() -> None:
     for text in ("0.4,0.1,0.3", "0.4 0.1 0.3 180deg 0 30deg", "[0.35, 0, 0.4, 1, 0, 0, 0]", "350mm,0,0.4,pi,0,0"):
         assert pose_of_text(text, "--pose") is None
+
+
+def test_angles_by_name_are_in_degrees_where_that_is_said() -> None:
+    stated = "x=0.4 y=0.1 z=0.3 roll=180deg pitch=0 yaw=30deg"
+    np.testing.assert_allclose(read(stated), DOWN, atol=1e-12)
+    np.testing.assert_allclose(read("x=0.4 y=0.1 z=0.3 roll=180 pitch=0 yaw=30", deg=True), DOWN, atol=1e-12)
 
 
 def test_degrees_by_option_and_the_height_of_a_fanuc_count() -> None:

@@ -98,4 +98,29 @@ def test_rows_with_names_that_leave_doubt_are_refused() -> None:
         table_in(row * 2 + "{'d': 0, 'alpha': 0},\n", "t")
     with pytest.raises(RobotError, match="two arms; got rows in 2 lists"):
         table_in(f"one = [\n{row * 2}]\nother = [\n{row * 2}]\n", "t")
+    with pytest.raises(RobotError, match="t, line 3: the row may be that of a slide; got 'type': 'prismatic'"):
+        table_in(row * 2 + "{'type': 'prismatic', 'a': 1, 'd': 0, 'alpha': 0},\n", "t")
+    with pytest.raises(RobotError, match="t, line 3: a call has no end"):
+        table_in(row * 2 + "dict(a=1, d=0, alpha=(0", "t")
     assert not is_table("{'a': 1, 'd': 0, 'alpha': 0}")
+
+
+def test_a_row_with_names_is_read_whole() -> None:
+    """However long it is, with brackets inside, limits, and what says that the joint turns."""
+    long = "{'name': '" + 500 * "n" + "', 'joint_type': 'revolute', 'a': 1, 'd': 0, 'alpha': 0, 'upper': pi},"
+    called = "dict(a=sqrt(2)*(1 + 1), d=0, alpha=0, type='R')"
+    found = table_in(f"[{long}\n{called}]", "t")
+    assert found is not None
+    assert [dict(row.entries) for row in found.rows] == [
+        {"a": "1", "d": "0", "alpha": "0", "upper": "pi"}, {"a": "sqrt(2)*(1 + 1)", "d": "0", "alpha": "0"},
+    ]  # fmt: skip
+
+
+def test_a_call_without_arguments_is_a_row_and_values_without_names_are_refused() -> None:
+    found = table_in("[RevoluteDH(d=1), RevoluteDH(), Link('d', 1, 'm', 2, 'standard')]", "t")
+    assert found is not None
+    assert [row.entries.get("d") for row in found.rows] == ["1", None, "1"]
+    for call in ("RevoluteDH(0.1, alpha=pi/2)", "RevoluteDH(0.1)", "Link(pi/2)"):
+        with pytest.raises(RobotError, match="t, line 2: an argument has no name; got "):
+            table_in(f"RevoluteDH(d=1)\n{call}", "t")
+    assert not is_table("Link (1) is the base")

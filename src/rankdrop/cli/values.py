@@ -21,7 +21,6 @@ from rankdrop.errors import ConfigurationError, OptionError, RobotError
 if TYPE_CHECKING:
     from rankdrop.cover import ModelTolerance
 
-_MOST_TURN = 4 * pi  # of a roll, pitch or yaw that is meant in rad
 _WHOLE_TO = 1e-9  # of a typed angle [deg]
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 _SIGNS = str.maketrans({"−": "-", "–": "-", "π": "pi"})  # as copied from what is printed
@@ -169,9 +168,11 @@ def parse_pose(text: str, *, deg: bool, option: str = "--pose", robot: arms.Robo
     FANUC's Z begins.
 
     Raises:
-        OptionError: not three, six or seven quantities, or a maker's form in doubt.
+        OptionError: not three, six or seven quantities, a maker's form in doubt, or angles that look like degrees.
         ConfigurationError: a word that is none.
     """
+    from rankdrop.path import refuse_bare_degrees
+
     made = _makers_pose(text, option, robot, deg=deg)
     if made is not None:
         return made
@@ -185,9 +186,8 @@ def parse_pose(text: str, *, deg: bool, option: str = "--pose", robot: arms.Robo
     if len(words) == 7:
         return lengths + [arms.quantity(word, "number", where=option) for word in words[3:]]
     turns = [value_of(word, "rad", option, deg=deg) for word in words[3:]]
-    most = max((abs(turn) for turn in turns), default=0.0)
-    if not deg and most > _MOST_TURN:
-        say(f"note: {option}: angles up to {most:.4g} look like degrees and are read as radians; --deg reads degrees")
+    if not deg:
+        refuse_bare_degrees(words[3:], turns, option)
     return lengths + turns
 
 

@@ -40,7 +40,9 @@ _LATER = re.compile(
 )
 _WORD = re.compile(r"""^["']?(?P<key>[A-Za-z_]+)["']?\s*=?\s*""")
 _TEXT = re.compile(r"""^["'](?P<text>\w+)["']$""")
-_PARAMETERS = {key: key for key in (*KEYS, "qlim", "sigma", "mdh")}
+_NUMBER = re.compile(r"[-+.(\d]|(?:\w{1,20}\.)?pi\b")
+_FLAGS = frozenset(("modified", "standard", "revolute", "prismatic", "sym"))
+"""Quoted words of a call that no value follows."""
 _VECTORS = {"Link": ("theta", "d", "a", "alpha", "sigma", "offset"), "link": ("alpha", "a", "theta", "d", "sigma")}
 """Order of the numbers of one bracket; `link` is that of older versions."""
 
@@ -76,10 +78,14 @@ _SLIDE = re.compile(r"^q_?\{?\d{0,2}\}?\*?$|\*$|^d_?\{?\d{0,2}\}?\*$")
 
 # Names in each row, lists and numbered names
 
-_NAMED_ROW = re.compile(r"(?:\{|\bdict\()(?P<items>[^{}]{1,400}?)(?:\}|\)\s*(?=[,\]\n]|$))")
+_NAMED_ROW = re.compile(r"\{(?P<items>[^{}]*)\}|\bdict\(")
 _NAMED_ENTRY = re.compile(
-    r"(?<!\w)[\"']?(?P<key>alpha|theta|offset|a|d)[\"']?\s*[:=]\s*[\"']?(?P<value>[^,:={}\"'\n]{1,60})"
+    r"(?<!\w)[\"']?(?P<key>alpha|theta|offset|lower|upper|a|d)[\"']?\s*[:=]\s*[\"']?(?P<value>[^,:={}\"'\n]+)"
 )
+_NAMED_KIND = re.compile(
+    r"(?<!\w)[\"']?(?:(?:joint_?)?(?:type|kind)|sigma|prismatic)[\"']?\s*[:=](?P<value>[^,]*)", re.IGNORECASE
+)
+_TURNING = frozenset(("r", "revolute", "rotary", "rotational", "0", "false"))
 
 _LIST = re.compile(r"(?:^|[\s.;])(?P<name>[A-Za-z]\w{0,30})\s*=\s*[\w.]*\(?\s*[\[{](?P<items>[^\[\]{}]{1,2000})[\]}]")
 _NAMED_LIST = re.compile(r"(?:dh_?)?(?P<key>(?:alpha|a|d|theta|theta_offset|offset)s?)\b(?:_?dh)?")
@@ -143,34 +149,43 @@ def is_table(text: str) -> bool:
 
 
 def _of_calls(lines: list[str], file: str) -> WrittenTable | None:
-    code = [_COMMENT.sub("", line) for line in lines]
-    calls = list(_calls_in(_joined(code), file))
-    if not calls:
+    code = _code_of(lines)
+    calls = [call for call in _calls_in(code, file) if call.entries or call.stray or call.empty]
+    if not any(call.entries for call in calls):
         return None
+    _refuse_strays(calls, file)
     _refuse_two_arms(calls, file)
-    settings = chain.from_iterable(map(_LATER.finditer, code))
+    bare = code.splitlines()
+    settings = chain.from_iterable(map(_LATER.finditer, bare))
     later = {(found["name"], found["key"]): found["value"] for found in settings}
     rows = tuple(_row_of(call, later) for call in calls)
     conventions = {call.convention for call in calls}
     if len(conventions) > 1:
         raise RobotError("the links are of both conventions", where=file, allowed="all standard, or all modified")
-    return WrittenTable(rows, conventions.pop(), radians=True, constants=_constants(code))
+    return WrittenTable(rows, conventions.pop(), radians=True, constants=_constants(bare))
 
 
 @dataclass(frozen=True)
 class _Call:
-    """One call: the name that it is assigned to, its arguments by key."""
+    """One call: the name that it is assigned to, its arguments by key.
+
+    Attributes:
+        stray: a number without a key; "" where there is none.
+        empty: it has no argument, and is a row all the same: RevoluteDH().
+    """
 
     name: str
     entries: Mapping[str, str]
     line: int
     convention: str
     slides: bool
+    stray: str
+    empty: bool
 
 
-def _joined(lines: list[str]) -> str:
-    """Lines as one text, without MATLAB's signs that a statement goes on."""
-    return "\n".join(_GOES_ON.sub("", line) for line in lines)
+def _code_of(lines: list[str]) -> str:
+    """Lines as one text, without comments and MATLAB's signs that a statement goes on."""
+    return "\n".join(_GOES_ON.sub("", _COMMENT.sub("", line)) for line in lines)
 
 
 def _calls_in(code: str, file: str) -> Iterator[_Call]:
@@ -182,27 +197,39 @@ def _calls_in(code: str, file: str) -> Iterator[_Call]:
         arguments, end, closed = _arguments(code, found.end())
         targets = _TARGET.findall(code[max(0, found.start() - 60) : found.start()])
         call = _call_of(found, arguments, "".join(targets), number)
-        if not call.entries:
-            continue
-        if not closed:
-            raise RobotError("a call has no end", where=f"{file}, line {number}", got=found[0],
-                             allowed=f"a closing bracket within {_LONGEST_CALL} characters")  # fmt: skip
+        if call.entries and not closed:
+            raise _without_end(found[0], f"{file}, line {number}")
         yield call
+
+
+def _without_end(call: str, where: str) -> RobotError:
+    return RobotError("a call has no end", where=where, got=call,
+                      allowed=f"a closing bracket within {_LONGEST_CALL} characters")  # fmt: skip
+
+
+def _refuse_strays(calls: list[_Call], file: str) -> None:
+    """Refuse a number without the name of its parameter: its place says it in no toolbox alike."""
+    for call in calls:
+        if call.stray:
+            raise RobotError("an argument has no name", where=f"{file}, line {call.line}", got=call.stray,
+                             allowed="d=0.1, 'd', 0.1, or one bracket of numbers first")  # fmt: skip
 
 
 def _call_of(found: re.Match[str], arguments: list[str], name: str, line: int) -> _Call:
     flags = {text["text"].lower() for word in arguments if (text := _TEXT.match(word))}
-    entries = _entries_of(arguments, _VECTORS.get(found["link"] or "Link", _VECTORS["Link"]))
+    entries, stray = _entries_of(arguments, _VECTORS.get(found["link"] or "Link", _VECTORS["Link"]))
+    empty = bool(found["kind"]) and arguments == [""]
     without_d = bool(found["link"]) and "theta" in entries and "d" not in entries
     slides = [found["kind"] == "Prismatic", "prismatic" in flags, entries.get("sigma") == "1", without_d]
     modified = [bool(found["modified"]), "modified" in flags, entries.get("mdh") in ("1", "True", "true")]
     convention = ("standard", "modified")[any(modified)]
-    return _Call(name, entries, line, convention, any(slides))
+    return _Call(name, entries, line, convention, any(slides), stray, empty)
 
 
-def _entries_of(arguments: list[str], order: tuple[str, ...]) -> dict[str, str]:
-    """Arguments by key: 'd', 0.1 and d=0.1, and the numbers of one bracket."""
+def _entries_of(arguments: list[str], order: tuple[str, ...]) -> tuple[dict[str, str], str]:
+    """Arguments by key: 'd', 0.1 and d=0.1, and the numbers of one bracket; and the first number without a key."""
     entries: dict[str, str] = {}
+    strays: list[str] = []
     waiting = ""
     for word in arguments:
         quoted = _TEXT.match(word)
@@ -210,12 +237,15 @@ def _entries_of(arguments: list[str], order: tuple[str, ...]) -> dict[str, str]:
         if waiting:
             entries[waiting], waiting = word, ""
         elif quoted is not None:
-            waiting = _PARAMETERS.get(quoted["text"], "")
+            if quoted["text"].lower() not in _FLAGS:
+                waiting = quoted["text"]
         elif named is not None and "=" in named[0]:
             entries[named["key"]] = word[named.end() :].strip()
         elif word.startswith("[") and not entries:
             entries |= dict(zip(order, re.split(r"\s*,\s*|\s+", word.strip("[] ")), strict=False))
-    return entries
+        elif _NUMBER.match(word):
+            strays.append(word)
+    return entries, "".join(strays[:1])
 
 
 def _arguments(code: str, at: int) -> tuple[list[str], int, bool]:
@@ -418,23 +448,54 @@ def _constant_part(cell: str) -> str:
 
 
 def _of_named_rows(lines: list[str], file: str) -> WrittenTable | None:
-    code = "\n".join(_COMMENT.sub("", line) for line in lines)
+    code = _code_of(lines)
     rows: list[WrittenRow] = []
     short: list[int] = []  # lines of rows without a, alpha or d
-    lists, number, counted, end = 1, 1, 0, 0
-    for found in _NAMED_ROW.finditer(code):
-        number += code.count("\n", counted, found.start())
-        lists += bool(rows) and "]" in code[end : found.start()]
-        counted, end = found.start(), found.end()
-        cells = {item["key"]: item["value"].strip() for item in _NAMED_ENTRY.finditer(found["items"])}
+    lists = 1
+    for row in _named_rows_in(code, file):
+        lists += bool(rows) and row.in_another_list
+        cells = {item["key"]: item["value"].strip() for item in _NAMED_ENTRY.finditer(row.items)}
         if cells.keys() >= {"a", "alpha", "d"}:
-            rows.append(_row_of_cells(cells, number))
+            _refuse_slide(row, file)
+            rows.append(_row_of_cells(cells, row.line))
         elif "alpha" in cells:
-            short.append(number)
+            short.append(row.line)
     if len(rows) < 2:
         return None
     _refuse_doubtful_rows(short, lists, file)
     return WrittenTable(tuple(rows), constants=_constants(code.splitlines()))
+
+
+@dataclass(frozen=True)
+class _NamedRow:
+    """What stands between the brackets of a row, its line, and whether a list ends between it and the row before."""
+
+    items: str
+    line: int
+    in_another_list: bool
+
+
+def _named_rows_in(code: str, file: str) -> Iterator[_NamedRow]:
+    end, number, counted = 0, 1, 0
+    while found := _NAMED_ROW.search(code, end):
+        number += code.count("\n", counted, found.start())
+        counted = found.start()
+        in_another_list = "]" in code[end : found.start()]
+        items, end, closed = found["items"], found.end(), True
+        if items is None:
+            arguments, end, closed = _arguments(code, found.end())
+            items = ",".join(arguments)
+        if not closed and _TWIST.search(items):
+            raise _without_end(found[0], f"{file}, line {number}")
+        yield _NamedRow(items, number, in_another_list)
+
+
+def _refuse_slide(row: _NamedRow, file: str) -> None:
+    """Refuse a row that says of its joint anything but that it turns: what its d then means is not known."""
+    kind = _NAMED_KIND.search(row.items)
+    if kind is not None and kind["value"].strip("\"' ").lower() not in _TURNING:
+        raise RobotError("the row may be that of a slide", where=f"{file}, line {row.line}", got=kind[0].strip(),
+                         mend="write a table with a heading, and q for the variable in its column d")  # fmt: skip
 
 
 def _refuse_doubtful_rows(short: list[int], lists: int, file: str) -> None:
@@ -448,7 +509,7 @@ def _refuse_doubtful_rows(short: list[int], lists: int, file: str) -> None:
 
 
 def _of_lists(lines: list[str]) -> WrittenTable | None:
-    code = "\n".join(_COMMENT.sub("", line) for line in lines)
+    code = _code_of(lines)
     lists: dict[str, list[str]] = {}
     for found in _LIST.finditer(code):
         name = _NAMED_LIST.fullmatch(found["name"].lower())

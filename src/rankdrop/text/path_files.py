@@ -67,7 +67,6 @@ STATE_POSE_UNITS = {
 }
 """How a pose in a text states units."""
 NAMED_UNITS = "other units need names: x 400mm, y 0mm, z 300mm, roll 180deg, pitch 0deg, yaw 0deg"
-TURNS_IN_DOUBT = "radians or degrees is in doubt: an angle without a unit is above a whole turn in radians"
 ORDER_IN_DOUBT = "the order of the quaternion is in doubt: its real part is the first number or the last"
 POSE_TEXTS = "X, Y, Z and roll, pitch, yaw; qx, qy, qz, qw; rx, ry, rz; A, B, C; W, P, R; q1 … q4; or none of these"
 """Names of a pose in a text."""

@@ -63,13 +63,15 @@ def _names_and_points(text: str, name: str, *, yaml: bool) -> tuple[list[str] | 
     """The names of the joints, None where there are none, and the points of the message in a JSON or YAML text.
 
     Raises:
-        TrajectoryError: there is no message in it, or one without names or points.
+        TrajectoryError: there is no message in it, or one without points.
     """
     message = next(filter(None, map(_message, documents(text, name, yaml=yaml))), None)
     if message is None:
         raise TrajectoryError("there is no JointTrajectory in it", where=name,
-                              allowed="an object with joint_names and points")  # fmt: skip
-    names, points = message.get("joint_names") or None, message["points"]
+                              allowed="an object with joint_names and points, or a list of points")  # fmt: skip
+    names, points = message.get("joint_names"), message["points"]
+    if names == []:  # as ROS writes a message without names
+        names = None
     if names is not None:
         _check_names(names, name)
     if not isinstance(points, list) or not points:

@@ -12,6 +12,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,6 @@ from rankdrop.path.read.makers import (
     EULER_ZYZ,
     QUATERNION,
     ROTATION_VECTOR,
-    WHOLE_TURN,
     WRITINGS,
     Writing,
     common_turns,
@@ -46,11 +46,12 @@ from rankdrop.text.path_files import (
     RAISED,
     ROTATION_VECTORS,
     STATE_POSE_UNITS,
-    TURNS_IN_DOUBT,
+    TWO_TURNS,
     UNIT_IN_DOUBT,
     makers_note,
     passed_over_notes,
 )
+from rankdrop.text.words import MOST_TURNS
 
 _PLACE: tuple[str, ...] = ("x", "y", "z")
 _ITEM = re.compile(
@@ -238,14 +239,26 @@ def _of_common_names(values: dict[str, str], where: str, *, deg: bool) -> PoseTe
     place = [_value(values[key], "length", where) for key in _PLACE]
     turns = [_value(values[key], measure, where, deg=deg) for key in turn]
     if measure == "angle" and not deg:
-        _refuse_bare_degrees([values[key] for key in turn], turns, where)
+        refuse_bare_degrees([values[key] for key in turn], turns, where)
     return PoseText([*place, *turns], notes)
 
 
-def _refuse_bare_degrees(words: list[str], angles: list[float], where: str) -> None:
-    bare = not any(map(_UNIT.search, words))
-    if bare and max(map(abs, angles), default=0.0) > WHOLE_TURN:
-        raise OptionError(TURNS_IN_DOUBT, where=where, got=", ".join(words), mend=STATE_POSE_UNITS["angle"])
+def refuse_bare_degrees(words: Sequence[str], angles: Sequence[float], where: str) -> None:
+    """Refuse roll, pitch and yaw that look like degrees and have no unit.
+
+    Args:
+        words: as they are written.
+        angles: what they are read as [rad].
+        where: the option, for errors.
+
+    Raises:
+        OptionError: an angle without a unit is above two turns.
+    """
+    for word, angle in zip(words, angles, strict=True):
+        if abs(angle) > MOST_TURNS and not _UNIT.search(word):
+            raise OptionError("angles look like degrees", where=where, got=word, allowed=TWO_TURNS,
+                              mend=f"deg=True, or {STATE_POSE_UNITS['angle']}",
+                              typed=f"add --deg, or {STATE_POSE_UNITS['angle']}")  # fmt: skip
 
 
 def _others(values: dict[str, str], turn: tuple[str, ...], where: str) -> tuple[str, ...]:

@@ -295,7 +295,9 @@ def test_numbers_that_spaces_separate_are_columns(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.times, T)
 
 
-@pytest.mark.parametrize("text", ["0 0 0 1\n0,5 0 0\n", "0 0 0 1\n0 0 0\n", "0 0 0 1\n0 0 0 x\n"])
+@pytest.mark.parametrize("text", [
+    "0 0 0 1\n0,5 0 0\n", "0 0 0 1\n0 0 0\n", "0 0 0 1\n0 0 0 x\n", "q1 q2 q3 q4\n0 0 0 1\n",
+])  # fmt: skip
 def test_rows_of_spaces_that_do_not_fit_are_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "a.txt").write_text(text)
     with pytest.raises(TrajectoryError, match=r"a\.txt, line [12]"):

@@ -87,7 +87,7 @@ def test_plain_numbers_are_none_of_these_forms() -> None:
 def test_angles_by_name_are_in_degrees_where_that_is_said() -> None:
     stated = "x=0.4 y=0.1 z=0.3 roll=180deg pitch=0 yaw=30deg"
     np.testing.assert_allclose(read(stated), DOWN, atol=1e-12)
-    np.testing.assert_allclose(read("x=0.4 y=0.1 z=0.3 roll=180 pitch=0 yaw=30", deg=True), DOWN, atol=1e-12)
+    np.testing.assert_allclose(read("x=0.4 y=0.1 z=0.3 roll=900 pitch=0 yaw=30", deg=True), DOWN, atol=1e-12)
 
 
 def test_degrees_by_option_and_the_height_of_a_fanuc_count() -> None:

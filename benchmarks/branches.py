@@ -21,8 +21,8 @@ import numpy as np
 from reference import kinematics as oracle
 
 import rankdrop
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot, robot_names
 
 RESIDUAL = 1e-9

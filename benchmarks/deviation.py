@@ -28,8 +28,8 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from rankdrop.kinematics import jacobian, pose
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot
 
 TARGET = 1.2

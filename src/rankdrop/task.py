@@ -13,8 +13,8 @@ import numpy as np
 from rankdrop.errors import TaskError
 from rankdrop.named_tasks import BASE, BODY, ROWS, SPACE, TIP, WORLD_ALIGNED, Frame, task_names
 from rankdrop.named_tasks import NAMED as _NAMED
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.numbers import reach
 
 __all__ = ["BASE", "BODY", "FRAMES", "ROWS", "SPACE", "TIP", "WORLD_ALIGNED", "Frame", "Task", "frame_of", "link_index",
            "resolve_task", "six_rows", "task_names"]  # fmt: skip

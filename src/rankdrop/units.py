@@ -20,8 +20,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.task import Task
 
 _Length = TypeVar("_Length", float, Array)

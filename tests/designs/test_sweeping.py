@@ -27,9 +27,9 @@ from rankdrop.errors import OptionError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.drawing import Drawing
 from rankdrop.robot.model import JointKind
-from rankdrop.robot.numbers import reach
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 from rankdrop.text.designs import error_text, measure_cell

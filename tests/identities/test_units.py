@@ -21,8 +21,8 @@ from rankdrop.families.slices import telling_slices
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_analysis, known_names, shipped
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Joint, JointKind, Robot, geometry
-from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.text.lost import lost_sentences

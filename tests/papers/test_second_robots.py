@@ -57,7 +57,7 @@ from rankdrop.local import (
 from rankdrop.local.orientation import analytical_jacobian
 from rankdrop.results import known_analysis
 from rankdrop.robot import from_dh
-from rankdrop.robot.numbers import reach
+from rankdrop.robot.arm_reach import reach
 from rankdrop.task import BODY, SPACE, Frame, Task, resolve_task
 from rankdrop.verbs import link_jacobian, most_tolerant
 

@@ -16,7 +16,7 @@ from rankdrop.path.check.tool_path import check_poses
 from rankdrop.poses import inverse
 from rankdrop.poses.inverse import Aim, rotation
 from rankdrop.questions import PathOptions
-from rankdrop.robot.numbers import reach
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import resolve_task
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from reference.kinematics import pose
 
+from rankdrop.robot.arm_reach import extent
 from rankdrop.robot.ideal import ideal, what_holds
 from rankdrop.robot.model import coarse_fingerprint
 from rankdrop.robot.note import NoteOn
-from rankdrop.robot.numbers import extent
 from rankdrop.robot.open import catalog_entries, open_robot, robot_names, search_catalog
 from rankdrop.task import task_names
 

@@ -14,11 +14,13 @@ from reference.kinematics import pose
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.structure import structure_of
+from rankdrop.robot.arm_reach import extent
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.ideal import Hold, ideal, near_ideal, read_tolerance, what_holds
 from rankdrop.robot.model import Robot
-from rankdrop.robot.numbers import ExactChange, extent, numbers_of
+from rankdrop.robot.numbers import numbers_of
 from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.robot.square_up import ExactChange
 from rankdrop.text.robots import near_text
 from rankdrop.tolerances import SQUARE
 from robot.calibrated import noisy

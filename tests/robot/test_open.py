@@ -11,7 +11,7 @@ import pytest
 
 from rankdrop.errors import RobotError, UnknownRobotError
 from rankdrop.robot import files
-from rankdrop.robot.numbers import reach
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.open import open_robot, robot_names
 from robot.urdf_text import chain, robot
 

@@ -19,9 +19,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rankdrop.kinematics import pose
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.ideal import ideal, read_tolerance
 from rankdrop.robot.model import Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot, robot_names
 
 DATA = Path(__file__).resolve().parents[1] / "data"

@@ -8,8 +8,8 @@ from known.arms import KINDS
 
 from rankdrop.kinematics import jacobian, link_poses, pose
 from rankdrop.results.known import known_analysis
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import JointKind
-from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.viewer.scene import (

@@ -40,8 +40,8 @@ from rankdrop import _core
 from rankdrop.cover.setting import Setting, settings_for
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import one_configuration, whole_number
+from rankdrop.robot.arm_reach import nearest
 from rankdrop.robot.model import Array, Robot, fingerprint, once
-from rankdrop.robot.numbers import nearest
 from rankdrop.task import WORLD_ALIGNED, Frame, Task, resolve_task
 from rankdrop.tolerances import MOST_EVALUATIONS
 from rankdrop.version import VERSION

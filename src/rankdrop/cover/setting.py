@@ -24,8 +24,9 @@ from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import chain_of, jacobian
 from rankdrop.local.block import generic_rank, joint_scale, sample
+from rankdrop.robot.arm_reach import nearest, reach
 from rankdrop.robot.model import Array, Joint, Robot, once
-from rankdrop.robot.numbers import feet, nearest, reach
+from rankdrop.robot.numbers import feet
 from rankdrop.robot.transform import dot, norm
 from rankdrop.task import TIP, Task
 

@@ -23,8 +23,8 @@ from rankdrop.families.record import Family
 from rankdrop.formula.equation import Equation
 from rankdrop.kinematics import link_poses
 from rankdrop.problem import whole_turns
+from rankdrop.robot.arm_reach import nearest
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.numbers import nearest
 
 _OUTWARDS = 1.0 + 1e-9
 _TRIED = 40  # random configurations at which a residual is compared with a length

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.cover.setting import middle_of
+from rankdrop.robot.arm_reach import nearest
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.numbers import nearest
 
 VARIABLES = 4
 """q2 … q5 decide; q1 and q6 drop out."""

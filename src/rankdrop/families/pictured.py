@@ -23,8 +23,8 @@ from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.local.posture import candidates, fault, spine, start_posture
 from rankdrop.problem import Problem, into_limits, wrap_joints
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres

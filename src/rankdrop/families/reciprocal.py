@@ -38,8 +38,8 @@ from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.lists import flat_map
 from rankdrop.local.block import block, sample, sampling_box, singular_values
 from rankdrop.problem import Problem, into_one_turn
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.solve import iterate, shortest
 from rankdrop.task import Task
 

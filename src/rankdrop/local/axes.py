@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.departure import release_mimics
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.robot.transform import cross
 from rankdrop.task import SPACE
 from rankdrop.tolerances import ALIGNED

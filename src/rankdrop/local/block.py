@@ -21,8 +21,8 @@ from rankdrop import _core
 from rankdrop._core import decompose_one, sigma_one
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import chain_of, configurations, handles_of, rows_of, task_view, view_of
+from rankdrop.robot.arm_reach import reach, travel_limits
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.numbers import reach, travel_limits
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import in_units, task_in_units
 

@@ -18,8 +18,8 @@ from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import link_poses, one_configuration, task_jacobian
 from rankdrop.local.block import decompose, generic_rank, svd
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.robot.transform import cross
 from rankdrop.sections import words_of
 from rankdrop.task import BASE, TIP, Frame, Task, link_index, six_rows

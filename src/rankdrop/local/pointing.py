@@ -24,8 +24,8 @@ import numpy as np
 
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.block import generic_rank, sample
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.task import BODY, Task, resolve_task
 
 POINTING = "tool-axis-free"

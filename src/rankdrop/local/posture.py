@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from rankdrop.kinematics import check_robot, link_poses, pose
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.task import Task
 
 _ALONG = 1e-9  # a point this near an axis, per length of the way, is on it

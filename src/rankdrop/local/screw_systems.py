@@ -20,8 +20,8 @@ from rankdrop.local.axes import Scene
 from rankdrop.local.block import generic_rank, structural_sample
 from rankdrop.local.departure import release_mimics
 from rankdrop.local.subgroups import closure, subgroups
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, Robot, once
-from rankdrop.robot.numbers import reach
 from rankdrop.sections import words_of
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import ALIGNED, DEPENDENT

@@ -20,8 +20,8 @@ from typing import TypeVar
 import numpy as np
 
 from rankdrop.kinematics import jacobian, pose
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.numbers import reach
 
 _PARALLEL = 1e-6  # of directions of axes that count as parallel
 _NEAR = 1e-6  # of the reach: lengths below it are none

@@ -25,8 +25,8 @@ from rankdrop.local.departure import release_mimics
 from rankdrop.local.orientation import rotation_vector
 from rankdrop.path.curve import Index
 from rankdrop.problem import Mask, into_limits, whole_turns
+from rankdrop.robot.arm_reach import anchors
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.numbers import anchors
 from rankdrop.robot.transform import hat
 from rankdrop.task import BASE, TIP, WORLD_ALIGNED, Frame, Task, link_index
 from rankdrop.tolerances import MISSED

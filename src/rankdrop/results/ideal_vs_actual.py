@@ -10,7 +10,7 @@ from rankdrop.local.block import generic_rank
 from rankdrop.results.analysis import robot_to_dict
 from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.model import Robot
-from rankdrop.robot.numbers import ExactChange
+from rankdrop.robot.square_up import ExactChange
 from rankdrop.sections import words_of
 from rankdrop.task import Task
 

@@ -1,3 +1,4 @@
+from .arm_reach import reach as reach
 from .dh import from_dh as from_dh
 from .drawing import Drawing as Drawing
 from .files import LARGEST_FILE as LARGEST_FILE
@@ -22,7 +23,6 @@ from .models import to_mujoco as to_mujoco
 from .models import to_pinocchio as to_pinocchio
 from .models import to_toolbox as to_toolbox
 from .models import to_yourdfpy as to_yourdfpy
-from .numbers import reach as reach
 from .open import CatalogEntry as CatalogEntry
 from .open import names_an_arm as names_an_arm
 from .open import open_robot as open_robot

@@ -19,8 +19,8 @@ from rankdrop.robot.dh_rows import WrittenRow, WrittenTable, table_in
 from rankdrop.robot.joint_text import with_plain_constants
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
 from rankdrop.robot.note import NoteOn, RobotNote
-from rankdrop.robot.numbers import as_intended
 from rankdrop.robot.quantities import Angles, quantity
+from rankdrop.robot.square_up import as_intended
 from rankdrop.robot.transform import rotation, times, translation
 
 _STANDARD = re.compile(r"\b(?:standard|std[_ ]?dh|sdh|classic(?:al)?|distal)\b|\bRevoluteDH\b", re.IGNORECASE)

@@ -15,19 +15,11 @@ from math import ceil, degrees, floor, log10, pi, radians
 from typing import NamedTuple
 
 from rankdrop.errors import OptionError
+from rankdrop.robot.arm_reach import extent
 from rankdrop.robot.files import LONGEST_TEXT
 from rankdrop.robot.model import Robot, once
-from rankdrop.robot.numbers import (
-    ExactChange,
-    LinkNumbers,
-    extent,
-    meeting,
-    numbers_of,
-    offsets_along,
-    parallel,
-    parallel_runs,
-    square_up,
-)
+from rankdrop.robot.numbers import LinkNumbers, numbers_of, offsets_along, parallel, parallel_runs
+from rankdrop.robot.square_up import ExactChange, meeting, square_up
 from rankdrop.tolerances import NOTHING, SQUARE
 
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6}

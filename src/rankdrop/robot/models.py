@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
+from rankdrop.robot.arm_reach import nearest
 from rankdrop.robot.files import RANGE, Element
 from rankdrop.robot.mjcf import plain_model, robot_of
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints, screw_of
-from rankdrop.robot.numbers import as_intended, nearest
 from rankdrop.robot.quantities import Angles
+from rankdrop.robot.square_up import as_intended
 from rankdrop.robot.transform import frame_on_axis, inverse, rigid
 from rankdrop.robot.tree import Motion, Tree, TreeJoint, chain_robot, choose_ends, connect_links
 from rankdrop.robot.urdf import from_tree

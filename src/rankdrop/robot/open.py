@@ -15,11 +15,11 @@ from os import PathLike
 from pathlib import Path
 
 from rankdrop.errors import RobotError, UnknownRobotError
+from rankdrop.robot.arm_reach import link_lengths
 from rankdrop.robot.files import read_text
 from rankdrop.robot.formats import BLANK, RobotFile, format_endings, format_names, format_of
 from rankdrop.robot.model import Robot
 from rankdrop.robot.note import NoteOn, RobotNote
-from rankdrop.robot.numbers import link_lengths
 from rankdrop.robot.toml_file import robot_from_toml
 
 _SEVERAL = {"cylindrical": 2, "spherical": 3}  # variables of the joints of a screw file that are not one

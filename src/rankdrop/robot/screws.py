@@ -17,8 +17,8 @@ from rankdrop.robot.dh import described_robot, joint_kind
 from rankdrop.robot.files import LARGEST_NUMBER, LARGEST_TABLE, name_of_file, read_text
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints, screw_of
 from rankdrop.robot.note import NoteOn, RobotNote
-from rankdrop.robot.numbers import as_intended
 from rankdrop.robot.quantities import Angles, quantity
+from rankdrop.robot.square_up import as_intended
 from rankdrop.robot.transform import dot, frame_on_axis, norm, rigid, unmasked
 
 Order = Literal["linear-first", "angular-first"]

@@ -16,9 +16,9 @@ from rankdrop.errors import RobotError
 from rankdrop.robot.dh import CONVENTIONS, Where, check_keys, dh_row, from_dh, joint_kind, joint_name, limits, relocate
 from rankdrop.robot.files import DOTS, LARGEST_TABLE
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
-from rankdrop.robot.numbers import as_intended
 from rankdrop.robot.quantities import Angles, Written, checked_lengths, quantity
 from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, spherical
+from rankdrop.robot.square_up import as_intended
 from rankdrop.robot.transform import from_xyz_rpy
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]\]?\s*(?:#.*)?")

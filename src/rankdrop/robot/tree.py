@@ -22,8 +22,8 @@ from rankdrop.robot.dh import turn_notes
 from rankdrop.robot.files import Element, name_of_file
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints, screw_of
 from rankdrop.robot.note import NoteOn, RobotNote
-from rankdrop.robot.numbers import as_intended
 from rankdrop.robot.quantities import Angles, count
+from rankdrop.robot.square_up import as_intended
 from rankdrop.robot.transform import about_axis, times, translation
 
 NOWHERE = Element("joint", {}, 0)

@@ -7,7 +7,7 @@ from operator import attrgetter, itemgetter
 from typing import Any, Literal
 
 from rankdrop.codec import Count, Positive, list_of, mapping, nonempty, num, optional, row, table
-from rankdrop.robot.numbers import reach
+from rankdrop.robot.arm_reach import reach
 from rankdrop.schema.arm import INSIDE_PINNED, ROBOT, file
 from rankdrop.schema.families import ASPECTS_SUMMARY
 from rankdrop.task import ROWS

@@ -13,7 +13,7 @@ from typing import Any
 from rankdrop.distance.share import NearShare
 from rankdrop.options import advise
 from rankdrop.results.aspect_summary import POSES, AspectSummary
-from rankdrop.robot.numbers import reach
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.quantities import count
 from rankdrop.sections import Section
 from rankdrop.text.aspects import aspects_and_verdict_cell, aspects_line

@@ -8,7 +8,7 @@ from dataclasses import astuple
 import numpy as np
 
 from rankdrop.results.ideal_vs_actual import Here, Idealised, Nearby
-from rankdrop.robot.numbers import ExactChange
+from rankdrop.robot.square_up import ExactChange
 from rankdrop.sections import Section
 from rankdrop.tolerances import DEFAULT
 

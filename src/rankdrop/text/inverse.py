@@ -11,8 +11,8 @@ import numpy as np
 from rankdrop.local.orientation import orientation_coordinates, rotation_vector
 from rankdrop.local.pointing import fitting_task
 from rankdrop.options import advise
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.sections import Section
 from rankdrop.task import BASE, Task
 from rankdrop.text.postures import meaning_lines, posture_words

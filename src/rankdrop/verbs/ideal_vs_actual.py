@@ -25,7 +25,7 @@ from rankdrop.robot.ideal import Tolerance, ideal_name
 from rankdrop.robot.ideal import ideal as ideal_of
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.note import NoteOn, RobotNote
-from rankdrop.robot.numbers import largest_changes
+from rankdrop.robot.square_up import largest_changes
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres

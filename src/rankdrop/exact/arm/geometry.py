@@ -23,8 +23,9 @@ from rankdrop.algebra.roots import ROOTS, Number, surd
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.exact.arm.parts import parts_of
 from rankdrop.lists import flat_map
+from rankdrop.robot.arm_reach import Line, reach
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
-from rankdrop.robot.numbers import Line, Normal, axis_lines, common_normals, frame_at, reach
+from rankdrop.robot.numbers import Normal, axis_lines, common_normals, frame_at
 from rankdrop.robot.quantities import LETTERS_ALLOWED, is_letter
 from rankdrop.tolerances import ALIGNED, NOTHING
 from rankdrop.units import exponent, shift_decimal

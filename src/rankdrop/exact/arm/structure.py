@@ -28,8 +28,8 @@ from rankdrop.algebra.polynomial import Polynomial
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.geometry import Deviation, JointAndLink
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import JointKind
-from rankdrop.robot.numbers import reach
 from rankdrop.task import BODY
 from rankdrop.tolerances import ALIGNED
 from rankdrop.units import counted_length

@@ -16,8 +16,8 @@ from rankdrop.path.read.poses import Poses, holds_poses, length_hint, read_poses
 from rankdrop.path.read.trajectory import Trajectory, refuse_degrees, unit_hint
 from rankdrop.questions import PathOptions
 from rankdrop.results.analysis import Analysis
+from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Robot
-from rankdrop.robot.numbers import reach
 from rankdrop.task import Task, resolve_task
 from rankdrop.text.path_files import degrees_advice, reading_remarks
 

@@ -195,3 +195,13 @@ def test_the_value_at_the_witness_is_among_those_that_are_listed(step: float) ->
         values = families_module._values(at, q, 4, float(witness))
         assert min(abs(np.sin((value - witness) / 2)) for value in values) <= 0.5 * at.tolerances.value
         assert len(values) == (12 if step > 1e-5 else 1)
+
+
+@pytest.mark.parametrize(("size", "judged"), [(1.0, True), (1e-5, True), (1e-8, False)])
+def test_solutions_of_conditions_that_are_flat_everywhere_are_not_judged(size: float, judged: bool, rng) -> None:
+    """Of 1e-8 sin θ2 Newton's method knows the zeros to 1e-2 rad: their σ says nothing of the elbow of a planar arm."""
+    at = problem("planar2r", 1)
+    elbow = Equation((Term(size, "sin", (0, 2), (0, 0)),))
+    check, regular = soundness(at, System((elbow,)), 1, rng)
+    assert (check.tested > 0) is judged
+    assert len(regular) == 0

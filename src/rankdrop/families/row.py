@@ -42,8 +42,7 @@ STARTS = 400  # random starts of a soundness test
 
 SIMPLE = pi / 12  # values are taken for a multiple of this where they agree with one
 Values = tuple[float, ...]
-
-FLAT = 1e-10  # rad: so far 1e-16 in the coefficients of all but flat conditions moves their solutions
+VALUE_ERROR = 1e-10  # rad: so far 1e-16 in the coefficients of all but flat conditions moves their solutions
 
 MOST_VALUES = 8  # values at which a joint still counts as pinned
 SAME_VALUE = 1e-8  # values closer than this are one [rad, m]; micrometres of an offset move values by 1e-6
@@ -600,7 +599,7 @@ def sharp_values(problem: Problem, linear: Linear, values: Values, q: Array, wit
     if sigma > ROUNDING or np.abs(linear.deviation(end[None], np.array(values))).max() > within:
         return values
     pairs = zip(linear.values(end[None])[0].tolist(), linear.periodic.tolist(), strict=True)
-    return tuple(canonical(value, FLAT) if turns else round(value, 13) + 0.0 for value, turns in pairs)
+    return tuple(canonical(value, VALUE_ERROR) if turns else round(value, 13) + 0.0 for value, turns in pairs)
 
 
 def _row(problem: Problem, family: Family, pins: Mapping[int, Values]) -> Row:

@@ -8,9 +8,9 @@ import numpy as np
 
 from rankdrop.families.corank_families import CorankSummary, Estimator, Unseen
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
+from rankdrop.families.linear_conditions import vanishing_on
 from rankdrop.families.lost import LostFreedom
 from rankdrop.families.record import Check, Family, Pin
-from rankdrop.families.row import vanishing_on
 from rankdrop.formula.equation import Equation, Term
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.old_files import name_of_words

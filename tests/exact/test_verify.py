@@ -12,9 +12,9 @@ import pytest
 from rankdrop.algebra.field import ModularPoint, P, complete, rank, value_at
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_agreement, rank_check, rank_modulo
+from rankdrop.families.linear_conditions import vanishing_on
 from rankdrop.families.points import cloud, count_explained
 from rankdrop.families.record import Check
-from rankdrop.families.row import vanishing_on
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
 from rankdrop.formula.equation import Equation, Term

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rankdrop import _core
-from rankdrop.families.row import vanishing_on
+from rankdrop.families.linear_conditions import vanishing_on
 from rankdrop.formula.equation import SOLVED, Equation, System, Term
 from rankdrop.results.known import shipped
 from rankdrop.robot.files import MOST_JOINTS

@@ -11,8 +11,8 @@ from known.truths import PA10_TABLES
 
 from rankdrop.families import fit as fit_module
 from rankdrop.families.record import Check, Family
-from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
+from rankdrop.families.soundness import soundness
 from rankdrop.families.table import families
 from rankdrop.formula.equation import Equation, System
 from rankdrop.local.block import singular_values

@@ -10,7 +10,7 @@ import pytest
 
 from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.row import vanishing_on
+from rankdrop.families.linear_conditions import vanishing_on
 from rankdrop.formula.equation import Equation, System, Term, normalised_equation, pretty_angle
 
 N = 4

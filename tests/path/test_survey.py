@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.families import row as module
+from rankdrop.families import soundness as module
 from rankdrop.families.record import Check
 from rankdrop.path.check.check import check_path
 from rankdrop.path.check.survey import crossings, signs_at

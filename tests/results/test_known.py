@@ -17,8 +17,8 @@ from scripts import tool
 
 from rankdrop.distance.monitor import Monitor
 from rankdrop.errors import ResultFileError
-from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
+from rankdrop.families.soundness import soundness
 from rankdrop.formula.equation import System
 from rankdrop.local.posture import fault
 from rankdrop.problem import Problem

@@ -28,20 +28,11 @@ from rankdrop.families.library import (
     hypersurface,
     vanishing_spaces,
 )
-from rankdrop.families.row import (
-    SIMPLE,
-    Linear,
-    Membership,
-    Row,
-    boxes,
-    clusters,
-    complete_rows,
-    on_any,
-    on_row,
-    sharp_values,
-    solve_at_special_values,
-)
+from rankdrop.families.linear_conditions import SIMPLE, Linear, clusters
+from rankdrop.families.row import Membership, Row, on_any, on_row, sharp_values
 from rankdrop.families.searching import refine
+from rankdrop.families.soundness import solve_at_special_values
+from rankdrop.families.value_sets import boxes, complete_rows
 from rankdrop.formula.equation import Equation, Mask, System, Term, normalised_equation
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem, wrap

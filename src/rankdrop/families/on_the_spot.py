@@ -21,11 +21,12 @@ from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.fit import FamilyPoints, fitted_equations, group_by_signature, linear_rows, smooth
 from rankdrop.families.incidence import Incidence, families_at
 from rankdrop.families.inspection import Inspection, Signature, inspect
+from rankdrop.families.linear_conditions import Linear, Values, canonical
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import name_family, shorten_names
 from rankdrop.families.record import Family, LocalConditions, Pin
 from rankdrop.families.rescaling import rescale_equation, rescaled_pin, slides_of
-from rankdrop.families.row import Linear, Row, Values, canonical
+from rankdrop.families.row import Row
 from rankdrop.families.searching import refine
 from rankdrop.formula.equation import Equation
 from rankdrop.kinematics import one_configuration

@@ -15,10 +15,11 @@ from itertools import combinations
 
 import numpy as np
 
+from rankdrop.families.linear_conditions import Linear
 from rankdrop.families.naming import lost_motions
 from rankdrop.families.record import Family
 from rankdrop.families.rescaling import family_in_metres
-from rankdrop.families.row import Linear, Row
+from rankdrop.families.row import Row
 from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.local.posture import candidates, fault, spine, start_posture

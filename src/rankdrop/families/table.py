@@ -29,23 +29,15 @@ from rankdrop.families.distinct_names import distinct_names
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.fit import find_rows
 from rankdrop.families.inspection import HIGHER, Inspection, inspect
+from rankdrop.families.linear_conditions import Linear
 from rankdrop.families.name import FamilyName
 from rankdrop.families.naming import lost_motions, name_family
 from rankdrop.families.pictured import witness
 from rankdrop.families.record import Check, Family, Pin, number_families
 from rankdrop.families.rescaling import family_in_units, family_out_of_units
-from rankdrop.families.row import (
-    Linear,
-    Membership,
-    Row,
-    membership,
-    on_any,
-    row_of,
-    solve_at_special_values,
-    soundness,
-    stated_row,
-)
+from rankdrop.families.row import Membership, Row, membership, on_any, row_of, stated_row
 from rankdrop.families.searching import Outcome, Progress, Search, none_found, search, unseen
+from rankdrop.families.soundness import solve_at_special_values, soundness
 from rankdrop.formula.equation import SOLVED, Mask, pretty_angle
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot

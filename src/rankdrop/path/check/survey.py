@@ -114,7 +114,7 @@ def signs_at(robot: Robot, task: Task, configurations: Sequence[Array], toleranc
     The condition is fitted to the neighbourhood, and used where random solutions of it, anywhere, are singular.
     """
     from rankdrop.families.on_the_spot import name_on_the_spot  # a path free of singularities does without
-    from rankdrop.families.row import soundness
+    from rankdrop.families.soundness import soundness
 
     values: SignFunctions = {}
     problem = Problem(robot, task, 1, tolerances)

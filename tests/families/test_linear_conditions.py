@@ -11,7 +11,8 @@ from rankdrop.errors import OptionError
 from rankdrop.families.evidence import FamilyEvidence, ObtainedFrom
 from rankdrop.families.fit import minors
 from rankdrop.families.inspection import Signature
-from rankdrop.families.row import Linear, Row, boxes, canonical, grow, vanishing_on
+from rankdrop.families.linear_conditions import Linear, canonical, vanishing_on
+from rankdrop.families.row import Row
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.open import open_robot
@@ -60,29 +61,6 @@ def test_a_length_is_not_wrapped():
 @pytest.mark.parametrize(("angle", "want"), [(-pi, pi), (3 * pi, pi), (1e-14, 0.0), (pi / 2 + 1e-14, pi / 2)])
 def test_canonical_angles(angle, want):
     assert canonical(angle) == want
-
-
-def test_symmetry_completes_a_family_from_one_combination():
-    conditions = linear((0, 1, 0, 0, 0, 0, 0), (0, 0, 1, 0, 0, 0, 0))
-    found = grow(
-        [(0.0, pi / 2)], conditions, lambda batch: [abs(np.sin(a)) + abs(np.cos(b)) < 1e-9 for a, b in batch]
-    )
-    assert found == {(a, b) for a in (0.0, pi) for b in (pi / 2, -pi / 2)}
-
-
-def test_rounding_makes_no_new_combinations():
-    conditions = linear((0, 1, 0, 0, 0, 0, 0))
-    found = grow([(1.0274947943129,)], conditions, lambda batch: [abs(np.sin(v) - 0.85604) < 1e-3 for (v,) in batch])
-    assert len(found) == 2
-
-
-def test_boxes_cover_by_full_products():
-    square = {(a, b) for a in (0.0, pi) for b in (0.5, -0.5)}
-    assert boxes(square) == [((0.0, pi), (0.5, -0.5))]
-    corner = square | {(1.0, 0.5)}
-    covered = {v for a, b in boxes(corner) for v in [(x, y) for x in a for y in b]}
-    assert covered == corner
-    assert boxes({(0.0, 1.0), (1.0, 0.0)}) == [((0.0,), (1.0,)), ((1.0,), (0.0,))]
 
 
 def zeros(values: tuple[float, ...], covector: tuple[int, ...] = (1,), *, periodic: bool = True) -> np.ndarray:

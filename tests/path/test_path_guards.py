@@ -2,57 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from rankdrop.cover.setting import enclose, settings_for
-from rankdrop.families.record import Check
-from rankdrop.formula.equation import Equation, Term
 from rankdrop.path.check.certificate import ball
 from rankdrop.path.check.check import check_path
 from rankdrop.path.check.prove import ROUNDED, Along, Proof, free_boxes, join_neighbours
-from rankdrop.path.check.survey import crossings, signs
-from rankdrop.path.curve import Curve, curve
-from rankdrop.results.known import known_analysis
+from rankdrop.path.curve import Curve
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.tolerances import DEFAULT
 
 pytestmark = pytest.mark.shipped
-
-
-def test_the_sign_of_a_family_that_failed_its_test_proves_no_crossing() -> None:
-    """The Panda only touches its singular set; the sign of a plane of θ1, called a family, changes at that place."""
-    robot = open_robot("panda")
-    task = resolve_task(None, robot)
-    family = next(one for one in known_analysis(robot, task).families if one.corank == 1)
-    touched = np.array(family.witness)
-    plane = Equation((
-        Term(float(np.cos(touched[0])), "sin", (1, 0, 0, 0, 0, 0, 0), (0,) * 7),
-        Term(-float(np.sin(touched[0])), "cos", (1, 0, 0, 0, 0, 0, 0), (0,) * 7),
-    ))  # fmt: skip
-    planted = replace(family, dimension=6, equations=(plane,))
-    failed = replace(planted, soundness=Check(400, 399))
-    assert planted.soundness.holds
-    assert not failed.soundness.holds
-    path = curve(np.stack([touched - 0.01, touched + 0.01]), None)
-    sliver = ((0, 0.5 - 1e-7), (0, 0.5 + 1e-7), True)
-    kinds = [one.verdict for one in crossings(robot, task, path, [sliver], [failed], DEFAULT)]
-    assert kinds == ["touching"]
-    assert signs(robot, task, [failed]) == {}
-    assert list(signs(robot, task, [planted])) == [plane.text()]  # which a sound one would prove
-
-
-def test_an_unfinished_sliver_is_not_joined_to_a_finished_one_beside_it() -> None:
-    pieces = [(0, 0.0, 0.5, True), (0, 0.5, 1.0, False), (1, 0.0, 0.25, False), (1, 0.25, 0.5, True)]
-    joined = join_neighbours(pieces)
-    assert joined == [((0, 0.0), (0, 0.5), True), ((0, 0.5), (1, 0.25), False), ((1, 0.25), (1, 0.5), True)]
-    apart = join_neighbours([(0, 0.5, 1.0, True), (2, 0.0, 0.5, True)])  # a stretch lies between
-    assert apart == [((0, 0.5), (0, 1.0), True), ((2, 0.0), (2, 0.5), True)]
-
-
 FAR = 1e5 * np.pi
 """A joint value with digits to 6e-11: halving a curve there leaves errors, which an enclosure allows for."""
 
@@ -89,3 +50,11 @@ def test_a_curve_bent_within_its_piece_is_enclosed_with_its_bend() -> None:
     speeds = 3 * np.diff(control, axis=0)[[0, -1]]
     check = check_path(robot, control[[0, -1]], [0.0, 1.0], velocities=speeds, interpolate="cubic")
     assert [one.verdict for one in check.crossings] == ["crossing", "crossing"]
+
+
+def test_an_unfinished_sliver_is_not_joined_to_a_finished_one_beside_it() -> None:
+    pieces = [(0, 0.0, 0.5, True), (0, 0.5, 1.0, False), (1, 0.0, 0.25, False), (1, 0.25, 0.5, True)]
+    joined = join_neighbours(pieces)
+    assert joined == [((0, 0.0), (0, 0.5), True), ((0, 0.5), (1, 0.25), False), ((1, 0.25), (1, 0.5), True)]
+    apart = join_neighbours([(0, 0.5, 1.0, True), (2, 0.0, 0.5, True)])  # a stretch lies between
+    assert apart == [((0, 0.5), (0, 1.0), True), ((2, 0.0), (2, 0.5), True)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 from math import pi
 
@@ -10,20 +9,19 @@ import numpy as np
 import pytest
 from reference import region
 
+from path.slivers import dip, proven, singular
 from rankdrop.cover.setting import settings_for
-from rankdrop.families.searching import Outcome, search
-from rankdrop.formula.equation import Equation, System, Term
+from rankdrop.formula.equation import System
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import block, generic_rank, singular_values
 from rankdrop.path.check.check import check_path
-from rankdrop.path.check.prove import Proof, prove
-from rankdrop.path.check.survey import crossings, signs_at
-from rankdrop.path.curve import Curve, curve
+from rankdrop.path.check.crossings import crossings, signs_at
+from rankdrop.path.check.prove import Proof
+from rankdrop.path.curve import curve
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import DHRow, from_dh
-from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import resolve_task
 from rankdrop.tolerances import DEFAULT
 
 ARMS = {
@@ -33,25 +31,12 @@ ARMS = {
 }
 
 
-def proven(robot: Robot, task: Task, path: Curve, evaluations: int = 2_000_000) -> Proof:
-    return prove(robot, settings_for(robot, task), path, singular=1e-9, evaluations=evaluations)
-
-
 def outside(proof: Proof, places: np.ndarray) -> list[float]:
     """Places (stretches from 0, with fractions) that no sliver holds."""
     ends = np.array([[sum(start), sum(end)] for start, end, _ in proof.slivers])
     room = 1e-12 * (1 + places)
     held = ((ends[:, 0] <= (places + room)[:, None]) & ((places - room)[:, None] <= ends[:, 1])).any(axis=1)
     return places[~held].tolist()
-
-
-def singular(robot: Robot, task: Task, corank: int, count: int) -> np.ndarray:
-    """Exact singular configurations, to rounding."""
-    found = search(robot, corank, task=task, starts=3 * count, seed=5)
-    q = found.q[found.outcome == Outcome.CONVERGED]
-    rank = generic_rank(robot, task) - corank
-    q = q[singular_values(robot, q, task)[:, rank] < 1e-13]
-    return q[:count]
 
 
 def through(targets: np.ndarray, ways: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -189,15 +174,6 @@ def test_free_is_told_from_an_independent_look() -> None:
     assert sigma[free].min() > 1e-9
 
 
-def dip(depth: float, seconds: float = 5.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """PUMA: θ5 = 0.05 (t − 2.5)² − depth, the others on their way."""
-    start, end = np.array([0.1, -1.2, 1.0, 0.5, 0.0, 0.2]), np.array([0.5, -1.0, 1.3, 0.2, 0.0, 0.1])
-    v = np.stack([(end - start) / seconds] * 2)
-    q = np.stack([start, end])
-    q[:, 4], v[:, 4] = 0.05 * (seconds / 2) ** 2 - depth, [-0.05 * seconds, 0.05 * seconds]
-    return q, v, np.array([0.0, seconds])
-
-
 @pytest.mark.slow
 def test_two_crossings_a_thirtieth_of_a_millisecond_apart_are_found_between_two_samples() -> None:
     robot = open_robot("puma560")
@@ -313,81 +289,10 @@ def test_a_piece_singular_at_its_start_and_middle_is_halved_all_the_same() -> No
     assert [one.closest.place.share for one in found.crossings] == pytest.approx([0.0, 0.5], abs=1e-6)
 
 
-def test_a_crossing_is_bracketed_by_the_determinant_alone() -> None:
-    robot = open_robot("puma560")
-    task = resolve_task(None, robot)
-    path = curve(np.array([[0.1, -1.2, 1.0, 0.5, -0.4, 0.2], [0.5, -1.0, 1.3, 0.2, 0.5, 0.1]]), None)
-    (one,) = crossings(robot, task, path, proven(robot, task, path).slivers, (), DEFAULT)
-    low, high = (place.share for place in one.bracket)
-    assert (one.verdict, one.evidence) == ("crossing", "determinant")
-    assert low < 4 / 9 < high
-    assert high - low < 1e-9
-
-
-def test_a_change_of_sign_where_nothing_is_singular_is_no_crossing() -> None:
-    """A family whose condition holds too widely: σ has the last word."""
-    robot = open_robot("pa10")
-    task = resolve_task(None, robot)
-    family = next(one for one in known_analysis(robot, task).families if one.dimension == 6)
-    other = Equation((Term(1.0, "sin", (0, 2, 0, 0, 0, 0, 0), (0,) * 7),))
-    wrong = replace(family, equations=(other,))
-    way = np.array([0.05, 0.1, 0.05, 0.05, 0.05, 0.05, 0.05])
-    middle = np.array([0.3, 0.0, 0.4, 0.9, 0.3, 0.8, 0.2])
-    path = curve(np.stack([middle - way, middle + way]), None)
-    sliver = ((0, 0.3), (0, 0.7), True)
-    (one,) = crossings(robot, task, path, [sliver], [wrong], DEFAULT)
-    assert one.verdict == "undecided"
-
-
-def test_a_sliver_that_is_singular_at_one_place_only_does_not_lie_in_the_set() -> None:
-    robot = open_robot("puma560")
-    task = resolve_task(None, robot)
-    for depth, kind in ((0.0, "touching"), (-3e-8, "undecided")):  # made by hand: it would be proven free
-        q, v, t = dip(depth)
-        path = curve(q, t, v, None, "cubic")
-        (one,) = crossings(robot, task, path, [((0, 0.3), (0, 0.7), True)], (), DEFAULT)
-        assert (one.verdict, one.lies) == (kind, False)
-        assert one.closest.place.share == pytest.approx(0.5, abs=1e-3)
-
-
-@pytest.mark.parametrize("shares", [(0.5 - 1e-9, 0.5), (0.5, 0.5 + 1e-9)])
-def test_a_zero_at_the_end_of_a_sliver_is_crossed(shares: tuple[float, float]) -> None:
-    """On one side of it there is no certain sign inside, and what lies outside is proven free."""
-    robot = open_robot("planar3r")
-    path = curve(np.array([[0.1, -0.5, 0.2], [0.3, 0.5, 0.4]]), None)
-    (one,) = crossings(robot, resolve_task(None, robot), path, [((0, shares[0]), (0, shares[1]), True)], (), DEFAULT)
-    assert one.verdict == "crossing"
-    assert (one.start.share, one.end.share) == shares
-
-
 def without_gaps(stretches) -> bool:
     """Whether the stretches follow one another without a gap or an overlap."""
     ends = sorted((one.start.row + one.start.share, one.end.row + one.end.share) for one in stretches)
     return all(one[1] == pytest.approx(two[0], abs=1e-9) for one, two in pairwise(ends))
-
-
-@pytest.mark.slow
-def test_a_singularity_of_codimension_two_is_touched() -> None:
-    """The Panda's determinant of J Jᵀ does not change its sign; a condition of two equations proves nothing."""
-    robot = open_robot("panda")
-    task = resolve_task(None, robot)
-    target = next(q for q in singular(robot, task, 1, 80) if abs(q[3]) > 0.3)
-    way = np.random.default_rng(3).normal(size=7) * 0.1
-    found = check_path(robot, np.stack([target - way, target + 0.7 * way]))
-    assert found.verdict == "touching"
-    assert found.crossings[0].corank == 1
-    np.testing.assert_allclose(found.crossings[0].closest.q, target, atol=1e-6)
-
-
-def test_where_two_families_are_crossed_at_once_the_corank_is_two() -> None:
-    robot = open_robot("puma560")
-    target = np.array([0.3, 0.4, 0.0, 0.2, 0.0, 0.1])
-    task = resolve_task(None, robot)
-    elbow = singular(robot, task, 2, 200)
-    target = elbow[np.abs(np.sin(elbow[:, 4])) < 1e-9][0]
-    way = np.array([0.1, 0.2, 0.15, 0.1, 0.2, 0.1])
-    found = check_path(robot, np.stack([target - way, target + way]))
-    assert found.crossings[0].corank == 2
 
 
 @pytest.mark.slow

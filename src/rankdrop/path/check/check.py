@@ -14,6 +14,7 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import check_robot, configurations
 from rankdrop.local.pointing import asked_task
 from rankdrop.options import takes
+from rankdrop.path.check.crossings import crossings
 from rankdrop.path.check.prove import prove
 from rankdrop.path.check.record import (
     CROSSING,
@@ -29,7 +30,7 @@ from rankdrop.path.check.record import (
     Verdict,
     Violation,
 )
-from rankdrop.path.check.survey import Survey, crossings
+from rankdrop.path.check.survey import Survey
 from rankdrop.path.check.turns import jump
 from rankdrop.path.curve import Curve, Place, curve
 from rankdrop.path.read.trajectory import check_times, check_values, rows_of, unit_hint

@@ -36,8 +36,8 @@ from rankdrop.errors import TaskError
 from rankdrop.families.record import Family
 from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale
+from rankdrop.path.check.crossings import Signs, signs
 from rankdrop.path.check.record import CROSSING, FREE, PathCheck, Stretch
-from rankdrop.path.check.survey import Signs, signs
 from rankdrop.path.curve import Curve, Spot
 from rankdrop.path.mend.candidates import JointToolPath
 from rankdrop.path.mend.local_change import largest_move, step, tool_off

@@ -8,7 +8,7 @@ import measure  # first: sets the number of threads
 import numpy as np
 
 from rankdrop import Monitor
-from rankdrop.distance.distance import distances
+from rankdrop.distance.many_distances import distances
 from rankdrop.local.block import sample
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.results.known import known_analysis

@@ -12,7 +12,7 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
 from rankdrop.cover.box_matching import FamilyBoxes
-from rankdrop.distance.distance import distances
+from rankdrop.distance.many_distances import distances
 from rankdrop.families.points import members
 from rankdrop.families.searching import refine
 from rankdrop.local.block import joint_scale

@@ -32,7 +32,7 @@ from rankdrop.cover.covering import (
     put_together,
     write_covering,
 )
-from rankdrop.distance.distance import distances
+from rankdrop.distance.many_distances import distances
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.searching import search
 from rankdrop.jobs import progress_of

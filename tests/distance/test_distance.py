@@ -10,7 +10,7 @@ import pytest
 from known.members import members
 from known.truths import PA10_TABLES
 
-from rankdrop.distance.distance import SetDistance, family_distances, feet_on, walls_of
+from rankdrop.distance.distance import family_distances, feet_on, walls_of
 from rankdrop.errors import ConfigurationError
 from rankdrop.families.record import Family
 from rankdrop.formula.equation import System
@@ -21,7 +21,6 @@ from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.analyze import analyze
 
@@ -183,34 +182,3 @@ def test_no_member_of_a_shipped_family_is_nearer_than_the_family_is_said_to_be(n
             q = member + rng.normal(size=found.robot.n) * 0.2
             (record,) = family_distances([family], found.robot, q, found.task)
             assert record.distance <= np.linalg.norm(member - q) + 1e-9, (family.id, family.name)
-
-
-def test_walks_that_end_nowhere_have_no_foot(monkeypatch: pytest.MonkeyPatch) -> None:
-    robot = open_robot("planar3r")
-    unbounded = np.array([[-inf], [inf]]) * np.ones(3)
-    near = SetDistance(robot, resolve_task(None, robot), unbounded, 0)
-    q = np.array([[0.3, 0.8, 0.4], [0.1, -0.6, 0.2]])
-    feet = near.feet(q, np.full(2, inf))
-    assert np.abs(feet[:, 1]).max() < 1e-6  # stretched
-    monkeypatch.setattr(near, "_walks", lambda centre, starts: (starts, np.full(len(starts), inf)))
-    assert np.isnan(near.feet(q, np.full(2, inf))).all()
-
-
-def test_a_ball_is_searched_once_its_size_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of places with a singular configuration known the ball is searched at once, of others after the first round."""
-    robot = open_robot("planar3r")
-    near = SetDistance(robot, resolve_task(None, robot), np.array([[-inf], [inf]]) * np.ones(3), 0)
-    counts: list[list[int]] = []
-    onto = near._onto_set
-
-    def counted(starts: list[Array]) -> list[Array]:
-        counts.append([len(some) for some in starts])
-        assert np.isfinite(np.concatenate(starts)).all()
-        return onto(starts)
-
-    monkeypatch.setattr(near, "_onto_set", counted)
-    q = np.array([[0.3, 0.8, 0.4], [0.1, -0.6, 0.2], [0.1, 0.0, 0.2]])
-    feet = near.feet(q, np.array([inf, 0.7, 0.0]))
-    ball = len(near._ball)
-    assert counts == [[1, 1 + ball, 1], [ball]]
-    assert np.abs(feet[:, 1]).max() < 1e-6

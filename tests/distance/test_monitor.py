@@ -9,7 +9,7 @@ import pytest
 from known.members import members
 from reference import arms
 
-from rankdrop.distance.distance import distances
+from rankdrop.distance.many_distances import distances
 from rankdrop.distance.monitor import Monitor, compile_families
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.record import Family

@@ -1,6 +1,6 @@
-from .distance import Distances as Distances
-from .distance import distances as distances
 from .distance import family_distances as family_distances
+from .many_distances import Distances as Distances
+from .many_distances import distances as distances
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
 from .share import NearShare as NearShare

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
 from rankdrop.cover.setting import Setting, settings_for
-from rankdrop.distance.distance import Distances, Ruler
+from rankdrop.distance.many_distances import Distances, Ruler
 from rankdrop.errors import OptionError
 from rankdrop.families.record import Family
 from rankdrop.formula.equation import equation_tables

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from rankdrop import _core
-from rankdrop.distance.distance import QUICK, Ruler
+from rankdrop.distance.many_distances import Ruler
+from rankdrop.distance.singular_set import QUICK
 from rankdrop.errors import RankdropError
 from rankdrop.families.incidence import families_at
 from rankdrop.families.record import Family

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.distance.distance import Ruler, distances
+from rankdrop.distance.many_distances import Ruler, distances
 from rankdrop.formula.equation import System
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity

@@ -3,37 +3,32 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
 from functools import cache
-from itertools import combinations
-from time import process_time
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from exact.chains import SRS, chain_of
+from exact.chains import chain_of
+from exact.strata import derived, holds_modulo, strata
 
-from rankdrop.algebra.field import ModularPoint, P, bivariate, common_zeros, complete, holds, roots, univariate
-from rankdrop.algebra.polynomial import SIMPLE, Equality
+from rankdrop.algebra.field import ModularPoint, complete, holds
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.work import Work, work_spent
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
-from rankdrop.exact.conjunctions import Conjunction, SetDerivation
+from rankdrop.exact.conjunctions import SetDerivation
 from rankdrop.exact.derivation import _too_long
 from rankdrop.exact.method_reason import MethodReason
 from rankdrop.exact.methods import METHODS, derive
 from rankdrop.exact.tree import rank_tree
 from rankdrop.families.points import cloud
-from rankdrop.kinematics import task_jacobian
-from rankdrop.local.block import sample, singular_values
+from rankdrop.local.block import singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.text.by_hand import Words, notes_of, steps_of
-from rankdrop.units import out_of_units
+from rankdrop.text.by_hand import Words, steps_of
 from rankdrop.verbs.conditions import conditions
 
 ARMS = ["ur5", "puma560", "anthropomorphic", "stanford", "scara", "planar3r", "pa10", "canadarm2"]
@@ -47,57 +42,6 @@ PAIRS = [
     for method in METHODS
     if method != "decomposition" or name in WRIST
 ]
-
-
-@cache
-def derived(name: str, method: str) -> SetDerivation:
-    return derive(chain_of(name), method, 60.0)
-
-
-def vanishes(equality: Equality, ring: Ring, point: ModularPoint) -> bool:
-    parts = equality.atoms if equality.whole is None else (equality.whole,)
-    return any(holds(ring, part, point) for part in parts)
-
-
-def holds_at(condition: Conjunction, ring: Ring, point: ModularPoint) -> bool:
-    """Whether a condition holds at a point modulo P, exactly."""
-    unequal = (any(not vanishes(equality, ring, point) for equality in group) for group in condition.unequal)
-    return all(vanishes(equality, ring, point) for equality in condition.equal) and all(unequal)
-
-
-def holds_modulo(found: SetDerivation, points: Sequence[ModularPoint]) -> tuple[bool, ...]:
-    """Whether one of the conditions holds at each of the points modulo P, exactly."""
-    return tuple(any(holds_at(one, found.ring, point) for one in found.conditions) for point in points)
-
-
-@cache
-def strata(name: str, count: int = 200) -> tuple[tuple[ModularPoint, ...], tuple[bool, ...]]:
-    """Points modulo P with joints at simple angles or where one or two minors vanish, and whether they are singular."""
-    chain, rng = chain_of(name), random.Random(7)
-    ring, m = chain.ring, chain.task.m
-    points: list[ModularPoint] = []
-    subsets = list(combinations(chain.columns, m))
-    while len(points) < count:
-        pins = {j: rng.choice(SIMPLE) for j in ring.revolute if rng.random() < rng.choice([0.0, 0.3, 0.6])}
-        values = ModularPoint({name: rng.randrange(1, P) for name in ring.names if name not in {f"t{j}" for j in pins}})
-        moving = [name for name in ring.names[: ring.moving] if name in values]
-        rng.shuffle(moving)
-        chosen = rng.sample(subsets, min(2, len(subsets)))
-        minors = [ring.determinant([[column[row] for column in subset] for row in range(m)]) for subset in chosen]
-        found = [ring.to_half(p).f for p in (ring.at(p, pins) for p in minors) if p != 0]
-        if found and moving and rng.random() < 0.5:
-            zeros = roots(univariate(ring, found[0], moving[0], values))
-            if zeros:
-                values[moving[0]] = rng.choice(zeros)
-        elif len(found) == 2 and len(moving) > 1:
-            x, y = moving[:2]
-            pair = next(common_zeros(*(bivariate(ring, f, x, y, values) for f in found)), None)
-            if pair is not None:
-                values[x], values[y] = pair
-        point = complete(ring, values, pins)
-        if point is not None:
-            points.append(point)
-    return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
 
 
 @pytest.mark.spread(5)
@@ -153,96 +97,6 @@ def test_no_regular_configuration_satisfies_a_condition(name: str, method: str) 
     regular = singular_values(found.chain.robot, q, found.chain.task).min(axis=1) > 0.02
     assert regular.sum() > 50
     assert not found.holds(q[regular]).any()
-
-
-@pytest.mark.parametrize("name", ["ur5", "scara", "canadarm2"])
-def test_decomposition_refuses_an_arm_without_a_spherical_wrist_and_says_why(name: str) -> None:
-    with pytest.raises(OptionError, match=r"spherical wrist.*d[56] = |all six rows"):
-        derive(chain_of(name), "decomposition")
-
-
-def test_the_arm_and_the_wrist_of_the_pa10_come_apart() -> None:
-    found = derived("pa10", "decomposition")
-    keys = [[{atom.key for atom in equality.atoms} for equality in c.equal] for c in found.conditions]
-    assert keys[:2] == [[{"θ4=0"}], [{"θ4=pi"}]]
-    assert all({"θ6=0"} in c or {"θ6=pi"} in c for c in keys[3:])
-
-
-@pytest.mark.parametrize(
-    ("name", "expected"),
-    [
-        ("scara", {"θ2=0", "θ2=pi"}),
-        ("planar3r", {"θ2=0", "θ2=pi"}),
-        ("stanford", {"θ2=0", "θ2=pi", "θ5=0", "θ5=pi", "q3"}),
-    ],
-)
-def test_known_determinants(name: str, expected: set[str]) -> None:
-    keys = {atom.key for c in derived(name, "determinant").conditions for atom in c.equal[0].atoms}
-    assert keys == expected
-
-
-def test_puma_has_elbow_shoulder_and_wrist() -> None:
-    found = derived("puma560", "determinant")
-    parts = [equality for c in found.conditions for equality in c.equal]
-    assert [len(part.atoms) for part in parts] == [1, 1, 1, 1]
-    pins = {part.atoms[0].key for part in parts if part.atoms[0].is_pin}
-    assert pins == {"θ5=0", "θ5=pi"}
-    assert {str(f) for f in found.assumptions} == {"a2"}
-
-
-def test_the_determinant_of_a_redundant_arm_is_its_minors_that_vanish_together() -> None:
-    """det(J Jᵀ) is the sum of their squares: over the reals no more is needed, and nothing is left."""
-    found = derived("canadarm2", "determinant")
-    assert found.complete
-    assert found.conditions == derived("canadarm2", "cofactors").conditions
-    assert any("the sum of the squares of 7 minors" in note for note in notes_of(found))
-    assert any("without a change of sign" in note for note in notes_of(found))
-
-
-def test_a_redundant_arm_has_as_many_cofactors_as_choices_of_columns() -> None:
-    found = derived("canadarm2", "cofactors")
-    assert found.sizes["minors"] == 7
-    assert len(found.conditions[-1].equal) == 7
-
-
-@pytest.mark.by_hand
-def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> None:
-    """KG section 1: the expression of the screw is invalid where all of its elements vanish."""
-    found = derived("canadarm2", "reciprocity")
-    assert found.sizes["exceptional"] > 0
-    notes = notes_of(found)
-    place = next(i for i, note in enumerate(notes) if note.startswith("in general: the screw reciprocal to"))
-    assert "all six elements vanish, and it says nothing, where θ4 = 0 or π, or where θ6 = 0" in notes[place + 1]
-    assert found.sizes["choices"] > 1
-    first = found.conditions[0]
-    assert first.unequal, "the first choice holds only where its screw does not vanish"
-
-
-@pytest.mark.by_hand
-@pytest.mark.parametrize(("theta4", "singular"), [("0", ()), ("π", ("θ3 + θ5 = 0 and (θ6 = 0 or π)",))])
-def test_the_screw_of_kg_vanishes_where_c5_and_s6_do(theta4: str, singular: tuple[str, ...]) -> None:
-    """KG section 1, of the screw reciprocal to joints 2 to 7 where s4 = 0: invalid where s6 = 0 and c5 = 0."""
-    found = derive(chain_of("canadarm2"), "reciprocity", frame=5, basic=(2, 3, 4, 5, 6, 7))
-    notes = notes_of(found)
-    place = next(i for i, note in enumerate(notes) if note.startswith(f"θ4 = {theta4}: the screw reciprocal to"))
-    assert "joints 2, 3, 4, 6, 7" in notes[place]
-    for said in ("θ5 = ±π/2 and (θ6 = 0 or π)", *singular):
-        assert said in notes[place + 1]
-
-
-def test_basic_screws_are_chosen_for_reciprocity_alone() -> None:
-    with pytest.raises(OptionError, match="chosen for another method"):
-        derive(chain_of("canadarm2"), "cofactors", basic=(2, 3, 4, 5, 6, 7))
-    with pytest.raises(OptionError, match="six different joints"):
-        derive(chain_of("canadarm2"), "reciprocity", basic=(2, 3, 4, 5, 6, 8))
-
-
-@pytest.mark.slow
-def test_without_the_exceptional_cases_reciprocity_misses_singularities() -> None:
-    found = derived("canadarm2", "reciprocity")
-    points, singular = strata("canadarm2")
-    alone = [holds_at(found.conditions[0], found.ring, point) for point in points]
-    assert sum(alone) < sum(singular)
 
 
 CORANKS = [
@@ -353,48 +207,6 @@ def test_the_limit_holds_on_an_arm_without_any_structure(method: str) -> None:
     assert found.left
 
 
-@pytest.mark.slow
-def test_a_case_analysis_that_is_cut_short_keeps_what_it_found() -> None:
-    found = derive(chain_of("canadarm2"), "singular_vector", 0.1)
-    assert not found.complete
-    assert found.generic
-    assert "cases" in str(found.left[0])
-    points, singular = strata("canadarm2")
-    held = holds_modulo(found, points)
-    assert any(held)
-    assert all(is_singular for is_singular, holds in zip(singular, held, strict=True) if holds)
-
-
-def test_a_long_determinant_without_time_is_kept_whole_and_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rankdrop.algebra.ring.Ring.factors_within", lambda *_: None)
-    found = derive(chain_of("puma560"), "determinant", 10.0)
-    assert list(map(str, found.left)) == ["determinant: factors of 1 polynomial"]
-    points, singular = strata("puma560")
-    assert holds_modulo(found, points) == singular
-
-
-@pytest.mark.slow
-def test_minors_that_are_not_factored_are_conditions_with_a_zero_of_each(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The set is complete without factors; what is open is said: terms, degree, and where a minor vanishes."""
-    monkeypatch.setattr("rankdrop.algebra.ring.Ring.factors_within", lambda *_: None)
-    chain = chain_of("canadarm2")
-    found = derive(chain, "determinant", 10.0)
-    points, singular = strata("canadarm2", 30)
-    assert holds_modulo(found, points) == singular
-    assert found.complete
-    facts = [note for what, note in found.notes if what == "unfactored"]
-    minors = {six: chain.ring.determinant([[chain.columns[j - 1][i] for j in six] for i in range(6)])
-              for six in combinations(range(1, 8), 6)}  # fmt: skip
-    assert [one["choice"][1] for one in facts] == [six for six, minor in minors.items() if minor != 0]
-    for one in facts:
-        columns = task_jacobian(chain.robot, np.array(one["zero"]), chain.task)[:, [j - 1 for j in one["choice"][1]]]
-        assert abs(np.linalg.det(columns)) < 1e-9
-        assert abs(np.linalg.det(columns / np.linalg.norm(columns, axis=0))) < 1e-9
-    said = [line for line in notes_of(found) if "was not factored" in line]
-    assert len(said) == len(facts)
-    assert said[0].startswith(f"|$1 $2 $3 $4 $5 $6| = 0, of {facts[0]['terms']} terms and degree {facts[0]['degree']} ")
-
-
 def test_long_polynomials_are_not_factored_where_little_work_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     chain = chain_of("puma560")
     p = chain.ring.determinant([[column[row] for column in chain.columns] for row in range(6)])
@@ -420,12 +232,6 @@ def test_a_rank_that_is_nowhere_full_is_refused() -> None:
     chain = exact_chain(open_robot("planar3r"), "vx,vz,wz")
     with pytest.raises(OptionError, match=r"sees a rank that is not full"):
         derive(chain, "cofactors")
-
-
-def test_reciprocity_refuses_an_arm_of_fewer_joints_than_rows() -> None:
-    chain = exact_chain(open_robot("planar2r"), "vx,vy,wz")
-    with pytest.raises(OptionError, match=r"fewer joints"):
-        derive(chain, "reciprocity")
 
 
 def test_a_polynomial_is_evaluated_with_its_own_degrees_where_joints_stand_at_pi() -> None:
@@ -471,21 +277,6 @@ def test_the_docstring_names_every_method() -> None:
     assert all(f"| {name} |" in methods.__doc__ for name in METHODS)
 
 
-@pytest.mark.by_hand
-def test_a_sum_of_squares_raises_no_false_alarm_near_singularities() -> None:
-    """Of 20,000 random configurations some lie close to singular ones: det(J Jᵀ) is tiny there, and not zero."""
-    rows = [*SRS[:4], (0, -np.pi / 2, 0.35, 0), *SRS[5:]]
-    chain = exact_chain(from_dh(rows, convention="standard"))
-    found = derive(chain, "determinant")
-    assert found.complete
-    q = out_of_units(chain.robot, sample(chain.own, chain.own_task, 20_000, 1))
-    sigma = singular_values(chain.robot, q, chain.task)[:, 5]
-    assert (sigma < 0.01).sum() > 100
-    assert not found.holds(q[sigma > 1e-3]).any()
-    met = cloud(chain.own, chain.own_task, 1, 100)
-    assert found.holds(out_of_units(chain.robot, met.q)).all()
-
-
 def general_7r(*twists: float) -> Robot:
     """Seven turning joints, every offset there; twists [°]."""
     rows = [(0.11 + 0.03 * i, np.deg2rad(twist), 0.2 + 0.07 * i, 0) for i, twist in enumerate(twists)]
@@ -493,18 +284,6 @@ def general_7r(*twists: float) -> Robot:
 
 
 RIGHT = (-90, 90, -90, 90, -90, 90, -90)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("twists", [RIGHT, (60, -45, 90, -30, 60, -90, 0)])
-def test_the_determinant_of_a_general_7r_ends_with_seven_minors(twists: tuple[float, ...]) -> None:
-    """Multiplied out it has 169,524 terms, and whether these have factors remained open."""
-    before = process_time()
-    found = derive(exact_chain(general_7r(*twists)), "determinant", 30.0)
-    assert process_time() - before < 8.0
-    assert found.complete
-    assert [len(one.equal) for one in found.conditions] == [7]
-    assert not any(what == "unfactored" for what, _ in found.notes)
 
 
 @pytest.mark.by_hand
@@ -515,12 +294,6 @@ def test_a_7r_arm_with_every_offset_has_its_family(method: str) -> None:
     assert len(found.families) == 1
     assert found.verified
     assert found.explained.agree == found.explained.tested > 0
-
-
-@pytest.mark.parametrize(("task", "frame"), [("pose", 0), ("pose", 7), ("position", 2)])
-def test_a_link_frame_that_is_none_or_of_some_rows_is_refused(task: str, frame: int) -> None:
-    with pytest.raises(OptionError, match="no such link frame"):
-        derive(exact_chain(open_robot("puma560"), task), "reciprocity", frame=frame)
 
 
 @pytest.mark.parametrize(
@@ -556,28 +329,3 @@ def test_methods_that_are_not_run_are_those_for_this_arm(name: str, methods: tup
     tree = SimpleNamespace(generic_rank=6, complete=True, drops=[long])
     assert _too_long(chain, tree, MethodReason()).not_run == methods
     assert _too_long(chain, SimpleNamespace(generic_rank=6, complete=True, drops=[]), MethodReason()).not_run == ()
-
-
-def _sparse(rng: np.random.Generator, rows: int, columns: int) -> np.ndarray:
-    entries = rng.integers(-3, 4, (rows, columns))
-    return np.where(rng.random((rows, columns)) < 0.45, entries, 0)
-
-
-@pytest.mark.parametrize("shape", [(1, 1), (3, 3), (5, 5), (3, 4), (4, 6)])
-def test_full_rank_is_that_of_the_blocks_and_of_the_rest(shape: tuple[int, int]) -> None:
-    rng, both = np.random.default_rng(5), set()
-    for _ in range(60):
-        matrix = _sparse(rng, *shape)
-        blocks, rest = methods._blocks(matrix.T.tolist())
-        full = all(np.linalg.matrix_rank(np.array(block)) == len(block) for block in blocks)
-        if rest:
-            full &= np.linalg.matrix_rank(np.array(rest)) == len(rest[0])
-        assert full == (np.linalg.matrix_rank(matrix) == shape[0])
-        assert not (rest and shape[0] == shape[1] and full)
-        both.add(full)
-    assert both == {True, False}
-
-
-@pytest.mark.parametrize(("name", "blocks"), [("scara", 3), ("ur5", 2), ("stanford", 2), ("irb120", 1)])
-def test_elementary_transformations_leave_blocks(name: str, blocks: int) -> None:
-    assert derived(name, "elementary").sizes["blocks"] == blocks

@@ -121,7 +121,7 @@ FOREIGN = {
 """Modules that take texts apart which are no sentences of the package, and whose or what these are."""
 OWN = {
     "formula/mathml.py": 2, "formula/notation.py": 4, "formula/shortest.py": 1, "text/code.py": 6,
-    "text/conditions.py": 2, "text/families.py": 1, "text/latex.py": 2, "text/words.py": 3,
+    "text/conditions.py": 2, "text/joint_values.py": 1, "text/latex.py": 2, "text/words.py": 3,
 }  # fmt: skip
 """Module -> places that take a sentence or a name apart that the package itself made: to be fewer, never more."""
 

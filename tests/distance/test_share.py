@@ -27,7 +27,8 @@ from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
-from rankdrop.text.families import inside_limits, outside_text, slow_line
+from rankdrop.text.joint_limits import inside_limits
+from rankdrop.text.shares import slow_line
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain
 
@@ -119,23 +120,6 @@ def test_values_are_told_inside_the_range(panda):
     assert next(one["values"] for one in record["inside"]["pinned"] if one["number"] == 6) == list(shown[6])
     assert "3.3614" in panda._repr_html_()
     assert "2.9218" not in panda._repr_html_()
-
-
-def test_a_row_outside_the_limits_says_so():
-    """θ4 = 0 of a Panda is outside −3.07 … −0.07; of θ5 = 0 or π the latter is."""
-    robot, found = open_robot("panda"), shipped("panda")
-    told = []
-    for row in found.families:
-        inside = inside_limits(row, robot)
-        for one in inside.outside:
-            j = one.number - 1
-            assert all(not robot.lower[j] <= value + 2 * pi * turn <= robot.upper[j]
-                       for value in one.values for turn in (-1, 0, 1))  # fmt: skip
-        if inside.outside:
-            told.append(outside_text(inside, robot))
-        assert inside.holds == all(one.values for one in inside.pinned)
-    assert any("is outside" in text or "are outside" in text for text in told)
-    assert any(text.startswith("the row lies outside the joint limits: ") for text in told)
 
 
 def test_the_task_decides_as_ever():

@@ -1,6 +1,6 @@
 """Were the families of an analysis derived exactly, and do the numerical tests agree with the derivation?
 
-The printed form is made in `text/families.py`.
+The printed form is made in `text/derivation.py`.
 """
 
 from __future__ import annotations

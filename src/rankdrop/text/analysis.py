@@ -7,7 +7,8 @@ from rankdrop.sections import Section
 from rankdrop.text.aspects import aspects_line
 from rankdrop.text.brief import speed_section
 from rankdrop.text.claims import of_analysis, opening, summary_of_analysis
-from rankdrop.text.families import inside_limits, overview
+from rankdrop.text.families import overview
+from rankdrop.text.joint_limits import inside_limits
 from rankdrop.text.latex import latex_tables
 
 __all__ = ["inside_limits", "latex_of", "of_analysis", "opening", "sections_of", "summary_of_analysis"]

@@ -23,21 +23,11 @@ from rankdrop.robot.quantities import count, degrees_text
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text.conditions import angles_text, condition_lines, shipped_line
-from rankdrop.text.families import (
-    exact_conditions,
-    joints_named,
-    letters_text,
-    near_total,
-    restrict_to_limits,
-    share_cell,
-    share_text,
-    slow_line,
-    symbols,
-    values_in_degrees,
-    values_text,
-)
+from rankdrop.text.families import exact_conditions, restrict_to_limits, share_text
+from rankdrop.text.joint_values import joints_named, letters_text, symbols, values_in_degrees, values_text
 from rankdrop.text.lost import lost_note, lost_sentences
 from rankdrop.text.robots import notes_words
+from rankdrop.text.shares import near_total, share_cell, slow_line
 from rankdrop.text.special import family_label, family_title, label_words
 from rankdrop.text.words import listing
 

@@ -22,7 +22,7 @@ from rankdrop.text.claims import answer_of as answer_of  # here too: `words_of` 
 from rankdrop.text.claims import of_conditions as of_conditions
 from rankdrop.text.claims import summary_of_conditions as summary_of_conditions
 from rankdrop.text.code import Code
-from rankdrop.text.families import values_in_degrees, witness_text
+from rankdrop.text.joint_values import values_in_degrees, witness_text
 from rankdrop.text.lost import lost_line, lost_note, lost_sentences
 from rankdrop.text.structure import reason_text
 from rankdrop.text.unfinished import cases_words, why_lowest

@@ -12,8 +12,8 @@ from rankdrop.formula.equation import pretty_angle
 from rankdrop.results.known import shipped_conditions_record
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
-from rankdrop.text.families import symbols as joint_symbols
-from rankdrop.text.families import values_in_degrees
+from rankdrop.text.joint_values import symbols as joint_symbols
+from rankdrop.text.joint_values import values_in_degrees
 from rankdrop.text.words import listing, numbers
 
 LONGEST = 120

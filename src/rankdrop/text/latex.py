@@ -16,17 +16,8 @@ from rankdrop.families.corank_families import CorankSummary
 from rankdrop.families.derivation import Derivation
 from rankdrop.families.record import Family
 from rankdrop.robot.model import Robot
-from rankdrop.text.families import (
-    JOINT,
-    WORDS,
-    Column,
-    at_witness,
-    columns,
-    lines_of,
-    restrict_to_limits,
-    share_text,
-    witness_text,
-)
+from rankdrop.text.families import JOINT, WORDS, Column, at_witness, columns, lines_of, restrict_to_limits, share_text
+from rankdrop.text.joint_values import witness_text
 from rankdrop.text.lost import lost_note
 
 _PLAIN = {

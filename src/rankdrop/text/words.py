@@ -16,7 +16,8 @@ from rankdrop.options import advise
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import count, degrees_text
 from rankdrop.sections import Section
-from rankdrop.text.families import FREE, joint_symbol
+from rankdrop.text.families import FREE
+from rankdrop.text.joint_values import joint_symbol
 
 if TYPE_CHECKING:
     from rankdrop.distance.tolerant import LockedJoint, SelfMotions, Tolerant, TolerantPlace

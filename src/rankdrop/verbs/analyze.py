@@ -35,7 +35,8 @@ from rankdrop.results.known import known_aspects
 from rankdrop.results.stored_conditions import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import WORLD_ALIGNED, Task, resolve_task, task_names
-from rankdrop.text.families import SPEEDS_INTERRUPTED, mistaken_text
+from rankdrop.text.derivation import mistaken_text
+from rankdrop.text.families import SPEEDS_INTERRUPTED
 from rankdrop.text.tested import rank_note
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, task_in_units

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rankdrop.algebra import ring, zeroset
-from rankdrop.algebra.decompose import with_points
+from rankdrop.algebra.cut import with_points
 from rankdrop.algebra.field import PRIMES, P, roots
 from rankdrop.algebra.ring import Ring
 from rankdrop.algebra.roots import FURTHER

@@ -16,7 +16,8 @@ from itertools import combinations, islice, product
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.algebra.decompose import decompose, with_points
+from rankdrop.algebra.cut import with_points
+from rankdrop.algebra.decompose import decompose
 from rankdrop.algebra.matrix import each_entry, submatrix
 from rankdrop.algebra.polynomial import Polynomial, coefficients, is_number, variables_in
 from rankdrop.algebra.ring import Form

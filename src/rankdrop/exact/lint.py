@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.algebra.decompose import components_with_pin, cut_half
+from rankdrop.algebra.cut import components_with_pin, cut_half
 from rankdrop.algebra.polynomial import flint
 from rankdrop.algebra.work import Work
 from rankdrop.algebra.zeroset import ZeroSet, independent

@@ -34,7 +34,7 @@ from functools import cache
 from itertools import combinations, islice
 from math import prod
 
-from rankdrop.algebra.decompose import components_with_pin, cut, meet, with_points, zero_where
+from rankdrop.algebra.cut import components_with_pin, cut, meet, with_points, zero_where
 from rankdrop.algebra.field import P, rank, residues, roots_at, value_at
 from rankdrop.algebra.gcd import image_modulo
 from rankdrop.algebra.matrix import each_entry, entries, submatrix

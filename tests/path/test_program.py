@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,34 +10,19 @@ import numpy as np
 import pytest
 
 from path.program_data import ASK, DATA
+from path.read_programs import about, moves, skipped
 from rankdrop.cli import main
-from rankdrop.errors import OptionError, RankdropError
+from rankdrop.errors import OptionError
 from rankdrop.kinematics import pose
 from rankdrop.path.check import program
 from rankdrop.path.check.path_file import PathQuestion
 from rankdrop.path.check.program import check_any_file, check_program
-from rankdrop.path.read import fanuc_tp, inform, krl, program_record, rapid, urscript
+from rankdrop.path.read import krl, urscript
 from rankdrop.path.read.program_file import read_program
-from rankdrop.path.read.program_record import MOVES, Move, Posture, Program, Reason, number, numbers_of, parts_of
+from rankdrop.path.read.program_record import Posture
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.questions import PathOptions
 from rankdrop.robot.open import open_robot
-
-
-def about(axis: str, degrees: float) -> np.ndarray:
-    """Rotation about an axis of the base, from the images of the unit vectors."""
-    c, s = np.cos(np.pi * degrees / 180), np.sin(np.pi * degrees / 180)
-    rows = {"x": [[1, 0, 0], [0, c, -s], [0, s, c]], "y": [[c, 0, s], [0, 1, 0], [-s, 0, c]],
-            "z": [[c, -s, 0], [s, c, 0], [0, 0, 1]]}  # fmt: skip
-    return np.array(rows[axis])
-
-
-def moves(program: Program) -> dict[int, Move]:
-    return {one.line: one for one in program.moves}
-
-
-def skipped(program: Program) -> dict[int, str]:
-    return {one.line: str(one.reason) for one in program.skipped}
 
 
 def test_krl_turns_about_z_then_the_new_y_then_the_new_x() -> None:
@@ -108,125 +92,6 @@ def test_urscript_has_rotation_vectors_in_radians() -> None:
     assert moves(program)[9].speed.joint == 1.05, "by place: a, v"
     assert moves(program)[10].speed.time == 2.0
     assert not program.degrees
-
-
-def test_fanuc_turns_about_fixed_axes() -> None:
-    program = read_program(DATA / "tp.ls")
-    found = moves(program)[8].target.pose
-    # turns about fixed axes are applied from the right to the left
-    np.testing.assert_allclose(found[:3, :3], about("z", 5) @ about("y", -10) @ about("x", 178), atol=1e-15)
-    np.testing.assert_allclose(found[:3, 3], [0.42, -0.08, 0.18], atol=1e-15)
-    assert moves(program)[7].target.joints == (0, 10, -20, 0, -50, 0)
-    assert moves(program)[7].speed.share == 0.5
-    assert moves(program)[8].speed.linear == 0.25
-    assert moves(program)[10].speed.linear == pytest.approx(12.0 / 60.0), "1200 cm/min"
-    assert [one.blend for one in program.moves] == [False, True, False]
-
-
-def test_inform_turns_about_fixed_axes() -> None:
-    program = read_program(DATA / "inform.jbi")
-    found = moves(program)[23].target.pose
-    np.testing.assert_allclose(found[:3, :3], about("z", 7) @ about("y", -12) @ about("x", 178), atol=1e-15)
-    np.testing.assert_allclose(found[:3, 3], [0.48, -0.09, 0.12], atol=1e-15)
-    assert moves(program)[24].speed.linear == 0.1
-    assert moves(program)[23].speed.share == 0.25
-
-
-@pytest.mark.parametrize(
-    ("file", "expected"),
-    [
-        ("krl.src", {8: "tool frame", 13: "call", 14: "changed", 15: "other", 16: "circle", 17: "expression",
-                     18: "branch", 19: "incomplete", 20: "branch", 21: "relative", 25: "base frame"}),
-        ("rapid.mod", {13: "tool frame", 14: "base frame", 16: "changed", 17: "circle", 18: "branch",
-                       19: "other", 20: "branch", 21: "call"}),
-        ("urscript.script", {8: "expression", 11: "loop", 12: "circle"}),
-        ("tp.ls", {8: "tool frame", 9: "offset", 11: "circle", 13: "variable", 14: "call", 15: "incomplete"}),
-        ("inform.jbi", {22: "pulses", 25: "other", 26: "circle", 27: "variable", 28: "base frame"}),
-    ],
-)  # fmt: skip
-def test_lines_that_are_not_read_are_listed_with_their_reason(file: str, expected: dict[int, str]) -> None:
-    assert skipped(read_program(DATA / file)) == expected
-
-
-ONE_LINE = {
-    "a.script": "def prog():\n  home = [0.1, -1.2, 1.4, -1.0, 1.2, 0.4]\n  movej(home, a=1.4, v=1.05)\n"
-                "  movej([0.3, -1.2, 1.4, -1.0, 1.2, 0.4], a=1.4, v=0.5, r=0.02)\n"
-                "  movel(p[-0.35, -0.25, 0.5, 0.3, 2.2, 0.3], a=1.2, v=0.2)\n  textmsg(\"a ( b\")\n"
-                "  movej([0.3, -1.2, 1.4, -1.0, 1.2, 0.6])\nend\n",
-    "a.mod": "MODULE m\nCONST jointtarget j:=[[1,2,3,4,5,6],[9E9,9E9,9E9,9E9,9E9,9E9]];\nPROC main()\n"
-             "MoveAbsJ j, v100, fine, tool0;\nMoveL [[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v50, "
-             "z10, tool0;\nENDPROC\nENDMODULE\n",
-    "a.ls": "/MN\n1:J P[1] 50% FINE ;\n2:L P[1] 250mm/sec CNT50 Offset,PR[1] ;\n3:L P[1] 250mm/sec CNT50 ;\n"
-            "/POS\nP[1]{\nGP1:\nUF : 0, UT : 0,\nX = 420.0 mm, Y = 80.0 mm, Z = 180.0 mm,\n"
-            "W = 178.0 deg, P = -10.0 deg, R = 5.0 deg\n};\n/END\n",
-}  # fmt: skip
-"""Programs with one line for each statement."""
-
-
-@pytest.mark.parametrize(("name", "broken"), [
-    ("a.script", {", 1.4, -1.0, 1.2": ",  # pose ] (\n 1.4,\n\n -1.0, 1.2", "movel(": "movel(\n", ", v=": ",\n  v="}),
-    ("a.mod", {"MoveL [": "MoveL\n[", ",6],[": ",6],! ;\n[", ", fine": "\n , fine", ",500]": ",\n500]"}),
-    ("a.ls", {" Offset,": "\n    :  Offset,", " FINE": "\n    :  FINE"}),
-])  # fmt: skip
-def test_a_statement_over_several_lines_is_read_as_one(name: str, broken: dict[str, str]) -> None:
-    """Breaks where the language allows them change no target and no reason; each keeps the line on which it begins."""
-    readers = {"a.script": urscript.read, "a.mod": rapid.read, "a.ls": fanuc_tp.read}
-    whole = ONE_LINE[name]
-    text = whole
-    for plain, several in broken.items():
-        assert plain in text
-        text = text.replace(plain, several)
-    expected, found = (readers[name](written, name) for written in (whole, text))
-    assert len(found.items) == len(expected.items)
-    for one, other in zip(found.items, expected.items, strict=True):
-        first = other.text.split()[0].split("(")[0]
-        assert text.splitlines()[one.line - 1].split("(")[0].strip().startswith(first)
-        assert type(one) is type(other)
-        if isinstance(one, Move):
-            assert repr(one.target) == repr(other.target)
-            assert (one.kind, one.speed, one.blend) == (other.kind, other.speed, other.blend)
-        else:
-            assert one.reason == other.reason
-    assert len(found.moves) >= 2
-
-
-def test_a_bracket_that_is_never_closed_ends_at_the_next_statement() -> None:
-    """The lines after it are read; a statement without end is refused once it is too long."""
-    program = urscript.read("movej([0, 1,\n 2, 3\nmovej([0,-1,1,0,1,0])\nx = (1\n", "a.script")
-    assert (skipped(program), list(moves(program))) == ({1: "expression", 4: "other"}, [3])
-    with pytest.raises(TrajectoryError, match=r"a\.script, line 1: the statement is too long"):
-        urscript.read("movej([0,\n" + " 1,\n" * program_record.LONGEST_LINE, "a.script")
-
-
-@pytest.mark.slow
-def test_fanuc_counts_joint_3_from_the_horizontal_and_z_from_axis_2() -> None:
-    """The forearm keeps its direction while J2 moves alone; the world frame is at the height of axis 2."""
-    arm = open_robot("lrmate200id")
-
-    def program(a: str, b: str) -> Program:
-        blocks = "".join(f"P[{k}]{{\n GP1:\n UF : 0, UT : 0,\n {text}\n}};\n" for k, text in ((1, a), (2, b)))
-        return fanuc_tp.read(f"/MN\n 1:J P[1] 100% FINE ;\n 2:J P[2] 100% FINE ;\n/POS\n{blocks}/END\n", "a.ls")
-
-    joints = "J1=0 deg, J2={} deg, J3=-20 deg, J4=5 deg, J5=-50 deg, J6=8 deg"
-    found = check_program(arm, program(joints.format(0), joints.format(25)), ASK)
-    ends = found.parts[0].check.curve.control[0]
-    first, second = pose(arm, ends)
-    np.testing.assert_allclose(first[:3, :3], second[:3, :3], atol=1e-12)
-    assert abs(first[2, 3] - second[2, 3]) > 0.01
-    x, y, z = 1e3 * (first[:3, 3] - [0, 0, 0.330])  # 330 mm: data sheet of the LR Mate 200iD
-    roll, pitch, yaw = np.degrees([np.arctan2(first[2, 1], first[2, 2]), -np.arcsin(first[2, 0]),
-                                   np.arctan2(first[1, 0], first[0, 0])])  # fmt: skip
-    posed = f"X={x:.9f} mm, Y={y:.9f} mm, Z={z:.9f} mm, W={roll:.9f} deg, P={pitch:.9f} deg, R={yaw:.9f} deg"
-    again = check_program(arm, program(joints.format(0), posed), ASK)
-    assert again.raised == pytest.approx(0.330)
-    assert len(again.parts) == 1
-    step = np.ptp(again.parts[0].check.curve.control[:, :], axis=(0, 1))
-    assert step.max() < 1e-9, "the second move leads to where the arm is"
-
-
-def test_joint_values_of_fanuc_need_axes_2_and_3_against_each_other() -> None:
-    with pytest.raises(TrajectoryError, match="line 7: J3 is counted from the horizontal"):
-        check_program(open_robot("irb120"), read_program(DATA / "tp.ls"), ASK)
 
 
 @pytest.mark.slow
@@ -335,43 +200,6 @@ def test_options_that_do_not_fit_programs_are_refused(tmp_path: Path) -> None:
         check_any_file(open_robot("panda"), file, ASK)
 
 
-LONG = 19_000
-HOSTILE = {
-    "nothing.src": "",
-    "zeros.mod": "a\0b",
-    "digits.src": f"PTP {{A1 {'1' * LONG}x}}\n",
-    "spaces.ls": "/MN\n" + f"   1:J P[1]{' ' * LONG}x\n" * 50 + "/POS\nP[1]{\n" + f" X {' ' * LONG}\n" * 50,
-    "brackets.mod": "MoveL " + "[" * LONG + ",v100,fine,tool0;\n",
-    "nested.script": "movej(" + "[" * LONG + "\n",
-    "quotes.mod": 'x ";"\n' * 40_000,
-    "statement.mod": "x y\n" * 20_000,
-    "wide.jbi": "C" * 30_000,
-    "lines.src": "\n" * 300_000,
-    "infinite.src": "PTP {A1 1e999, A2 0, A3 0, A4 0, A5 0, A6 0}\n",
-    "huge.src": "PTP {A1 1e9, A2 0, A3 0, A4 0, A5 0, A6 0}\n",
-    "far.script": "movel(p[1e20, 0, 0, 0, 0, 0])\n",
-    "long.mod": "MoveL [[0,0,0],[1,1,1,1],[0,0,0,0],[0,0,0,0,0,0]],v100,fine,tool0;\n",
-    "equals.src": "=" * LONG + "\n" + "P.P=" * 4_000,
-}
-
-
-@pytest.mark.parametrize("name", HOSTILE)
-def test_hostile_files_end_in_one_line(name: str, tmp_path: Path) -> None:
-    (tmp_path / name).write_text(HOSTILE[name])
-    begun = time.process_time()
-    with pytest.raises(RankdropError) as error:
-        read_program(tmp_path / name)
-    assert time.process_time() - begun < 5.0
-    assert "\n" not in str(error.value)
-    assert name in str(error.value)
-
-
-def test_the_number_of_moves_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(program_record, "MOST_MOVES", 5)
-    with pytest.raises(TrajectoryError, match="line 6: the program has too many moves; allowed: at most 5"):
-        urscript.read("movej([0,0,0,0,0,0])\n" * 6, "a.script")
-
-
 def test_the_number_of_parts_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(program, "_MOST_PARTS", 2)
     text = "movej([0.3,0.4,0.1])\nmovel(p)\n"
@@ -379,25 +207,6 @@ def test_the_number_of_parts_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None
     assert len(check_program(arm, urscript.read(text * 2, "a.script"), ASK).parts) == 2
     with pytest.raises(TrajectoryError, match=r"a.script, line 5: the program has too many parts.*at most 2"):
         check_program(arm, urscript.read(text * 3, "a.script"), ASK)
-
-
-def test_bytes_that_are_no_unicode_are_read_as_latin_1(tmp_path: Path) -> None:
-    (tmp_path / "a.src").write_bytes(b"; Schwei\xdfnaht\r\nPTP {A1 0, A2 -90, A3 90, A4 0, A5 30, A6 0}\r\n")
-    assert [one.line for one in read_program(tmp_path / "a.src").moves] == [2]
-
-
-def test_scanning() -> None:
-    assert number("1" * 60) is None
-    assert number("-.5E+1") == -5.0
-    assert parts_of('f("a,b"), c') == ['f("a,b")', "c"]
-    assert numbers_of("[1,[2,[3]]]") == [1.0, [2.0, [3.0]]]
-    assert numbers_of("[[[[[[[[[[[[1]]]]]]]]]]]]") is None
-    assert {Reason.VARIABLE, Reason.CIRCLE, Reason.BASE} <= MOVES
-    assert not MOVES & {Reason.CALL, Reason.LOOP, Reason.OTHER}
-    job = "//POS\n///POSTYPE BASE\n///TOOL 2\n///RECTAN\nC00000=1,2,3,4,5,6\n//INST\nMOVL C00000\n"
-    program = inform.read(job, "a.jbi")
-    assert [type(one).__name__ for one in program.items] == ["Skipped", "Move"]
-    assert program.skipped[0].reason is Reason.TOOL
 
 
 PAST_WRIST = """DEF weld()

@@ -1,12 +1,19 @@
-"""Programs of FANUC TP and INFORM as engineers have them: offsets, skips, increments, shifts, wrist joint motion."""
+"""Listings of FANUC TP as engineers have them: offsets, skips, increments, wrist joint motion; how joint 3 counts."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from rankdrop.path.read import fanuc_tp, inform
+from path.program_data import ASK, DATA
+from path.read_programs import about, moves
+from rankdrop.kinematics import pose
+from rankdrop.path.check.program import check_program
+from rankdrop.path.read import fanuc_tp
+from rankdrop.path.read.program_file import read_program
 from rankdrop.path.read.program_record import Program
+from rankdrop.path.read.trajectory import TrajectoryError
+from rankdrop.robot.open import open_robot
 
 POSITIONS = """/POS
 P[1:"start"]{
@@ -34,14 +41,6 @@ P[3]{
 def listing(*lines: str) -> Program:
     numbered = "".join(f"  {count}:{line} ;\n" for count, line in enumerate(lines, start=1))
     return fanuc_tp.read(f"/MN\n{numbered}{POSITIONS}", "a.ls")
-
-
-def job(*lines: str) -> Program:
-    head = (
-        "/JOB\n//NAME A\n//POS\n///NPOS 2,0,0,0,0,0\n///TOOL 0\n///POSTYPE BASE\n///RECTAN\n///RCONF 0,0,0,0,0,0,0,0\n"
-    )
-    head += "C00000=400.000,100.000,200.000,180.0000,0.0000,0.0000\n//INST\n///DATE 2024/01/01 10:00\nNOP\n"
-    return inform.read(head + "".join(f"{line}\n" for line in lines) + "END\n", "a.jbi")
 
 
 def reasons(program: Program) -> list[str]:
@@ -81,15 +80,6 @@ def test_increments_that_are_not_known_are_not_guessed(lines: tuple[str, ...], r
     assert reason in reasons(listing(*lines))
 
 
-def test_jobs_name_moves_that_end_elsewhere() -> None:
-    shift = ["SFTON P001 BF", "MOVL C00000 V=100.0", "SFTOF", "MOVL C00000 V=100.0 PL=0"]
-    program = job(
-        "'approach", *shift, "MOVL C00000 V=50.0 UNTIL IN#(1)=ON", "+MOVJ C00000 VJ=10.00", "SMOVL C00000 V=9.0"
-    )
-    assert reasons(program) == ["other", "shifted", "other", "ends early", "other move", "other move"]
-    assert [(move.speed.linear, move.blend) for move in program.moves] == [(0.1, False)]
-
-
 def test_a_line_is_shown_with_its_number_in_the_program() -> None:
     """An engineer looks for 3:L on the pendant, not for the fourth line of the listing."""
     lines = "   1:  WAIT .50(sec) ;\n   3:L P[1] 250mm/sec FINE ;\n"
@@ -97,3 +87,47 @@ def test_a_line_is_shown_with_its_number_in_the_program() -> None:
     program = fanuc_tp.read(text, "a.ls")
     shown = [(item.line, item.text) for item in program.items]
     assert shown == [(3, "1:WAIT .50(sec)"), (4, "3:L P[1] 250mm/sec FINE")]
+
+
+def test_fanuc_turns_about_fixed_axes() -> None:
+    program = read_program(DATA / "tp.ls")
+    found = moves(program)[8].target.pose
+    # turns about fixed axes are applied from the right to the left
+    np.testing.assert_allclose(found[:3, :3], about("z", 5) @ about("y", -10) @ about("x", 178), atol=1e-15)
+    np.testing.assert_allclose(found[:3, 3], [0.42, -0.08, 0.18], atol=1e-15)
+    assert moves(program)[7].target.joints == (0, 10, -20, 0, -50, 0)
+    assert moves(program)[7].speed.share == 0.5
+    assert moves(program)[8].speed.linear == 0.25
+    assert moves(program)[10].speed.linear == pytest.approx(12.0 / 60.0), "1200 cm/min"
+    assert [one.blend for one in program.moves] == [False, True, False]
+
+
+@pytest.mark.slow
+def test_fanuc_counts_joint_3_from_the_horizontal_and_z_from_axis_2() -> None:
+    """The forearm keeps its direction while J2 moves alone; the world frame is at the height of axis 2."""
+    arm = open_robot("lrmate200id")
+
+    def program(a: str, b: str) -> Program:
+        blocks = "".join(f"P[{k}]{{\n GP1:\n UF : 0, UT : 0,\n {text}\n}};\n" for k, text in ((1, a), (2, b)))
+        return fanuc_tp.read(f"/MN\n 1:J P[1] 100% FINE ;\n 2:J P[2] 100% FINE ;\n/POS\n{blocks}/END\n", "a.ls")
+
+    joints = "J1=0 deg, J2={} deg, J3=-20 deg, J4=5 deg, J5=-50 deg, J6=8 deg"
+    found = check_program(arm, program(joints.format(0), joints.format(25)), ASK)
+    ends = found.parts[0].check.curve.control[0]
+    first, second = pose(arm, ends)
+    np.testing.assert_allclose(first[:3, :3], second[:3, :3], atol=1e-12)
+    assert abs(first[2, 3] - second[2, 3]) > 0.01
+    x, y, z = 1e3 * (first[:3, 3] - [0, 0, 0.330])  # 330 mm: data sheet of the LR Mate 200iD
+    roll, pitch, yaw = np.degrees([np.arctan2(first[2, 1], first[2, 2]), -np.arcsin(first[2, 0]),
+                                   np.arctan2(first[1, 0], first[0, 0])])  # fmt: skip
+    posed = f"X={x:.9f} mm, Y={y:.9f} mm, Z={z:.9f} mm, W={roll:.9f} deg, P={pitch:.9f} deg, R={yaw:.9f} deg"
+    again = check_program(arm, program(joints.format(0), posed), ASK)
+    assert again.raised == pytest.approx(0.330)
+    assert len(again.parts) == 1
+    step = np.ptp(again.parts[0].check.curve.control[:, :], axis=(0, 1))
+    assert step.max() < 1e-9, "the second move leads to where the arm is"
+
+
+def test_joint_values_of_fanuc_need_axes_2_and_3_against_each_other() -> None:
+    with pytest.raises(TrajectoryError, match="line 7: J3 is counted from the horizontal"):
+        check_program(open_robot("irb120"), read_program(DATA / "tp.ls"), ASK)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -81,97 +79,6 @@ def test_the_count_of_usual_arms() -> None:
     assert len({one.posture for one in found.branches}) == 8
     assert "not proven to be all" in " ".join(str(found).split())
     assert found.sentence.startswith("ur5e: 8 solutions; a 6R arm has at most 16.")
-
-
-@pytest.mark.slow
-def test_a_redundant_arm_has_curves() -> None:
-    robot = open_robot("iiwa14")
-    found = inverse(robot, [0.5, 0.1, 0.4, np.pi, 0.0, 0.3])
-    assert not found.branches
-    assert found.continua
-    assert len(found.continua) <= 16
-    assert any(0.0 < one.inside < 1.0 for one in found.continua), "limits cut self-motions"
-    for one in found.continua:
-        within = bool(((one.q >= robot.lower) & (one.q <= robot.upper)).all())
-        assert within == (one.inside > 0.0) == (one.beyond == ()), "it is shown inside the limits where it can be"
-    for one in found.continua:
-        assert one.dimension == 1
-        assert not one.singular
-        np.testing.assert_allclose(pose(robot, one.q), found.pose, atol=1e-9)
-    assert "infinitely many solutions" in found.sentence
-    assert "self-motion curve" in found.sentence
-
-
-@pytest.mark.by_hand
-@pytest.mark.slow_at("ur5")
-@pytest.mark.parametrize(("name", "q", "joints"), [
-    ("puma560", [0.3, 0.5, 0.4, 0.2, 0.0, 0.6], (4, 6)), ("ur5", [0.1, -1.0, 0.7, 0.3, 0.0, 0.2], (2, 3, 4, 6)),
-])  # fmt: skip
-def test_a_wrist_singularity_is_one_curve_beside_isolated_solutions(name: str, q: list[float], joints: tuple) -> None:
-    robot = open_robot(name)
-    found = inverse(robot, pose(robot, q), starts=600)
-    singular = [one for one in found.continua if one.singular]
-    assert 1 <= len(singular) == len(found.continua) <= 2
-    for one in singular:
-        assert one.dimension == 1
-        moving = np.flatnonzero(one.highest - one.lowest > 1e-3) + 1
-        assert tuple(moving) == joints
-    assert all(one.verdict != "singular" for one in found.branches)
-    assert f"all of {'it' if len(singular) == 1 else 'them'} singular" in found.sentence
-
-
-@pytest.mark.slow
-def test_a_point_of_higher_corank_on_a_self_motion_is_no_isolated_solution() -> None:
-    """With the wrist aligned and the wrist centre in the plane of axes 1 and 2 each curve passes points of rank 4."""
-    robot = open_robot("stanford")
-    found = inverse(robot, pose(robot, [0.0, 0.0, 0.4, 0.3, 0.0, 0.5]))
-    assert [one.dimension for one in found.continua] == [1] * len(found.continua)
-    assert found.continua
-    assert not found.branches
-
-
-@pytest.mark.parametrize(("name", "place", "task"), [
-    ("px150", [0.3, 0.0, 0.2], "position"), ("so101", [0.25, 0.0, 0.15], "position"),
-])  # fmt: skip
-def test_a_surface_is_shown_inside_the_joint_limits_where_it_has_a_place_there(
-    name: str, place: list[float], task: str
-) -> None:
-    robot = open_robot(name)
-    found = inverse(robot, place, task)
-    (surface,) = found.continua
-    assert surface.dimension == 2
-    assert not surface.beyond
-    assert (surface.q >= robot.lower).all()
-    assert (surface.q <= robot.upper).all()
-    np.testing.assert_allclose(pose(robot, surface.q)[:3, 3], place, atol=1e-8)
-    assert "It has configurations inside the joint limits" in found.sentence
-
-
-def test_a_surface_is_moved_inside_narrow_limits() -> None:
-    """Chance hits no configuration inside these limits; projections do."""
-    free = open_robot("px150")
-    inside = np.array([0.05, -0.4, 0.6, 0.5, 0.3])
-    robot = replace(free, joints=tuple(
-        replace(joint, lower=value - 0.02, upper=value + 0.02) for joint, value in zip(free.joints, inside, strict=True)
-    ))  # fmt: skip
-    (surface,) = inverse(robot, pose(robot, inside), "position").continua
-    assert not surface.beyond
-    assert np.abs(surface.q - inside).max() <= 0.02 + 1e-9
-
-
-def test_an_isolated_singular_solution_is_one() -> None:
-    robot = open_robot("planar2r")
-    found = inverse(robot, pose(robot, [0.3, 0.0]))
-    assert [one.verdict for one in found.branches] == ["singular"]
-    np.testing.assert_allclose(found.branches[0].q, [0.3, 0.0], atol=1e-5)
-    assert not found.continua
-
-
-def test_sets_of_more_dimensions_are_not_counted_as_curves() -> None:
-    robot = open_robot("pa10")
-    found = inverse(robot, pose(robot, [0.0] * 7), starts=400)
-    assert [one.dimension for one in found.continua] == [3]
-    assert "dimension 3" in found.sentence
 
 
 @pytest.mark.slow

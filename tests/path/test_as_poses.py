@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import csv
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from path.written_text import text_of_poses
 from rankdrop.cli import main
 from rankdrop.kinematics import pose
 from rankdrop.path.check.tool_path import check_poses
 from rankdrop.path.mend.as_poses import NoPoses, mended_poses
 from rankdrop.path.mend.remedies import mend_path
-from rankdrop.path.read.poses import read_poses
-from rankdrop.path.read.written_poses import poses_bytes
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 
@@ -129,65 +127,12 @@ def _turned(angle: Array) -> Array:
     return out
 
 
-@pytest.mark.parametrize("turn", ["quaternion", "rpy", "commas", "json"])
-def test_a_new_row_has_the_form_of_the_file(turn: str, tmp_path: Path) -> None:
-    """Written and read back: the poses to rounding, the rows of the file as they were."""
-    arm = open_robot("ur5e")
-    poses = pose(arm, np.array([[0.1, -1.0, 1.2, 0.3, 0.8, 0.2], [0.2, -1.1, 1.2, 0.3, 0.9, 0.2]]))
-    middle = pose(arm, np.array([[0.15, -1.05, 1.2, 0.3, 0.85, 0.2]]))
-    file = tmp_path / ("poses.json" if turn == "json" else "poses.csv")
-    file.write_text(_text(poses, turn), encoding="utf-8")
-    read = read_poses(file)
-    every = np.stack([read.matrices[0], middle[0], read.matrices[1]])
-    given = np.array([0, -1, 1])
-    made = poses_bytes(file, every, np.array([0.0, 0.5, 1.0]), given)
-    out = tmp_path / f"out{file.suffix}"
-    out.write_bytes(made)
-    again = read_poses(out)
-    assert np.abs(again.matrices - every).max() < 1e-12
-    assert again.times is not None
-    assert again.times.tolist() == [0.0, 0.5, 1.0]
-    if turn == "json":
-        was, now = (json.loads(one.read_text(encoding="utf-8")) for one in (file, out))
-        assert now["poses"][::2] == was["poses"]
-        assert (now["length"], now["frame"]) == ("mm", "table")
-    else:
-        lines = out.read_text(encoding="utf-8").splitlines()
-        assert [*lines[:2], lines[3]] == file.read_text(encoding="utf-8").splitlines()
-    later = poses_bytes(file, every, np.array([0.0, 0.5, 1.25]), given)
-    (tmp_path / f"later{file.suffix}").write_bytes(later)
-    last = read_poses(tmp_path / f"later{file.suffix}")
-    assert last.times is not None
-    assert last.times.tolist() == [0.0, 0.5, 1.25]
-    assert np.array_equal(last.matrices[2], read.matrices[1])
-
-
-def _text(poses: Array, turn: str) -> str:
-    from scipy.spatial.transform import Rotation
-
-    found = Rotation.from_matrix(poses[:, :3, :3])
-    if turn == "json":
-        rows = [{"time": float(i), "position": {k: 1e3 * float(x) for k, x in zip("xyz", p[:3, 3], strict=True)},
-                 "orientation": [-float(x) for x in one.as_quat()]}
-                for i, (p, one) in enumerate(zip(poses, found, strict=True))]  # fmt: skip
-        return json.dumps({"poses": rows, "length": "mm", "frame": "table"})
-    columns = [np.arange(2.0), *poses[:, :3, 3].T]
-    if turn == "rpy":
-        head, columns = "t,x,y,z,roll,pitch,yaw", [*columns, *found.as_euler("xyz").T]
-    else:
-        head, columns = "t,x,y,z,qx,qy,qz,qw", [*columns, *found.as_quat().T]
-    lines = [head, *(",".join(repr(float(x)) for x in row) for row in zip(*columns, strict=True))]
-    if turn == "commas":
-        lines = [line.replace(",", ";").replace(".", ",") for line in lines]
-    return "\n".join(lines) + "\n"
-
-
 def test_a_target_of_another_form_is_refused_before_the_work(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "poses.csv"
-    file.write_text(_text(pose(open_robot("ur5e"), np.array([[0.1, -1.0, 1.2, 0.3, 0.8, 0.2]] * 2)), "quaternion"),
-                    encoding="utf-8")  # fmt: skip
+    poses = pose(open_robot("ur5e"), np.array([[0.1, -1.0, 1.2, 0.3, 0.8, 0.2]] * 2))
+    file.write_text(text_of_poses(poses, "quaternion"), encoding="utf-8")
     assert main.run(["path", "ur5e", str(file), "--fixed", str(tmp_path / "out.npz")]) == 2
     said = " ".join(capsys.readouterr().err.split())
     assert "poses are written in the form in which they were read" in said

@@ -3,7 +3,7 @@
 Of many configurations a family has many nearest points, and long conditions are slow; so unless every family is pinned,
 the singular set itself is walked on as well (`SetDistance`), and a point that this finds counts for the families whose
 conditions it satisfies. What is returned is singular, so a distance is never too small; it may be too large by what no
-walk has come round to (measured against `nearest_singularity` in `tests/families`). Beside it stands a bound from
+walk has come round to (measured against `nearest_singularity` in `tests/distance`). Beside it stands a bound from
 below, proven by one enclosure (`Ruler.at_least`).
 """
 

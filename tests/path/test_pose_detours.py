@@ -15,11 +15,13 @@ from path.planar_detours import CLEARANCE, checked, planar
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.path.check.follow import follow
+from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.tool_path import check_poses
 from rankdrop.path.mend import pose_detours
 from rankdrop.path.mend.detours import Hindrance, lost_motions
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
-from rankdrop.path.mend.remedies import LOCAL, mend_path
+from rankdrop.path.mend.remedies import LOCAL, Remedy, mend_path
+from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 
 
@@ -105,3 +107,87 @@ def test_a_joint_that_stays_inside_its_limits_needs_no_wider_range(monkeypatch: 
     wound = replace(follow(arm, poses, start), q=np.stack([start, start + 7.0 * np.eye(6)[5]]))
     monkeypatch.setattr(pose_detours, "follow", lambda *given, **options: wound)
     assert work._with_excess(blocked, np.array([0.0, 1.0]), start).joint == 6
+
+
+def _line(name: str, first: tuple[float, ...], last: tuple[float, ...]) -> tuple[Array, Array, PathCheck]:
+    """60 poses of a joint path that is straight between two configurations [deg], within 6 s; rates have no limit."""
+    given, t = open_robot(name), np.linspace(0.0, 6.0, 60)
+    arm = replace(given, joints=tuple(replace(joint, velocity=np.inf) for joint in given.joints))
+    start, end = np.radians(first), np.radians(last)
+    q = start + (t / t[-1])[:, None] * (end - start)
+    poses = pose(arm, q)
+    return poses, t, check_poses(arm, poses, t, start=q[0], branches=False)
+
+
+def _keeps_to(poses: Array, t: Array, remedy: Remedy) -> None:
+    """Free, the tool where it was outside the changes, near it within them, and the joints clear of singularities."""
+    made = remedy.trajectory
+    assert remedy.check.verdict == "free"
+    now = pose(remedy.check.robot, made.q)
+    straight = Slerp(t, Rotation.from_matrix(poses[:, :3, :3]))(made.times)
+    where = np.stack([np.interp(made.times, t, column) for column in poses[:, :3, 3].T], axis=1)
+    away = np.linalg.norm(now[:, :3, 3] - where, axis=1)
+    turned = (Rotation.from_matrix(now[:, :3, :3]) * straight.inv()).magnitude()
+    outside = np.ones(len(made.times), dtype=np.bool_)
+    for change in remedy.changes:
+        outside &= (made.times < change.start.time - 1e-9) | (made.times > change.end.time + 1e-9)
+    assert max(away[outside].max(), turned[outside].max()) < 1e-8
+    assert away.max() < 1.01 * remedy.off[0] + 1e-9
+    assert turned.max() < np.radians(2.0)
+    assert singular_values(remedy.check.robot, made.q, remedy.check.task)[:, 5].min() > 1e-4
+
+
+def test_an_elbow_that_is_straight_between_two_poses_is_led_around() -> None:
+    """PA-10: both poses beside the crossing have room, and nothing was found to lead around."""
+    poses, t, check = _line(
+        "pa10", (-78.17, -150.44, 1.75, 9.21, -130.78, 114.44, -117.33),
+        (-43.87, -147.67, -6.48, -9.21, -97.14, 132.62, -159.36),
+    )  # fmt: skip
+    (one,) = mend_path(check, kinds=("detour",)).remedies
+    _keeps_to(poses, t, one)
+    assert 1e-6 < one.off[0] < 1e-4
+
+
+def test_poses_that_are_out_of_reach_for_a_second_are_led_inside() -> None:
+    """iiwa 7: the tool turned aside by half a degree is out of reach for a fourth of the path."""
+    poses, t, before = _line(
+        "iiwa7", (13.0, 65.26, 82.41, 13.53, -167.48, -65.01, -117.41),
+        (24.17, 46.36, 139.23, -13.53, -80.11, -104.86, -123.81),
+    )  # fmt: skip
+    poses[:, :3, 3] += 3e-4 * np.exp(-(((t - 3.0) / 0.8) ** 2))[:, None] * poses[30, :3, 3] / 0.7
+    start = np.radians((13.0, 65.26, 82.41, 13.53, -167.48, -65.01, -117.41))
+    check = check_poses(before.robot, poses, t, start=start, branches=False)
+    assert check.tool is not None
+    assert not check.tool.complete
+    (one,) = mend_path(check, kinds=("detour",)).remedies
+    _keeps_to(poses, t, one)
+    (change,) = one.changes
+    assert change.end.time - change.start.time > 0.8
+
+
+def test_poses_that_end_at_a_limit_are_followed_on_another_branch() -> None:
+    """LR Mate: joint 4 would have to turn to 215°, beyond its limit at 190°; with the wrist flipped it turns to 35°."""
+    poses, t, check = _line("lrmate200id", (10, 20, 10, 150, 60, 10), (20, 30, 20, 215, 70, 20))
+    assert check.tool is not None
+    assert (check.tool.reason, check.tool.joint) == ("limit", 4)
+    (one,) = mend_path(check, kinds=("flip",)).remedies
+    _keeps_to(poses, t, one)
+    assert one.trajectory.q[-1, 3] == pytest.approx(np.radians(35.0), abs=1e-6)
+
+
+@pytest.mark.slow
+def test_another_branch_is_led_around_a_singularity_of_its_own() -> None:
+    """IRB 120: joint 1 reaches its limit while the tool passes by axis 1; bent over backwards it stays within it."""
+    poses, t, check = _line(
+        "irb120", (-47.69, -20.62, -68.46, -100.37, 59.6, 73.67), (-2.45, 11.59, -68.55, -95.38, 30.64, 88.49)
+    )  # fmt: skip
+    mending = mend_path(check, kinds=("detour", "flip"))
+    (one,) = mending.remedies
+    assert one.how == ("detour elsewhere", 1)
+    assert [name for name, *_ in one.parameters] == ["start"]
+    assert "another branch" in one.words
+    _keeps_to(poses, t, one)
+    assert np.abs(one.trajectory.q[0] - np.radians([-47.69, -20.62, -68.46, -100.37, 59.6, 73.67])).max() > 0.5
+    failed = [fact for kind, fact in mending.failures if kind == "detour"]
+    assert failed[0][1][0][3] == (1,)
+    assert any("joint 1 reaches its limit" in note for note in mending.notes)

@@ -47,6 +47,7 @@ _DONE = {
     "tilt": "the tool tilted about an axis through its tip, in its own axes",
     "bump": "the joints moved aside around each singularity; the rest of the path stays as it is",
     "detour": "the tool led around the singularities that the joints have to cross; the rest of its path stays",
+    "detour elsewhere": "another branch of the inverse kinematics, the tool led around the singularities there",
     "blend": "the corner at row {0} cut by a parabola",
     "blends": "the corners at row {0} cut by a parabola",
     "slow-down": "the same path, slower around the places where a joint is too fast; the rest as fast as it was",
@@ -69,8 +70,8 @@ _OBSTACLES = {
 _HINDRANCES = {
     "end": "the path begins or ends too near to the singularity",
     "tool": "the joints cannot follow the tool around the singularity within {bound}",
-    "limit": "a joint reaches its limit before the tool is past the singularity",
-    "range": "a joint reaches its limit where no singularity is near",
+    "limit": "{joints} reaches its limit before the tool is past the singularity",
+    "range": "{joints} reaches its limit where no singularity is near",
     "rest": "the tool cannot be followed on the new branch up to here",
 }
 """Why the tool cannot be led around a singularity."""
@@ -173,8 +174,9 @@ def _detour_note(bound: float, missing: Sequence[Any], many: int) -> str:
     if not missing:
         return "detour: the rest of the tool's path cannot be followed after it, or it was not proven free"
     parts = []
-    for place, hindrance, needed in missing[:_NAMED]:
-        words = _HINDRANCES[hindrance].format(bound=_bound("detour", bound))
+    for place, hindrance, needed, joints in missing[:_NAMED]:
+        named = " or ".join(f"joint {joint}" for joint in joints) or "a joint"
+        words = _HINDRANCES[hindrance].format(bound=_bound("detour", bound), joints=named)
         if isfinite(needed):
             words += f"; {_wider('detour', needed)} does"
         parts.append((when(place), words))

@@ -346,23 +346,24 @@ def _begin_turn_away(
 
 def branches(tool: JointToolPath, report: Progress) -> Ranking:
     """Other branches of the inverse kinematics at the first pose."""
-    starts = _branches(tool)
+    starts = other_branches(tool)
     if tool.robot.n > tool.task.m:
         pull = _pull(tool, 1.0)
     else:
         pull = None
-    ranking = rank_starts(((tool, start, pull, "branch", (_entry("start", start),)) for start in starts), len(starts),
-                     report)  # fmt: skip
+    tried = ((tool, start, pull, "branch", (joint_values("start", start),)) for start in starts)
+    ranking = rank_starts(tried, len(starts), report)
     if starts and not ranking[0] and tool.redundant:
         _plan(ranking, tool, starts, report, around=True)
     return ranking
 
 
-def _entry(name: str, values: Array, unit: str = "rad, m") -> Parameter:
+def joint_values(name: str, values: Array, unit: str = "rad, m") -> Parameter:
+    """Numbers that a remedy is made with: joint values, or others with their unit."""
     return name, tuple((values + 0.0).tolist()), unit
 
 
-def _branches(tool: JointToolPath) -> list[Array]:
+def other_branches(tool: JointToolPath) -> list[Array]:
     """Configurations at the first pose on other branches than the path's, near to it in whole turns."""
     robot, task = tool.robot, tool.task
     low, high = sampling_box(robot, task, limits=tool.limits)
@@ -428,7 +429,7 @@ def null_spaces(tool: JointToolPath, report: Progress) -> Ranking:
         rows = np.unique(np.linspace(0, len(traced) - 1, _ALONG).astype(int))[1:]
         starts += [(start, "elsewhere") for start in traced[rows]]
     ranking = rank_starts(
-        ((tool, start, _pull(tool, strength), how, (_entry("start", start), ("pull to larger σ", strength, "")))
+        ((tool, start, _pull(tool, strength), how, (joint_values("start", start), ("pull to larger σ", strength, "")))
          for (start, how), strength in product(starts, _PULLS)), len(starts) * len(_PULLS), report,
     )  # fmt: skip
     if not _plan(ranking, tool, [tool.q[0]], report, around=False) and not ranking[0]:
@@ -440,7 +441,7 @@ def null_spaces(tool: JointToolPath, report: Progress) -> Ranking:
 def shifts(tool: JointToolPath, most: float, report: Progress) -> Ranking:
     """The base moved by up to a length [m], in directions that the task knows."""
     steps = [most * share * way for way, share in product(_ways([row for row in tool.task.rows if row < 3]), _SHARES)]
-    moved = ((tool.shift(translation(*(-step)), np.eye(4)), (_entry("base shift", step, "m"),)) for step in steps)
+    moved = ((tool.shift(translation(*(-step)), np.eye(4)), (joint_values("base shift", step, "m"),)) for step in steps)
     starts = ((path, start_moved(path), None, "shift", numbers) for path, numbers in moved)
     return rank_starts(starts, len(steps), report)
 
@@ -450,8 +451,10 @@ def tilts(tool: JointToolPath, most: float, report: Progress) -> Ranking:
     """
     rows = [row - 3 for row in tool.task.rows if row >= 3]
     turns = [(way, most * share) for way, share in product(_ways([row for row in rows if row < 2] or rows), _SHARES)]
-    moved = ((tool.shift(np.eye(4), about_axis(way, angle)), (("tool tilt", angle, "rad"), _entry("axis", way, "")))
-             for way, angle in turns)  # fmt: skip
+    moved = (
+        (tool.shift(np.eye(4), about_axis(way, angle)), (("tool tilt", angle, "rad"), joint_values("axis", way, "")))
+        for way, angle in turns
+    )
     starts = ((path, start_moved(path), None, "tilt", numbers) for path, numbers in moved)
     return rank_starts(starts, len(turns), report)
 
@@ -476,7 +479,7 @@ def _plan(ranking: Ranking, tool: JointToolPath, starts: Sequence[Array], report
         how = "planned elsewhere"
     else:
         how = "planned"
-    remedy.append(Candidate(tool, plan_as_run(place, plan), how, (_entry("start", plan[0]),), free, not around))
+    remedy.append(Candidate(tool, plan_as_run(place, plan), how, (joint_values("start", plan[0]),), free, not around))
     return True
 
 

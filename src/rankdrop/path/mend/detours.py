@@ -95,11 +95,13 @@ class NoDetour:
         core: where it is.
         hindrance: why.
         needed: the size that would do where it is above the bound, else nan [rad; lengths by the length scale].
+        joints: numbers from 1 of those that reached their limits, each in one of the ways that were tried.
     """
 
     core: Core
     hindrance: Hindrance
     needed: float = np.nan
+    joints: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -203,13 +205,12 @@ class Detourer:
         Of both ways along it the one that comes back to the old path where the arm has left it. Rates go as 1/ε; where
         they break limits a new time law keeps them.
         """
-        limited = False
+        limited: set[int] = set()
         ways, before = [motion, -motion], 0.0
         for size in self._sizes(clearance):
             looks = [(way, *self._look(window, size * way)) for way in ways]
-            held = [followed.reason == "limit" for _, _, followed in looks]  # larger ones turn the joints as far
-            limited |= any(held)
-            ways = [way for way, stops in zip(ways, held, strict=True) if not stops]
+            limited.update(followed.joint for _, _, followed in looks)  # 0: none
+            ways = [way for way, _, followed in looks if not followed.joint]  # larger ones turn the joints as far
             clear = [look for look in looks if self._clear(look[1], look[2], clearance)]
             if not clear:
                 before = size
@@ -224,7 +225,10 @@ class Detourer:
                     if detour is not None:
                         return detour
             before = size
-        return NoDetour(core, Hindrance.LIMIT if limited else Hindrance.TOOL)
+        joints = tuple(sorted(limited - {0}))
+        if joints:
+            return NoDetour(core, Hindrance.LIMIT, joints=joints)
+        return NoDetour(core, Hindrance.TOOL)
 
     def _smaller(
         self, window: Window, way: Array, sizes: tuple[float, float], followed: Followed, clearance: float

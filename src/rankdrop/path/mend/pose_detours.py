@@ -22,9 +22,9 @@ from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.check.tool_path import tip_tolerance
-from rankdrop.path.curve import Curve, Place
-from rankdrop.path.mend.candidates import JointToolPath
+from rankdrop.path.curve import Place
 from rankdrop.path.mend.detours import Hindrance
+from rankdrop.path.mend.given_poses import given_tool_path, way_lengths
 from rankdrop.path.mend.local_change import step
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.read.trajectory import Trajectory, regular_times
@@ -32,14 +32,15 @@ from rankdrop.poses.inverse import Aim
 from rankdrop.problem import Mask
 from rankdrop.robot.model import Array
 
-_RAMP = 0.3  # of a window at least [s]; of poses without times that many metres or rad, lengths by the length scale
-_LONGER = (1.0, 2.0, 4.0, 8.0)  # times the shortest window that are tried
+_RAMP = 0.3  # of a window where there is room [s]; without times that many metres or rad, lengths by the length scale
+_LONGER = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)  # times the shortest window that are tried
 _FINEST, _GROWING, _WIDENED = 1e-2, 1.6, 8.0  # sizes: from that share of the clearance on, up to times the bound
 _FINER = 10  # … and so many between the least that does and the one before
 _LOOKED, _JUMP = 120, 0.6  # places of a first look on each side; joint motion between two of them at most [rad]
 _CONFIRMED = 8  # looks that are followed in full
 _NEARER = 0.9  # share of the clearance that is kept
 _BESIDE = 15.0  # times the clearance: a joint that reaches its limit after coming so near turned because of that
+_ROOM = 0.9  # share of the time before and after it that a ramp may take
 _SHORTEST = 0.02  # half of a core at least, by the clock
 _INSTANT = 1e-9  # rows nearer in time are one [s]
 _MET = 0.05  # share of the clearance below which a path counts as at the singularity
@@ -129,48 +130,61 @@ class PoseDetourer:
         self.robot, self.task = self.check.robot, given.task
         self.aim = Aim(self.robot, self.task)
         self.tolerance = tip_tolerance(self.check.options, self.robot)
-        self.clock = self._lengths() if times is None else times
-        still = np.zeros((1, 1, self.robot.n))
-        nothing = np.zeros(0)
-        self.tool = JointToolPath(self.robot, self.task, Curve(still, None), nothing, nothing, nothing, True)
+        self.clock = way_lengths(self.poses, self.aim.length) if times is None else times
+        self.tool = given_tool_path(self.check, np.zeros(self.robot.n))
         self.rows: list[tuple[Array, Array]] = []  # places and configurations that are kept, in order
 
-    def _lengths(self) -> Array:
-        """(P,) the tool's way up to each pose, increasing."""
-        move = np.linalg.norm(np.diff(self.poses[:, :3, 3], axis=0), axis=1) / self.aim.length
-        turn = self.poses[1:, :3, :3] @ self.poses[:-1, :3, :3].swapaxes(1, 2)
-        turned = np.linalg.norm(orientation_coordinates(turn, "rotvec"), axis=1)
-        return np.concatenate([[0.0], np.cumsum(move + turned + 1e-9)])
+    def find_windows(
+        self, report: Callable[[int, int], None], other: Array | None = None
+    ) -> list[PoseWindow] | Blocked:
+        """Windows after which the whole path is followed; else where there is none.
 
-    def find_windows(self, report: Callable[[int, int], None]) -> list[PoseWindow] | Blocked:
-        """Windows after which the whole path is followed; else where there is none."""
+        Args:
+            report: how many windows are done, of how many at least.
+            other: (n,) a configuration at the first pose; None: that of the check.
+        """
         tool = self.check.tool
         assert tool is not None
-        if not len(tool.q):
+        if other is None and not len(tool.q):
             return Blocked(0.0, Hindrance.END)
-        place, start, windows = 0.0, tool.q[0], list[PoseWindow]()
+        start = tool.q[0] if other is None else other
+        place, windows = 0.0, list[PoseWindow]()
+        self.rows.clear()
         for _ in range(_MOST + 1):
             at = self._places_from(place)
-            run = self._checked_branch(tool) if not windows else self._follow_branch(at, start)
+            known = tool if other is None and not windows else None
+            run = self._run_from(at, start, known)
             end = self._ends(run)
             if end is None:
                 self.rows.append((self._places(at, run), run.q))
                 return windows
             if len(windows) == _MOST:
-                return Blocked(float(self._places(at, run)[-1]), Hindrance.REST)
-            if run.reason == "limit" and end == len(run.q) - 1:
-                # a joint turned too far while the tool passed by: the other way round may do
-                room = self.tool.room(run.q)
-                end = int(room.argmin())
-                if room[end] > _BESIDE * self.clearance:
-                    return self._with_excess(Blocked(float(self._places(at, run)[-1]), Hindrance.RANGE), at, start)
-            outcome = self._window_around(at, run, end)
+                break
+            outcome = self._window_of_run(at, run, end, first=not windows)
             if isinstance(outcome, Blocked):
                 return self._with_excess(outcome, at, start) if run.reason == "limit" and not outcome.joint else outcome
             window, place, start = outcome
             windows.append(window)
             report(len(windows), len(windows) + 1)
-        return windows
+        return Blocked(float(self._places(at, run)[-1]), Hindrance.REST)
+
+    def _window_of_run(
+        self, at: Array, run: Followed, end: int, *, first: bool
+    ) -> tuple[PoseWindow, float, Array] | Blocked:
+        """A window around the row at which a run ends. Where it ends as a joint turned too far while the tool passed
+        by a singularity, the other way round may do: a window around the row nearest to it.
+        """
+        if run.reason != "limit" or end < len(run.q) - 1:
+            return self._window_around(at, run, end)
+        at_limit = Blocked(float(self._places(at, run)[-1]), Hindrance.RANGE)
+        room = self.tool.room(run.q)
+        nearest = int(room.argmin())
+        if room[nearest] > _BESIDE * self.clearance:
+            return at_limit
+        outcome = self._window_around(at, run, nearest)
+        if isinstance(outcome, Blocked) and outcome.hindrance is Hindrance.END and not first:
+            return at_limit
+        return outcome
 
     def _with_excess(self, blocked: Blocked, at: Array, start: Array) -> Blocked:
         """With the joint that needs a wider range for the branch to go on, and by how much."""
@@ -184,12 +198,16 @@ class PoseDetourer:
             return blocked
         return replace(blocked, joint=joint + 1, beyond=float(excess[joint]))
 
-    def _checked_branch(self, tool: Followed) -> Followed:
-        """The branch as it was followed already, up to the first singularity that it goes through."""
-        if not tool.passed:
-            return tool
-        kept = tool.place < tool.passed[0].place
-        return replace(tool, q=tool.q[kept], place=tool.place[kept], complete=False, reason="singular")
+    def _run_from(self, at: Array, start: Array, known: Followed | None) -> Followed:
+        """The branch of a configuration along places; one that is known up to the first singularity that it goes
+        through.
+        """
+        if known is None:
+            return self._follow_branch(at, start)
+        if not known.passed:
+            return known
+        kept = known.place < known.passed[0].place
+        return replace(known, q=known.q[kept], place=known.place[kept], complete=False, reason="singular")
 
     def _places_from(self, place: float) -> Array:
         """Places from one on: it, and all poses after it."""
@@ -211,16 +229,28 @@ class PoseDetourer:
         """The first row of a run that is at a singularity, or its last one; None where it is free to the end."""
         if not len(run.q):
             return 0
-        room = self.tool.room(run.q)
-        met = np.flatnonzero(room < _MET * self.clearance)
+        sigma, slope = self.tool.rising(run.q)
+        room = sigma / np.maximum(np.linalg.norm(slope, axis=1), 1e-2)
+        near = (room < _MET * self.clearance) | self._crossed(run.q, sigma, slope)
+        met = np.flatnonzero(near)
         if len(met):
             first = int(met[0])
-            beyond = np.flatnonzero(room[first:] >= _MET * self.clearance)
+            beyond = np.flatnonzero(~near[first:])
             stop = first + (int(beyond[0]) if len(beyond) else len(room) - first)
             return first + int(room[first:stop].argmin())
         if run.complete:
             return None
         return len(run.q) - 1
+
+    def _crossed(self, q: Array, sigma: Array, slope: Array) -> Mask:
+        """(K,) whether a run (K, n) crosses a singularity next to each row: from both sides σ_r would fall below zero
+        before the other one, to first order.
+        """
+        move = np.diff(q, axis=0) / self.aim.joints
+        ahead = sigma[:-1] + (slope[:-1] * move).sum(axis=1)
+        behind = sigma[1:] - (slope[1:] * move).sum(axis=1)
+        between = (ahead < 0.0) & (behind < 0.0)
+        return np.asarray(np.append(between, False) | np.insert(between, 0, False))
 
     def _window_around(self, at: Array, run: Followed, end: int) -> tuple[PoseWindow, float, Array] | Blocked:
         """A window around a row of a run, where the path goes on after it, and the configuration there."""
@@ -304,11 +334,13 @@ class PoseDetourer:
         full, middle = (float(x) for x in self._time(np.array([core, met])))
         half = longer * max(middle - full, _SHORTEST)
         back, ramp = middle + half, max(_RAMP, half)
-        kept = int(np.searchsorted(self._time(places), full - ramp, side="right")) - 1
-        if kept < 0 or back + ramp > self.clock[-1]:
+        first, last = float(self._time(places[:1])[0]), float(self.clock[-1])
+        ahead, behind = min(ramp, _ROOM * (full - first)), min(ramp, _ROOM * (last - back))
+        if min(ahead, behind) <= 0.0:
             return None
+        kept = int(np.searchsorted(self._time(places), full - ahead, side="right")) - 1
         low = float(places[kept])
-        high = min(float(np.ceil(self._place(np.array([back + ramp]))[0])), len(self.poses) - 1.0)
+        high = min(float(np.ceil(self._place(np.array([back + behind]))[0])), len(self.poses) - 1.0)
         begin, end = (float(x) for x in self._time(np.array([low, high])))
         return Span(kept, low, high, (begin, full, back, end), middle)
 

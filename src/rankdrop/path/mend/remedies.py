@@ -35,14 +35,17 @@ from rankdrop.path.mend.candidates import (
     Parameter,
     Ranking,
     branches,
+    joint_values,
     null_spaces,
+    other_branches,
     shifts,
     tilts,
     tool_path,
 )
 from rankdrop.path.mend.detours import Detour, Detourer, NoDetour
+from rankdrop.path.mend.given_poses import given_tool_path
 from rankdrop.path.mend.local_change import LocalChange, RowsBefore
-from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
+from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, PoseWindow
 from rankdrop.path.mend.retime import Usage, retime_path, usage
 from rankdrop.path.mend.slow_down import slowed_down
 from rankdrop.path.read.trajectory import Trajectory
@@ -404,15 +407,33 @@ class _Mender:
         return None
 
     def _changed_paths(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
-        """Every kind that changes the path."""
-        if self.found.poses is not None and DETOUR in self.kinds and most.detour > 0.0:
-            for led in self._poses_detour(most.detour):
-                yield led
-                if isinstance(led, Remedy):
-                    return
+        """Every kind that changes the path; of poses in turn until one is found."""
+        if self.found.poses is None:
+            yield from self._changed_joints(most)
+            return
+        for kinds in (self._poses_detour, self._changed_joints, self._other_branch_detour):
+            is_found = False
+            for result in kinds(most):
+                is_found |= isinstance(result, Remedy)
+                yield result
+            if is_found:
+                return
+
+    def _start(self) -> Array | None:
+        """(n,) the configuration at the first pose; None where it is not reached."""
+        tool = self.found.tool
+        if tool is None or not len(tool.q):
+            return None
+        return np.asarray(tool.q[0])
+
+    def _changed_joints(self, most: RemedyOptions) -> Iterator[Remedy | Failure]:
+        """Every kind that changes joint paths; of poses that cannot be followed to their end those that begin anew."""
         reached = _ends_early(self.found)
         if reached is not None:
-            if self.kinds - set(LOCAL):
+            start = self._start()
+            if start is not None:
+                yield from self._rank_paths(given_tool_path(self.found, start), most)
+            elif self.kinds - set(LOCAL):
                 yield "unfinished", reached
             return
         tool = tool_path(self.found.robot, self.found.task, self.found.curve)
@@ -445,27 +466,56 @@ class _Mender:
         asked = SPARE * self.found.options.min_distance
         return asked if asked > 0.0 else CLEARANCE
 
-    def _poses_detour(self, most: float) -> Iterator[Remedy | Failure]:
+    def _poses_detour(self, bounds: RemedyOptions) -> Iterator[Remedy | Failure]:
         """The poses moved around each singularity that they lead through, and the joints along them."""
+        most = bounds.detour
+        if DETOUR not in self.kinds or most <= 0.0:
+            return
         work = PoseDetourer(self.found, most, self._clearance())
         windows = work.find_windows(partial(self._report, DETOUR))
         if isinstance(windows, Blocked):
             place = work.place_at(windows.place)
-            yield DETOUR, (most, [(place, windows.hindrance, windows.needed)], 0)
+            joints = (windows.joint,) if windows.joint else ()
+            yield DETOUR, (most, [(place, windows.hindrance, windows.needed, joints)], 0)
             if windows.joint:
                 yield "range", (windows.joint, windows.beyond, self.found.robot)
             return
         if not windows:
             yield DETOUR, (most, [], 0)
             return
+        yield self._first(DETOUR, [self._pose_proposal(work, windows, "detour")]) or (DETOUR, (most, [], 0))
+
+    def _other_branch_detour(self, bounds: RemedyOptions) -> Iterator[Remedy]:
+        """The poses followed on another branch from the first one on, and moved around the singularities there."""
+        start = self._start()
+        if not {DETOUR, FLIP} <= self.kinds or bounds.detour <= 0.0 or start is None:
+            return
+        work = PoseDetourer(self.found, bounds.detour, self._clearance())
+        starts = other_branches(given_tool_path(self.found, start))
+        proposals = []
+        for k, other in enumerate(starts):
+            self._report(DETOUR, k, len(starts))
+            windows = work.find_windows(_unreported, other)
+            if isinstance(windows, Blocked) or not windows:
+                continue
+            proposal = self._pose_proposal(work, windows, "detour elsewhere")
+            proposals.append(replace(proposal, parameters=(joint_values("start", other),)))
+        self._report(DETOUR, len(starts), len(starts))
+        length = self.found.length_scale
+        proposals.sort(key=lambda proposal: proposal.off[0] / length + proposal.off[1])
+        remedy = self._first(DETOUR, proposals)
+        if remedy is not None:
+            yield remedy
+
+    def _pose_proposal(self, work: PoseDetourer, windows: list[PoseWindow], how: str) -> Proposal:
+        """The joints along poses that are moved in windows."""
         still = np.zeros(self.found.robot.n)
         changes = tuple(
             LocalChange(work.place_at(window.low), work.place_at(window.high), still, window.off, still)
             for window in windows
         )
         off = max(window.off[0] for window in windows), max(window.off[1] for window in windows)
-        proposal = Proposal(("detour", len(windows)), (), work.trajectory(), off, changes)
-        yield self._first(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
+        return Proposal((how, len(windows)), (), work.trajectory(), off, changes)
 
     def _local(self, tool: JointToolPath, most: RemedyOptions) -> Iterator[Remedy | Failure]:
         """The joints moved aside; where they have to go to the other side, the tool led around it."""
@@ -556,8 +606,8 @@ class _Mender:
         results = work.find_detours(cores, clearance)
         self._report(DETOUR, len(results), len(cores))
         detours = [result for result in results if isinstance(result, Detour)]
-        failed = [(rows.place(bumper.path.place(bumper.spot(result.core))), result.hindrance, result.needed)
-                  for result in results if isinstance(result, NoDetour)]  # fmt: skip
+        failed = [(rows.place(bumper.path.place(bumper.spot(result.core))), result.hindrance, result.needed,
+                   result.joints) for result in results if isinstance(result, NoDetour)]  # fmt: skip
         if failed or not detours:
             return DETOUR, (most, failed, 0)
         for change in work.changes(detours):
@@ -657,6 +707,10 @@ class _Mender:
         if not check.complete:
             raise KeyboardInterrupt
         return check
+
+
+def _unreported(done: int, count: int) -> None:
+    """Progress of a part of the work that is too short to be reported."""
 
 
 def _without(bumps: list[Bump], found: list[Bump], failed: list[NoBump]) -> list[Core]:

@@ -1,10 +1,29 @@
-"""Moves and skipped lines of a program by line, and rotations about axes of the base."""
+"""Programs written and checked, their moves and skipped lines by line, and rotations about axes of the base."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
+from rankdrop.path.check.path_file import PathQuestion
+from rankdrop.path.check.program import ProgramCheck, check_any_file
 from rankdrop.path.read.program_record import Move, Program
+from rankdrop.questions import PathOptions
+from rankdrop.robot.model import Robot
+
+
+def written(folder: Path, name: str, text: str) -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def checked(robot: Robot, path: Path, *, at_tool_point: bool = False) -> ProgramCheck:
+    question = PathQuestion(None, None, PathOptions(), at_tool_point=at_tool_point)
+    found = check_any_file(robot, path, question)
+    assert isinstance(found, ProgramCheck)
+    return found
 
 
 def about(axis: str, degrees: float) -> np.ndarray:

@@ -138,7 +138,7 @@ OTHER_TOOL = PROGRAMS["a.mod"][1].replace("MoveC", "MoveC", 1).replace(
     ("a.mod", CALLED), ("a.mod", OTHER_TOOL), ("a.mod", TURNED), ("a.mod", LONG),
     ("a.src", PROGRAMS["a.src"][1].replace("C 180}\nEND", "C 180}, CA 90\nEND")),
     ("a.src", PROGRAMS["a.src"][1].replace("$VEL.CP=0.1", "$CIRC_TYPE = #PATH")),
-    ("a.src", PROGRAMS["a.src"][1].replace("$VEL.CP=0.1", "$ORI_TYPE = #CONSTANT")),
+    ("a.src", PROGRAMS["a.src"][1].replace("$VEL.CP=0.1", "$ORI_TYPE = #JOINT")),
     ("a.script", PROGRAMS["a.script"][1].replace("mode=0", "mode=1")),
 ])  # fmt: skip
 def test_an_arc_on_which_the_turn_of_the_tool_is_not_known_is_not_read(name: str, text: str, tmp_path: Path) -> None:

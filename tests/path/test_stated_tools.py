@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from path.read_programs import checked, written
 from rankdrop.kinematics import pose
-from rankdrop.path.check.path_file import PathQuestion
-from rankdrop.path.check.program import ProgramCheck, check_any_file
+from rankdrop.path.check.program import ProgramCheck
 from rankdrop.path.read.program_file import read_program
 from rankdrop.path.read.program_record import Program
-from rankdrop.questions import PathOptions
 from rankdrop.robot.model import Array, Robot, with_tool
 from rankdrop.robot.open import open_robot
 
@@ -55,19 +54,6 @@ end
 }  # fmt: skip
 
 
-def written(folder: Path, name: str, text: str) -> Path:
-    path = folder / name
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def checked(robot: Robot, path: Path, *, at_tool_point: bool = False) -> ProgramCheck:
-    question = PathQuestion(None, None, PathOptions(), at_tool_point=at_tool_point)
-    found = check_any_file(robot, path, question)
-    assert isinstance(found, ProgramCheck)
-    return found
-
-
 def ends(robot: Robot, found: ProgramCheck) -> list[Array]:
     """Where the tip of an arm is at the end of each move that was made."""
     (part,) = found.parts
@@ -107,16 +93,45 @@ def test_a_tool_point_of_the_user_takes_its_place(name: str, tmp_path: Path) -> 
 MOVES = "movel(p[-0.4,-0.2,0.4,2.2,2.2,0])\n"
 
 
-@pytest.mark.parametrize(("text", "lines"), [
-    (f"set_tcp(p[0,0,0.1,0,0,0])\n{MOVES}set_tcp(p[0,0,0.2,0,0,0])\n{MOVES}", [1, 3]),
-    (f"{MOVES}set_tcp(p[0,0,0.2,0,0,0])\n{MOVES}", [2]),
-    (f"set_tcp(p[0,0,0.1,0,0,0])\n{MOVES}set_tcp(gripper)\n{MOVES}", [1, 3]),
-    (f"set_tcp(gripper)\n{MOVES}", [1]),
+@pytest.mark.parametrize(("text", "lines", "moves"), [
+    (f"set_tcp(p[0,0,0.1,0,0,0])\n{MOVES}set_tcp(p[0,0,0.2,0,0,0])\n{MOVES}", [], []),
+    (f"{MOVES}set_tcp(p[0,0,0.2,0,0,0])\n{MOVES}", [], [1]),
+    (f"set_tcp(p[0,0,0.1,0,0,0])\n{MOVES}set_tcp(gripper)\n{MOVES}", [3], [4]),
+    (f"set_tcp(gripper)\n{MOVES}", [1], [2]),
 ])  # fmt: skip
-def test_several_tools_or_one_that_is_not_known_are_named(text: str, lines: list[int], tmp_path: Path) -> None:
+def test_a_tool_that_is_not_known_is_named_with_its_moves(
+    text: str, lines: list[int], moves: list[int], tmp_path: Path
+) -> None:
     program: Program = read_program(written(tmp_path, "a.script", text))
     assert program.tool is None
     assert [skipped.line for skipped in program.skipped if skipped.reason.value == "tool frame"] == lines
+    assert [move.line for move in program.moves if "tool" in move.assumed] == moves
+
+
+def test_each_move_is_made_with_its_own_tool(tmp_path: Path) -> None:
+    """The tip of either tool is at the target of its line; with the first tool alone the second would be 50 mm off."""
+    text = (
+        "set_tcp(p[0,0,0.1,0,0,0])\nmovel(p[-0.4,-0.2,0.4,3.14159,0,0], v=0.1)\n"
+        "movel(p[-0.4,-0.3,0.4,3.14159,0,0], v=0.1)\nset_tcp(p[0.02,0,0.15,0,0.3,0])\n"
+        "movel(p[-0.45,-0.3,0.35,3.14159,0,0], v=0.1)\n"
+    )
+    arm = open_robot("ur5e")
+    found = checked(arm, written(tmp_path, "a.script", text))
+    (part,) = found.parts
+    assert (part.ended, found.assumptions, found.tool) == (None, {}, None)
+    first, second = (with_tool(arm, place, turn) for place, turn in
+                     (([0.0, 0.0, 0.1], [0.0, 0.0, 0.0]), ([0.02, 0.0, 0.15], [0.0, 0.3, 0.0])))  # fmt: skip
+    assert part.check is not None
+    rows = np.concatenate([part.check.curve.control[:, 0], part.check.curve.control[-1:, -1]])
+    last = {index: int(np.flatnonzero(part.owner == index)[-1]) + 1 for index in np.unique(part.owner)}
+    assert pose(first, rows[last[1]])[:3, 3] == pytest.approx([-0.4, -0.3, 0.4], abs=1e-9)
+    assert pose(second, rows[-1])[:3, 3] == pytest.approx([-0.45, -0.3, 0.35], abs=1e-9)
+    assert pose(second, rows[-1]) == pytest.approx(found.program.moves[-1].target.pose, abs=1e-9)
+    ways = pose(second, rows[last[1] :])[:, :3, 3]
+    line = ways[-1] - ways[0]
+    off = np.cross(ways - ways[0], line / np.linalg.norm(line))
+    assert np.linalg.norm(off, axis=1).max() < 2e-5
+    assert any(line.startswith("Tool: 2 tools") for line in found.summary)
 
 
 def test_one_tool_that_is_set_again_is_one_tool(tmp_path: Path) -> None:

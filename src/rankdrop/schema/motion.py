@@ -515,6 +515,10 @@ PROGRAM_MOVES = table(
     turn=(num("rad", ge=0), "by how much"),
     seconds=(num("s", ge=0) | None, "null where its speed is not known"),
     overruns=(optional(list_of(OVERRUNS)), "joints that exceed their rate limits in it; rows are those of its part"),
+    assumed=(optional(list_of(Literal["tool", "external axes", "turns", "wrist", "configuration", "arrival",
+                                      "half a turn"])),
+             "what it is followed with, itself or as a move before it is: its verdict holds where that is so",
+             lambda move: sorted(move.assumed)),
 )
 PROGRAM_SKIPPED = table(
     "program_skipped",

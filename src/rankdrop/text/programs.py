@@ -47,10 +47,21 @@ _REASONS = {
     "branch": "branches and jumps are not followed; each line is read once",
     "loop": "loops are read once; the way back to their beginning is not checked",
     "call": "calls are not followed; they are taken not to move the arm",
-    "tool frame": "a tool frame that is not in the file, or one of several",
+    "tool frame": "a tool frame that is not in the file",
     "override": "overrides are not read; speeds are those of the moves",
     "other": "not a move",
 }
+_ASSUMED = {
+    "tool": "the tool of {} is not in the file, the tip of the arm is taken",
+    "external axes": "external axes or another group are away from zero, or move, in {}; they are taken not to carry "
+        "the arm",
+    "turns": "the tool turns otherwise in {} ($ORI_TYPE), a turn about one axis is taken",
+    "wrist": "SingArea lets the tool turn off its line in {}, it is taken to stay on it",
+    "configuration": "a posture other than N U T is stated in {} (CONFIG), which is not read",
+    "arrival": "another configuration than its target states is reached in {}: with ConfL \\On the controller may stop",
+    "half a turn": "the tool turns by half a turn in {}, of the two ways round one is taken",
+}  # fmt: skip
+"""What moves are followed with, and their lines."""
 _CAUSES = {
     "out of reach": "no configuration within the joint limits was found for its target",
     "no such posture": "no solution within the joint limits has the configuration that its target states",
@@ -71,7 +82,18 @@ _CONFIGURATIONS = 12  # that are printed
 
 
 def sentence(check: Any) -> str:
-    """The verdict: what the program does, worst first, with its lines."""
+    """The verdict: what the program does, worst first, with its lines; and what the moves are followed with."""
+    doubts = [f"{_ASSUMED[assumption].format(_lines_words(lines))}" for assumption, lines in check.assumptions.items()]
+    found = _found_sentence(check)
+    if not doubts:
+        return found
+    if check.verdict == "undecided":
+        return f"Undecided: {'; '.join(doubts)}. As it was read: {found[0].lower()}{found[1:]}"
+    return f"{found} Not certain: {'; '.join(doubts)}."
+
+
+def _found_sentence(check: Any) -> str:
+    """What the program does as it was read."""
     parts = [*_reached_words(check), *_end_lines(check), *_broken(check), *_open(check)]
     unread = len(check.unread)
     if not parts:
@@ -246,10 +268,20 @@ def _tool_lines(check: Any) -> Iterator[str]:
     if check.tool is not None:
         yield (f"Tool: {tool_place(check.robot, program.tool)}, at the arm's tip, as the program states it; "
                f"{advise('tcp', '…', python='at_tool_point=True')} sets another.")  # fmt: skip
-    tools = [skipped.line for skipped in program.skipped if skipped.reason == "tool frame"]
+    if check.tool is None and program.tool is None:
+        yield from _own_tools_lines(program)
+    tools = check.assumptions.get("tool", ())
     if tools:
-        yield (f"Tool: the tool frames of {_lines_words(tools)} are not in this file, or are several. Poses are read "
+        yield (f"Tool: that of {_lines_words(tools)} is not in this file. Poses are read "
                f"as those of the tip of the arm; {advise('tcp', '…', python='the tip of the robot')} sets it.")
+
+
+def _own_tools_lines(program: Any) -> Iterator[str]:
+    """How many tools a program states, where they are several."""
+    own = {move.tool.tobytes() for move in program.moves if move.needs_tool and move.tool is not None}
+    if len(own) > 1:
+        yield (f"Tool: {len(own)} tools, each as the program states it for its moves; "
+               f"{advise('tcp', '…', python='at_tool_point=True')} sets one for all.")  # fmt: skip
 
 
 def _read_line(check: Any) -> str:
@@ -430,7 +462,7 @@ def _move_row(move: Any) -> tuple[str, ...]:
     verdict = "begins here"
     nearest = turn = seconds = "–"
     if move.verdict is not None:
-        verdict = str(move.verdict)
+        verdict = ", ".join([str(move.verdict), *["assumed"] * bool(move.assumed)])
     if isfinite(move.distance):
         nearest = angle(move.distance)
     if move.joint:

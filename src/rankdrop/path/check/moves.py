@@ -17,7 +17,7 @@ import numpy as np
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale
-from rankdrop.local.orientation import rotation_vector
+from rankdrop.local.orientation import orientation_coordinates, rotation_vector
 from rankdrop.path.check.first_pose import configuration_at, within_limits
 from rankdrop.path.check.follow import follow
 from rankdrop.path.check.path_file import PathQuestion
@@ -26,16 +26,18 @@ from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.check.tool_path import check_tilt, followed_branch, timed_branch, tip_apart
 from rankdrop.path.read.arc import arc_poses
 from rankdrop.path.read.makers import axes_2_and_3_opposed
-from rankdrop.path.read.program_record import Move, Posture, Program
+from rankdrop.path.read.program_record import Doubt, Move, Posture, Program
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.poses.inverse import Aim
 from rankdrop.robot.files import MOST_ROWS
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, with_tool
 from rankdrop.task import Task
 from rankdrop.units import counted_length
 
 STILL = 1e-12  # a move that is shorter does nothing [m, rad]
 _SLOWER = 1.0 + 1e-9  # a joint move at the limits of its rates stays below them by rounding
+_FIRST_TURN = 3  # row of a task from which on rows are turns
+_HALF_TURN = 1e-4  # a turn so near to half a turn has two shortest ways [rad]
 _AT_ZERO = 1e-6  # a joint so near to a quarter turn has either sign [rad]
 _MOST_TURNS = 4096  # combinations of whole turns of one solution
 
@@ -68,9 +70,10 @@ class Ended:
 
 @dataclass(eq=False)
 class FollowedMoves:
-    """Rows of a part while it is built."""
+    """Rows of a part while it is built; `doubts`: what its moves are followed with, by their index."""
 
     moves: list[Move]
+    doubts: dict[int, set[Doubt]] = field(default_factory=dict)
     begins: Literal["joints", "start", "before", "stated", "posture"] = "joints"
     rows: list[Array] = field(default_factory=list)
     owner: list[int] = field(default_factory=list)
@@ -81,6 +84,11 @@ class FollowedMoves:
     off: float = 0.0
     turned: float = 0.0
     passed: list[int] = field(default_factory=list)
+
+    def doubt(self, index: int, *doubts: Doubt) -> None:
+        """Of a move with an index that it is followed with these."""
+        if doubts:
+            self.doubts.setdefault(index, set()).update(doubts)
 
     def add(self, index: int, rows: Array, lasts: Array | None, speeds: Array | None) -> None:
         """Rows after the last one, with the time and the joint rates of each stretch."""
@@ -100,8 +108,10 @@ class MoveFollower:
         self.robot, self.task, self.program, self.raised = robot, task, program, raised
         how = question.options
         self.tolerance = how.tip_tolerance * counted_length(robot), how.turn_tolerance
+        self.own_tools = program.tool is None and not question.at_tool_point
+        self.arms: dict[bytes, Robot] = {}
         self.rates = np.array([joint.velocity for joint in robot.variables], dtype=np.float64)
-        self.solved: dict[bytes, Array] = {}
+        self.solved: dict[tuple[int, bytes], Array] = {}
 
     def follow_moves(self, moves: list[Move], before: Array | None, *, given: bool) -> FollowedMoves:
         """Rows of a run of moves, up to the first that cannot be followed."""
@@ -113,6 +123,7 @@ class MoveFollower:
                 self._joint_move(followed, index, move)
             else:
                 self._line(followed, index, move)
+            followed.doubt(index, *move.assumed)
             if followed.ended is not None:
                 break
             if len(followed.rows) > MOST_ROWS:
@@ -145,10 +156,10 @@ class MoveFollower:
         """A configuration at the pose of a move: in the posture it names, else near to the one before; or why none."""
         goal, posture = self._pose(move), move.target.posture
         if before is not None and posture == Posture():
-            reached = self._reached_from(before, goal)
+            reached = self._reached_from(move, before, goal)
             if reached is not None:
                 return reached
-        solutions = self._solutions(goal)
+        solutions = self._solutions(move, goal)
         if before is None and len(solutions):
             near = solutions[0]
         else:
@@ -160,10 +171,22 @@ class MoveFollower:
             return EndCause.POSTURE
         return EndCause.UNREACHED
 
-    def _reached_from(self, before: Array, goal: Array) -> Array | None:
+    def _arm(self, move: Move) -> Robot:
+        """The arm with the tool of a move at its tip."""
+        tool = move.tool
+        if not self.own_tools or tool is None or np.array_equal(tool, np.eye(4)):
+            return self.robot
+        key = tool.tobytes()
+        if key not in self.arms:
+            self.arms[key] = with_tool(
+                self.robot, tool[:3, 3], orientation_coordinates(tool[:3, :3], "rpy").tolist()
+            )
+        return self.arms[key]
+
+    def _reached_from(self, move: Move, before: Array, goal: Array) -> Array | None:
         """A configuration at a pose on the branch of another one; None where a joint reaches its limit on the way."""
         try:
-            return configuration_at(self.robot, goal, self.task, before)[0]
+            return configuration_at(self._arm(move), goal, self.task, before)[0]
         except ConfigurationError:
             return None
 
@@ -175,13 +198,13 @@ class MoveFollower:
         else:
             goal = self._pose(move)
             if self.robot.n > self.task.m:
-                reached = follow(self.robot, goal[None], now, self.task)
+                reached = follow(self._arm(move), goal[None], now, self.task)
                 if reached.complete:
                     solutions = reached.q
                 else:
-                    solutions = self._solutions(goal)
+                    solutions = self._solutions(move, goal)
             else:
-                solutions = self._solutions(goal)
+                solutions = self._solutions(move, goal)
             chosen = self._in_posture(solutions, self._near(move, now), move.target.posture)
             if chosen is None:
                 followed.ended = self._ended(move, EndCause.POSTURE if len(solutions) else EndCause.UNREACHED)
@@ -214,12 +237,8 @@ class MoveFollower:
 
     def _line(self, followed: FollowedMoves, index: int, move: Move) -> None:
         """Straight with the tip, or on an arc, followed on the branch of the last row."""
-        now = followed.rows[-1]
-        begin = pose(self.robot, now)
-        if move.target.joints is None:
-            end = self._pose(move)
-        else:
-            end = pose(self.robot, self._joints(move))
+        now, arm = followed.rows[-1], self._arm(move)
+        begin, end = self._ends_of_line(move, now)
         way = self._way(move, begin, end)
         if way is None:
             followed.ended = Ended(move, EndCause.NO_CIRCLE)
@@ -228,10 +247,10 @@ class MoveFollower:
         turn = float(np.linalg.norm(rotation_vector((end[:3, :3] @ begin[:3, :3].T)[None])[0]))
         if max(length, turn) <= STILL:
             return
-        branch = followed_branch(self.robot, way, now, self.task, self.tolerance, free=False)
-        line_path = timed_branch(self.robot, self.task, way, self._line_times(move, length, turn, len(way)), branch)
+        branch = followed_branch(arm, way, now, self.task, self.tolerance, free=False)
+        line_path = timed_branch(arm, self.task, way, self._line_times(move, length, turn, len(way)), branch)
         if len(branch.q):
-            off, turned = tip_apart(Aim(self.robot, self.task), branch.q, poses_at(way, branch.place - 1.0))
+            off, turned = tip_apart(Aim(arm, self.task), branch.q, poses_at(way, branch.place - 1.0))
             off += self._height * (move.kind == "arc")
             followed.off, followed.turned = max(followed.off, off), max(followed.turned, turned)
             jump = np.abs(branch.q[0] - now).max(initial=0.0) > STILL
@@ -250,6 +269,27 @@ class MoveFollower:
             followed.passed.append(index)
         if not branch.complete:
             followed.ended = Ended(move, EndCause.BRANCH, _as_shares(branch, len(way) - 1))
+        self._doubt_line(followed, index, move, turn)
+
+    def _doubt_line(self, followed: FollowedMoves, index: int, move: Move, turn: float) -> None:
+        """Of a line that was followed: it has two ways round, or does not arrive in the posture of its target."""
+        if turn >= pi - _HALF_TURN and max(self.task.rows) >= _FIRST_TURN:
+            followed.doubt(index, Doubt.HALF_TURN)
+        arrives = followed.ended is not None or _fits(followed.rows[-1], move.target.posture)
+        if move.checks_arrival and not arrives:
+            followed.doubt(index, Doubt.ARRIVAL)
+
+    def _ends_of_line(self, move: Move, now: Array) -> tuple[Array, Array]:
+        """(4, 4) each: where the tip is, and where it goes."""
+        arm = self._arm(move)
+        begin = pose(arm, now)
+        if move.target.joints is None:
+            end = self._pose(move)
+        else:
+            end = np.array(pose(arm, self._joints(move)))
+        if move.keeps_turn:
+            end[:3, :3] = begin[:3, :3]
+        return begin, end
 
     @property
     def _height(self) -> float:
@@ -329,21 +369,23 @@ class MoveFollower:
         """(4, 4) of a target in the base frame of the arm."""
         goal = np.array(move.target.pose)
         goal[2, 3] += self.raised
-        check_tilt(self.robot, self.task, goal[None], f"{self.program.name}, line {move.line}")
+        check_tilt(self._arm(move), self.task, goal[None], f"{self.program.name}, line {move.line}")
         return goal
 
-    def _solutions(self, goal: Array) -> Array:
+    def _solutions(self, move: Move, goal: Array) -> Array:
         """(S, n) solutions of a pose within the joint limits, those first that people use."""
-        key = goal.tobytes()
+        arm = self._arm(move)
+        key = id(arm), goal.tobytes()
         if key not in self.solved:
-            self.solved[key] = within_limits(self.robot, goal, self.task)
+            self.solved[key] = within_limits(arm, goal, self.task)
         return self.solved[key]
 
     def _ended(self, move: Move, cause: EndCause) -> Ended:
         """A move to a pose that was not made; where its target states another posture, with those that there are."""
         if cause is not EndCause.POSTURE or move.target.posture.quarters is None or self.robot.n < 6:
             return Ended(move, cause)
-        every = np.concatenate([self._add_whole_turns(solution) for solution in self._solutions(self._pose(move))])
+        solutions = self._solutions(move, self._pose(move))
+        every = np.concatenate([self._add_whole_turns(solution) for solution in solutions])
         quarters = np.floor(every[:, [0, 3, 5]] / (pi / 2) + _AT_ZERO).astype(int).tolist()
         available = {(first, fourth, sixth) for first, fourth, sixth in quarters}
         return Ended(move, cause, available=tuple(sorted(available)))

@@ -8,9 +8,10 @@ the next target. Every part is one curve, checked as any other path (`path.check
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -18,6 +19,7 @@ import numpy as np
 
 from rankdrop.codec import Result
 from rankdrop.errors import OptionError
+from rankdrop.lists import flat_map
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.pointing import followed_task
 from rankdrop.path.check.check import asked_for, check_curve
@@ -42,7 +44,16 @@ from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve, Index, Place, curve
 from rankdrop.path.read.makers import shoulder_height
 from rankdrop.path.read.program_file import read_program
-from rankdrop.path.read.program_record import BREAKS, Kind, Move, Program, Skipped, is_program
+from rankdrop.path.read.program_record import (
+    BREAKS,
+    LASTING,
+    Doubt,
+    Kind,
+    Move,
+    Program,
+    Skipped,
+    is_program,
+)
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.model import Array, Robot, with_tool
 from rankdrop.sections import Section
@@ -50,6 +61,7 @@ from rankdrop.task import Task
 from rankdrop.text import programs as text
 
 _MOST_PARTS = 200
+_WHOLE_POSE = 6  # rows of a task that asks for all of a pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +79,7 @@ class MoveCheck:
         turn: by how much [rad].
         seconds: how long it takes; None where its speed is not known.
         overruns: joints that exceed their rate limits in it.
+        assumed: what it is followed with, itself or as one before it is.
     """
 
     line: int
@@ -80,6 +93,7 @@ class MoveCheck:
     turn: float
     seconds: float | None
     overruns: tuple[Overrun, ...] = ()
+    assumed: frozenset[Doubt] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +110,7 @@ class ProgramPart:
         off, turned: the tip is proven to stay so near to its lines [m], [rad].
         passed: indices of moves that pass through a singularity.
         untimed: the first linear move whose speed is not known; None where there is none.
+        own_doubts: what moves are followed with, by their index.
     """
 
     moves: tuple[Move, ...]
@@ -107,6 +122,43 @@ class ProgramPart:
     turned: float
     passed: tuple[int, ...]
     untimed: Move | None
+    own_doubts: Mapping[int, Set[Doubt]] = field(default_factory=dict)
+
+    @cached_property
+    def doubts(self) -> tuple[frozenset[Doubt], ...]:
+        """Of each move what it is followed with, itself or as a move before it is: after some of them the arm may be
+        elsewhere, up to the next joint values.
+        """
+        lasting: frozenset[Doubt] = frozenset()
+        doubts = []
+        for index, move in enumerate(self.moves):
+            own = frozenset(self.own_doubts.get(index, ()))
+            doubts.append(own | lasting)
+            if move.kind == "joint" and move.target.joints is not None:
+                lasting = frozenset()
+            lasting |= own & LASTING
+        return tuple(doubts)
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        """Those of its moves; moves that are followed with an assumption are undecided."""
+        if not any(self.doubts):
+            return self._whole_verdicts()
+        kinds = [UNDECIDED]
+        kinds += [move.verdict for move in self.checked_moves() if move.verdict is not None and not move.assumed]
+        if self.ended is not None and not self.doubts[self.moves.index(self.ended.move)]:
+            kinds.append(NOT_FOLLOWED)
+        return kinds
+
+    def _whole_verdicts(self) -> list[Verdict]:
+        kinds = []
+        if self.check is not None:
+            kinds.append(self.check.verdict)
+        if self.ended is not None:
+            kinds.append(NOT_FOLLOWED)
+        if self.passed:
+            kinds.append(TOUCHING)
+        return kinds
 
     def move_at(self, place: Place) -> int:
         """Index of the move that a place of the path belongs to."""
@@ -151,15 +203,16 @@ class ProgramPart:
         begins = np.searchsorted(self.owner, np.arange(len(self.moves) + 1)).tolist()
         for index, move in enumerate(self.moves):
             first, last = begins[index : index + 2]
+            assumed = self.doubts[index]
             if first < last:
                 verdict = self._verdict(index, stretches.get(index, []), violations.get(index, []))
                 distance, family = _nearest(check.profile, first, last, stretches.get(index, []))
                 joint, turn = _largest_turn(check, first, last)
                 seconds = None if times is None else float(times[last] - times[first])
                 yield MoveCheck(move.line, move.text, move.kind, verdict, distance, family, names.get(family, ""),
-                                joint, turn, seconds, self.overruns(index))  # fmt: skip
+                                joint, turn, seconds, self.overruns(index), assumed)  # fmt: skip
             elif index == 0 or self.ended is None:
-                yield MoveCheck(move.line, move.text, move.kind, None, np.inf, "", "", 0, 0.0, None)
+                yield MoveCheck(move.line, move.text, move.kind, None, np.inf, "", "", 0, 0.0, None, (), assumed)
 
     def _verdict(self, index: int, stretches: Sequence[Stretch], violations: Sequence[Violation]) -> Verdict:
         """The worst of a move."""
@@ -258,12 +311,20 @@ class ProgramCheck(Result):
     @property
     def verdict(self) -> Verdict:
         """The worst of all parts; undecided where moves were not read and all others are free."""
-        kinds = [check.verdict for check in self.checks] + [FREE]
-        kinds += [NOT_FOLLOWED for part in self.parts if part.ended is not None]
-        kinds += [TOUCHING for part in self.parts if part.passed]
+        kinds: list[Verdict] = [FREE, *flat_map(attrgetter("verdicts"), self.parts)]
         if self.unread or not self.complete:
             kinds += [UNDECIDED]
         return min(kinds, key=VERDICTS.index)
+
+    @cached_property
+    def assumptions(self) -> dict[Doubt, tuple[int, ...]]:
+        """What moves are followed with, and their lines; of those that follow them only where they assume it too."""
+        lines: dict[Doubt, list[int]] = {doubt: [] for doubt in Doubt}
+        for part in self.parts:
+            for index, doubts in part.own_doubts.items():
+                for doubt in doubts:
+                    lines[doubt].append(part.moves[index].line)
+        return {doubt: tuple(found) for doubt, found in lines.items() if found}
 
     @property
     def complete(self) -> bool:
@@ -364,6 +425,7 @@ def check_program(
     tool = _stated_tool(program, question)
     robot = _with_tool(robot, tool)
     task = followed_task(robot, question.task)
+    program = _with_what_is_given(program, question, task)
     if program.raised:
         raised = shoulder_height(robot)
     else:
@@ -392,6 +454,26 @@ def check_program(
             break
     return ProgramCheck(robot, asked_for(robot, question.task, question.analysis), program, tuple(parts), raised,
                         len(waiting), tool)  # fmt: skip
+
+
+def _with_what_is_given(program: Program, question: PathQuestion, task: Task) -> Program:
+    """A program without the doubts that the question decides, the tool and the first posture; and with that of the tool
+    where there are several, and singularities of the task depend on where the tip is.
+    """
+    decided: set[Doubt] = set()
+    if question.at_tool_point:
+        decided.add(Doubt.TOOL)
+    if question.start is not None:
+        decided.add(Doubt.CONFIGURATION)
+    tip_counts = program.tool is None and len(task.rows) < _WHOLE_POSE
+    items: list[Move | Skipped] = []
+    for item in program.items:
+        if isinstance(item, Move):
+            tools = [Doubt.TOOL] * (tip_counts and item.needs_tool)
+            items.append(replace(item, assumed=item.assumed.union(tools) - decided))
+        else:
+            items.append(item)
+    return replace(program, items=tuple(items))
 
 
 def _stated_tool(program: Program, question: PathQuestion) -> Array | None:
@@ -424,7 +506,7 @@ def _check_part(
         check = replace(check, rows=len(q))
     return ProgramPart(
         tuple(followed.moves), check, np.array(followed.owner, dtype=np.int64), followed.begins, followed.ended,
-        followed.off, followed.turned, tuple(followed.passed), followed.untimed,
+        followed.off, followed.turned, tuple(followed.passed), followed.untimed, followed.doubts,
     )  # fmt: skip
 
 

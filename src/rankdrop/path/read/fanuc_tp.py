@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import radians
 from typing import Literal
 
@@ -17,6 +17,7 @@ import numpy as np
 from rankdrop.path.read.program_record import (
     BREAKS,
     MILLIMETRE,
+    Doubt,
     Language,
     Listing,
     Program,
@@ -36,6 +37,9 @@ _MOVES: dict[str, Literal["joint", "line"]] = {"J": "joint", "L": "line"}
 _MOVE = re.compile(r"([JLCAS])\s+(@?)(P|PR)\[\s*(\d{1,6})[^\]]*\]\s*(.*)")
 _POSITION = re.compile(r"\s*P\[\s*(\d{1,6})[^\]]*\]\s*\{")
 _VALUE = re.compile(r"\b([XYZWPR]|J[1-9])\s*=\s*([-+.\deE*]+)\s*(mm|deg)?")
+_EXTERNAL = re.compile(r"\bE[1-6]\s*=\s*([-+.\deE*]+)")
+_CONFIGURATION = re.compile(r"\bCONFIG\s*:\s*'([A-Z ]*)")
+_USUAL = {"N", "U", "T"}
 _FRAME = re.compile(r"\bU([FT])\s*:\s*([\dF]+)")
 _SPEED = re.compile(r"\s*([\d.]+)\s*(%|mm/sec|cm/min|inch/min|deg/sec|sec|msec)")
 _UNITS = {"mm/sec": MILLIMETRE, "cm/min": 1e-2 / 60.0, "inch/min": 0.0254 / 60.0, "sec": 1.0, "msec": 1e-3}
@@ -118,8 +122,7 @@ def _positions(lines: list[tuple[int, str]], name: str) -> tuple[dict[str, Targe
         if open_position.tool:
             tools.add(open_position.name)
         if "}" in line:
-            base = np.eye(4) if open_position.based else None
-            positions[open_position.name] = in_base(_target(open_position.values, f"{name}, line {count}"), base)
+            positions[open_position.name] = open_position.target(f"{name}, line {count}")
             open_position = None
     return positions, tools
 
@@ -134,6 +137,8 @@ class _Position:
         values: numbers of group 1 by name; None where a value is no number.
         based: it is in the base frame, not in a user frame.
         tool: it is that of a tool.
+        external: values of external axes and of other groups.
+        unusual: its CONFIG states another posture than N U T: not flipped, elbow up, in front.
     """
 
     name: str
@@ -141,19 +146,40 @@ class _Position:
     values: dict[str, float | None] = field(default_factory=dict)
     based: bool = True
     tool: bool = False
+    external: list[float | None] = field(default_factory=list)
+    unusual: bool = False
 
     def take(self, line: str) -> None:
         """Read one line of the position."""
         if "GP" in line:
             self.group = line.partition("GP")[2][:1]
         if self.group != "1":
+            self.external += [number(value) for _, value, _ in _VALUE.findall(line)]
             return
+        self.external += [number(value) for value in _EXTERNAL.findall(line)]
+        self._take_frames(line)
         self.values.update({key: number(value) for key, value, _ in _VALUE.findall(line)})
+
+    def _take_frames(self, line: str) -> None:
+        """The frames and the posture that a line states."""
+        configuration = _CONFIGURATION.search(line)
+        if configuration is not None:
+            self.unusual = not set(configuration[1].upper().split()) <= _USUAL
         for key, value in _FRAME.findall(line):
             if key == "F" and value != "0":
                 self.based = False
             if key == "T" and value != "0":
                 self.tool = True
+
+    def target(self, where: str) -> Target | Reason:
+        """The target of the position; a pose in a user frame is not known."""
+        made = _target(self.values, where)
+        if not self.based:
+            made = in_base(made, None)
+        if isinstance(made, Reason):
+            return made
+        doubts = [Doubt.CONFIGURATION] * self.unusual
+        return replace(made, external=tuple(self.external), assumed=frozenset(doubts))
 
 
 def _target(values: dict[str, float | None], where: str) -> Target | Reason:

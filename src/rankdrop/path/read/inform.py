@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from math import radians
 from typing import Literal
 
@@ -38,6 +39,8 @@ _FLOW = {**dict.fromkeys(("JUMP", "IFTHEN", "IFTHENEXP", "ELSE", "ELSEIF", "ENDI
                          Reason.BRANCH),
          **dict.fromkeys(("FOR", "NEXT", "WHILE", "ENDWHILE"), Reason.LOOP)}  # fmt: skip
 _POSITION = re.compile(r"\s*(C\d{1,6})\s*=\s*(.*)")
+_OTHER_POSITION = re.compile(r"[BE]C\d{1,6}")
+"""A position of a base axis or of a station axis."""
 _FRAMED = ("BASE", "ROBOT", "USER")
 
 
@@ -101,6 +104,9 @@ def _instruction(
         goal = next((tag for tag in tags if tag in positions), "")
         target = positions.get(goal, Reason.VARIABLE)
         target = _shifted(target, tags, shifted=shifted)
+        others = tuple(tag for tag in tags if _OTHER_POSITION.fullmatch(tag))
+        if isinstance(target, Target) and others:
+            target = replace(target, external=others)
         listing.tool = np.eye(4)
         if goal in tools and isinstance(target, Target):
             listing.set_tool(count, text, None)

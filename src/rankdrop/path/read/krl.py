@@ -36,6 +36,7 @@ from rankdrop.path.read.krl_values import (
 )
 from rankdrop.path.read.program_record import (
     BREAKS,
+    Doubt,
     Kind,
     Language,
     Listing,
@@ -70,13 +71,14 @@ _FLOW = {
 }  # fmt: skip
 _QUIET = {"END", "ENDFCT", "DECL", "GLOBAL", "EXT", "EXTFCT", "SIGNAL", "ENUM", "STRUC", "ENDDAT", "DEFDAT", "CONST",
           "INT", "REAL", "BOOL", "CHAR", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME"}  # fmt: skip
-_SETTINGS = {"$ACC", "$ACC_AXIS", "$APO", "$BWDSTART", "$ADVANCE", "INI", "PDAT_ACT", "LDAT_ACT", "BAS"}
+_SETTINGS = {"$ACC", "$ACC_AXIS", "$APO", "$BWDSTART", "$ADVANCE", "INI", "PDAT_ACT", "BAS"}
 _BEGINS = {*_MOVES, *_ARCS, *_RELATIVE, *_OTHER_MOVES, *_BLOCKS, *_FLOW, *_QUIET, "DEF", "DEFFCT", "DEFDAT", "WAIT",
            "HALT", "INTERRUPT", "TRIGGER"}  # fmt: skip
 """Words that begin a statement and stand in no bracket."""
+_FOLLOWED_TURNS = ("VAR", "CONSTANT")
+_MODE = re.compile(r"#(\w+)")
 _WHERE_IT_IS = ("$AXIS_ACT", "$POS_ACT", "$AXIS_ACT_MEAS")
 _WORD = re.compile(r"\s*([A-Za-z_$][\w$]*)")
-_UNUSUAL_TURN = re.compile(r"\bORI_TYPE?\s*(?:=\s*)?#(?:CONSTANT|JOINT)|\bCIRC_TYPE?\s*(?:=\s*)?#PATH", re.IGNORECASE)
 _CIRCULAR_ANGLE = re.compile(r"\s*,\s*CA\b", re.IGNORECASE)
 _IN_CALL = re.compile(r"SVEL_(?:CP|JOINT)\(\s*([^,)]*).*", re.IGNORECASE)
 _DEGREE = radians(1.0)
@@ -104,7 +106,6 @@ def read(text: str, name: str, declarations: str = "") -> Program:
     for count, line in lines:
         declare(names, line, f"{name}, line {count}")
     reader = _KrlReader(name, names, listing)
-    reader.turns_as_usual = _UNUSUAL_TURN.search(text) is None and _UNUSUAL_TURN.search(declarations) is None
     for count, line in lines:
         if not line.lstrip().startswith("&"):
             reader.take(count, line)
@@ -127,7 +128,7 @@ class _KrlReader:
 
     def __init__(self, name: str, names: Names, listing: Listing) -> None:
         self.name, self.names, self.listing = name, names, listing
-        self.state, self.routines, self.turns_as_usual = _State(), 0, True
+        self.state, self.routines = _State(), 0
         self.outside = self.outside_block = self._tool_now()  # the tools outside WITH of a move, and of a block
         self.last: Target | None = None  # of the move before, its pose in the base frame of the arm; None: not known
         self.frames: tuple[Array | None, str] = (None, "")  # the base and the tool in which it is programmed
@@ -214,7 +215,8 @@ class _KrlReader:
         base = self._base_of(count, line, behind)
         if target is Reason.INCOMPLETE:
             target = completed(after.removeprefix(",").strip(), self._last_in(base), base, where)
-        if via is None or not after.startswith(",") or _CIRCULAR_ANGLE.match(behind) or not self.turns_as_usual:
+        usual = self.state.turns_behind(behind) == "CONSTANT" or self.state.turns_as_on_a_line(behind)
+        if via is None or not after.startswith(",") or _CIRCULAR_ANGLE.match(behind) or not usual:
             target = Reason.CIRCLE
         if via is not None and base is not None:
             via = base[:3, :3] @ via + base[:3, 3]
@@ -256,9 +258,13 @@ class _KrlReader:
         """Keep a move, with what stands behind its target."""
         speed = self.state.speed_of(kind, after, self.names)
         blend = any(word in after.upper() for word in _BLENDS)
-        self.listing.move(count, line, kind, target, speed, blend=blend, via=via)
+        turns = self.state.turns_behind(after)
+        keeps_turn = kind != "joint" and turns == "CONSTANT"
+        assumed = [Doubt.TURNS] * (kind != "joint" and turns not in _FOLLOWED_TURNS)
+        self.listing.move(count, line, kind, target, speed, blend=blend, via=via, keeps_turn=keeps_turn,
+                          assumed=assumed)  # fmt: skip
         self.last, self.frames = None, (base, self.state.tool)
-        if isinstance(target, Target):
+        if isinstance(target, Target) and not keeps_turn:
             self.last = target
         self._back_to_tool(self.outside)
 
@@ -342,12 +348,16 @@ class _State:
         tool: the text that set the tool.
         block: SPLINE or PTP_SPLINE while one is open.
         inline: FDAT_ACT has set the base.
+        turns: how the tool turns on lines and arcs: "VAR", about one axis to the orientation of the target, "CONSTANT",
+            or "JOINT".
+        arcs: "BASE", or "PATH": the tool turns with the arc.
     """
 
     def __init__(self) -> None:
         self.line, self.joint = Speed(), Speed()
         self.base: Array | None = np.eye(4)
         self.fixed_tool, self.inline, self.tool, self.block = False, False, "", ""
+        self.turns, self.arcs = "VAR", "BASE"
         self.axes: dict[str, float | None] = {}
         self.before: tuple[Speed, Array | None] = (self.line, self.base)
 
@@ -367,6 +377,12 @@ class _State:
     def takes(self, word: str, rest: str, names: Names) -> bool:
         """Whether a line sets a speed or a base: $VEL.CP = 0.1, BAS(#VEL_CP, 0.1), BAS(#BASE, 0), BAS(#INITMOV, 0)."""
         plain = _without_spaces(rest)
+        if word in ("$ORI_TYPE", "$CIRC_TYPE"):
+            self._set_mode(word, plain)
+            return True
+        if word == "LDAT_ACT":
+            self.turns = str(names.literals.get(plain.removeprefix("="), "VAR"))
+            return True
         if word == "$VEL":
             self._set_velocity(rest, plain, names)
             return True
@@ -378,6 +394,26 @@ class _State:
             self._initialize(what, value, names)
             return True
         return word in _SETTINGS
+
+    def _set_mode(self, word: str, plain: str) -> None:
+        """$ORI_TYPE = #VAR, #CONSTANT or #JOINT; $CIRC_TYPE = #BASE or #PATH; another value is kept as it is."""
+        value = plain.removeprefix("=").removeprefix("#")
+        if word == "$ORI_TYPE":
+            self.turns = value
+        else:
+            self.arcs = value
+
+    def turns_behind(self, after: str) -> str:
+        """How the tool turns on a move, which WITH $ORI_TYPE = … may set for it alone."""
+        mode = _MODE.search(settings_of(after).get("$ORI_TYPE", f"#{self.turns}"))
+        if mode is None:
+            return ""
+        return mode[1].upper()
+
+    def turns_as_on_a_line(self, after: str) -> bool:
+        """On an arc the tool turns about one axis from where it is to its target."""
+        stated = settings_of(after).get("$CIRC_TYPE", "")
+        return self.turns_behind(after) == "VAR" and self.arcs == "BASE" and "#PATH" not in stated.upper()
 
     def _set_velocity(self, rest: str, plain: str, names: Names) -> None:
         """$VEL.CP, of the tip, $VEL.ORI1, of the swivel, or $VEL = {CP …, ORI1 …}: what follows $VEL."""
@@ -400,6 +436,8 @@ class _State:
 
     def _initialize(self, what: str, value: str, names: Names) -> None:
         """BAS(#what, value)."""
+        if what == "INITMOV":
+            self.turns, self.arcs = "VAR", "BASE"
         if what in ("VEL_CP", "CP_PARAMS"):
             self.line = replace(self.line, linear=positive(names.number(value)))
         elif what in ("VEL_PTP", "PTP_PARAMS"):

@@ -6,7 +6,7 @@ Lengths in mm, angles in degrees. A, B, C turn about Z, then the new Y, then the
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,8 +25,10 @@ from rankdrop.robot.model import Array
 
 NAME = re.compile(r"[A-Za-z_$][\w$]*")
 AXES, MORE_AXES = tuple(f"A{k}" for k in range(1, 7)), tuple(f"A{k}" for k in range(7, 10))
+EXTERNAL = tuple(f"E{k}" for k in range(1, 7))
 PLACE, TURN = ("X", "Y", "Z"), ("C", "B", "A")
-_TYPES = {"DECL", "GLOBAL", "CONST", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME", "FDAT", "REAL", "INT"}
+_TYPES = {"DECL", "GLOBAL", "CONST", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME", "FDAT", "LDAT", "PDAT", "REAL", "INT"}
+_ORIENTATION = re.compile(r"\bORI_TYPE?\s+#(\w+)", re.IGNORECASE)
 _ELEMENT = re.compile(r"([A-Za-z_$][\w$]*)\[\s*(\d{1,6})\s*\]")
 _BITS = re.compile(r"'\s*([BHbh])\s*([0-9A-Fa-f]{1,8})\s*'")
 _OF_FDAT = re.compile(r"S(?:BASE|TOOL2?)\(([A-Z_$][\w$]*)(?:\.\w+)?\)")
@@ -54,8 +56,11 @@ def declare(names: Names, line: str, where: str) -> None:
         names.changed.add(base)
         return
     value: object | None
+    turns = _ORIENTATION.search(right)
     if "TOOL_NO" in right.upper():
         value = _frame_numbers(right)
+    elif turns is not None:
+        value = turns[1].upper()
     elif right.startswith("{"):
         value = literal(right, where)
     else:
@@ -150,11 +155,13 @@ def literal(text: str, where: str) -> Target | Reason:
     if values is None:
         return Reason.EXPRESSION
     axes = [key for key in AXES if key in values]
+    external = tuple(values.get(key) for key in EXTERNAL)
     if len(axes) == len(AXES):
-        return joint_target([values[key] for key in AXES + MORE_AXES if key in values], where)
+        joints = joint_target([values[key] for key in AXES + MORE_AXES if key in values], where)
+        return replace(joints, external=external)
     if axes or not all(key in values for key in PLACE + TURN):
         return Reason.INCOMPLETE
-    return angle_target([values[key] for key in PLACE + TURN], where, _posture(values))
+    return replace(angle_target([values[key] for key in PLACE + TURN], where, _posture(values)), external=external)
 
 
 def _posture(values: dict[str, float]) -> Posture:

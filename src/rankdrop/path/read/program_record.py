@@ -7,7 +7,7 @@ Everything here takes time proportional to the length of a line: no regular expr
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from math import isfinite, radians
@@ -75,6 +75,20 @@ class Reason(StrEnum):
     OTHER = "other"
 
 
+class Doubt(StrEnum):
+    """What a move is read with where its file, or this reader, does not tell what its controller does."""
+
+    TOOL = "tool"
+    EXTERNAL = "external axes"
+    TURNS = "turns"
+    WRIST = "wrist"
+    CONFIGURATION = "configuration"
+    ARRIVAL = "arrival"
+    HALF_TURN = "half a turn"
+
+
+LASTING = frozenset((Doubt.TOOL, Doubt.EXTERNAL, Doubt.CONFIGURATION))
+"""Those after which the arm may be elsewhere than where the move was followed to, up to the next joint values."""
 MOVES = frozenset((Reason.VARIABLE, Reason.CHANGED, Reason.EXPRESSION, Reason.INCOMPLETE, Reason.PULSES, Reason.CIRCLE,
                    Reason.SPLINE, Reason.RELATIVE, Reason.RELATIVE_TO_JOINTS,
                    Reason.RELATIVE_TO_POSE, Reason.RELATIVE_TURN, Reason.OFFSET, Reason.ENDS_EARLY,
@@ -126,11 +140,15 @@ class Target:
         joints: as the language has them: degrees and mm, or rad and m of URScript; None for a pose.
         pose: (4, 4) in the frame of the program [m]; None for joint values.
         posture: which solution of the inverse is meant.
+        external: values of external axes or of other groups of joints, as they are written; None: none.
+        assumed: what it is read with.
     """
 
     joints: tuple[float, ...] | None = None
     pose: Array | None = None
     posture: Posture = Posture()
+    external: tuple[float | str | None, ...] = ()
+    assumed: frozenset[Doubt] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +165,9 @@ class Move:
         blend: the corner at its end is rounded by the controller.
         tool: (4, 4) the tool frame at the flange in which it is programmed [m]; None: not known.
         via: (3,) the place of an arc between its ends, in the frame of the program [m]; None for other moves.
+        checks_arrival: a line has to end in the configuration that its target states.
+        keeps_turn: the tool keeps the orientation that it has at the beginning, whatever its target states.
+        assumed: what it is read with.
     """
 
     line: int
@@ -157,6 +178,9 @@ class Move:
     blend: bool = False
     tool: Array | None = None
     via: Array | None = None
+    keeps_turn: bool = False
+    checks_arrival: bool = False
+    assumed: frozenset[Doubt] = frozenset()
 
     @property
     def needs_tool(self) -> bool:
@@ -190,7 +214,7 @@ class Program:
         raised: the maker's base frame is at the height of axis 2, not at the foot of the arm.
         level: the maker counts joint 3 from the horizontal.
         tool: (4, 4) the tool frame at the flange in which all moves that depend on it are programmed [m]; None: it is
-            not known, or there are several.
+            not known, or there are several, each with its moves.
     """
 
     name: str
@@ -216,7 +240,9 @@ class Program:
 class Listing:
     """Moves and skipped lines while a program is read; `where` is the file, `tool` the tool frame of the next move,
     `stated` the lines that state one, `label` what stands in front of a line: its number in the program, `last` the
-    target of the move before, None where that was not read.
+    target of the move before, None where that was not read, `assumed` what the moves that follow are read with,
+    `external` the values of external axes before, `checks_arrival` a line has to end in the configuration that its
+    target states.
     """
 
     where: str
@@ -226,6 +252,9 @@ class Listing:
     stated: list[Move | Skipped] = field(default_factory=list)
     label: str = ""
     last: Target | None = None
+    assumed: set[Doubt] = field(default_factory=set)
+    external: tuple[float | str | None, ...] = ()
+    checks_arrival: bool = False
 
     def set_tool(self, line: int, text: str, tool: Array | None) -> None:
         """Take the tool frame (4, 4) of the moves that follow; None: a tool that is not known.
@@ -244,12 +273,16 @@ class Listing:
     def program(
         self, language: Language, *, degrees: bool = True, raised: bool = False, level: bool = False
     ) -> Program:
-        """What was read; lines that state one tool, which all moves have, count as read."""
-        tool, items = self._tool_of_all_moves(), self.items
-        if tool is not None:
-            read = set(map(id, self.stated))
-            items = [item for item in items if id(item) not in read]
-        return Program(self.where, language, tuple(items), degrees, raised, level, tool)
+        """What was read; lines that state a tool by its numbers count as read."""
+        read = set(map(id, self.stated))
+        items = [self._with_tool_known(item) for item in self.items if id(item) not in read]
+        return Program(self.where, language, tuple(items), degrees, raised, level, self._tool_of_all_moves())
+
+    def _with_tool_known(self, item: Move | Skipped) -> Move | Skipped:
+        """A move of a tool that is not in the file assumes one."""
+        if isinstance(item, Move) and item.needs_tool and item.tool is None:
+            return replace(item, assumed=item.assumed | {Doubt.TOOL})
+        return item
 
     def _tool_of_all_moves(self) -> Array | None:
         """(4, 4) the tool of the moves that depend on it; None where one is not known, or they are several."""
@@ -269,7 +302,7 @@ class Listing:
 
     def move(
         self, line: int, text: str, kind: Kind, target: Target | Reason, speed: Speed, *, blend: bool,
-        via: Array | None = None,
+        via: Array | None = None, keeps_turn: bool = False, assumed: Iterable[Doubt] = (),
     ) -> None:  # fmt: skip
         """Keep a move, or why its target was not read.
 
@@ -284,7 +317,25 @@ class Listing:
         if self.moves > MOST_MOVES:
             raise TrajectoryError("the program has too many moves", where=f"{self.where}, line {line}",
                                   allowed=f"at most {MOST_MOVES:,}")  # fmt: skip
-        self.items.append(Move(line, shorten_line(f"{self.label}{text}"), kind, target, speed, blend, self.tool, via))
+        every = target.assumed.union(assumed)
+        if kind != "joint":
+            every |= self.assumed
+        if self._external_axes_matter(kind, target):
+            every |= {Doubt.EXTERNAL}
+        self.items.append(Move(line, shorten_line(f"{self.label}{text}"), kind, target, speed, blend, self.tool, via,
+                               keeps_turn, self.checks_arrival and kind != "joint", every))  # fmt: skip
+
+    def _external_axes_matter(self, kind: Kind, target: Target) -> bool:
+        """Whether external axes may carry the arm: a pose is reached with them away from zero, or a line while they
+        move. Where only joints are programmed, the arm moves in itself as it does without.
+        """
+        pairs = zip(target.external, self.external, strict=False)
+        moved = any(now != before and None not in (now, before) for now, before in pairs)
+        self.external = target.external or self.external
+        away = any(value not in (0.0, None) for value in target.external)
+        if target.pose is not None:
+            return moved or away
+        return moved and kind != "joint"
 
 
 @dataclass

@@ -15,6 +15,7 @@ import numpy as np
 from rankdrop.path.read.arc import arc_angle
 from rankdrop.path.read.program_record import (
     MILLIMETRE,
+    Doubt,
     Kind,
     Language,
     Listing,
@@ -48,7 +49,8 @@ _BLOCKS = {"IF", "ELSE", "ELSEIF", "ENDIF", "TEST", "CASE", "DEFAULT", "ENDTEST"
            "BACKWARD", "RECORD", "ENDRECORD"}  # fmt: skip
 """Words that begin a line without a semicolon at its end."""
 _QUIET = {"ENDPROC", "ENDFUNC", "ENDTRAP", "MODULE", "ENDMODULE", "RECORD", "ENDRECORD", "CONST", "PERS", "VAR",
-          "LOCAL", "TASK", "ALIAS", "CONFJ", "CONFL", "SINGAREA", "ACCSET"}  # fmt: skip
+          "LOCAL", "TASK", "ALIAS", "CONFJ", "ACCSET"}  # fmt: skip
+_MODES = ("SINGAREA", "CONFL")
 _DISPLACEMENTS = {"PDISPON": True, "PDISPSET": True, "PDISPOFF": False}
 _INSTRUCTIONS = {"ADD", "CLEAR", "INCR", "DECR", "SET", "RESET", "SETDO", "SETGO", "SETAO", "INVERTDO", "PULSEDO",
                  "WAITTIME", "WAITDI", "WAITDO", "WAITGI", "WAITGO", "WAITAI", "WAITAO", "WAITUNTIL", "WAITROB",
@@ -76,7 +78,7 @@ def read(text: str, name: str) -> Program:
     Raises:
         TrajectoryError: too large, or a value out of range.
     """
-    names, listing = Names(), Listing(name)
+    names, listing = Names(), Listing(name, checks_arrival=True)
     statements = list(_statements(text, name))
     for count, statement in statements:
         _declare(names, statement, f"{name}, line {count}")
@@ -93,13 +95,27 @@ def read(text: str, name: str) -> Program:
                 listing.skip(count, statement, Reason.ROUTINE)
         elif _move_of(word) is not None:
             _any_move(listing, names, count, statement, word, rest, shifted=shifted)
+        elif word in _MODES:
+            _set_mode(listing, word, rest.upper())
         else:
-            if word in _DISPLACEMENTS:
-                shifted = _DISPLACEMENTS[word]
+            shifted = _DISPLACEMENTS.get(word, shifted)
             reason = _why_skipped(word, statement)
             if reason is not None:
                 listing.skip(count, statement, reason)
     return listing.program(Language.RAPID)
+
+
+def _set_mode(listing: Listing, word: str, switches: str) -> None:
+    """SingArea \\Wrist, \\LockAxis4: near a singularity the tool turns off its line; \\Off: it does not. ConfL: lines
+    have to end in the configurations of their targets; \\Off: they need not.
+    """
+    off = "\\OFF" in switches
+    if word == "CONFL":
+        listing.checks_arrival = not off
+    elif off:
+        listing.assumed.discard(Doubt.WRIST)
+    else:
+        listing.assumed.add(Doubt.WRIST)
 
 
 def _first_word(statement: str) -> tuple[str | None, str]:

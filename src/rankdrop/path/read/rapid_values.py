@@ -6,7 +6,7 @@ Lengths in mm, angles in degrees; quaternions have the real part first.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import radians
 
 import numpy as np
@@ -34,6 +34,7 @@ from rankdrop.robot.model import Array
 
 WORD = re.compile(r"[A-Za-z_]\w*")
 _UNIT_LENGTH = 1e-3
+_UNUSED = 8.9e9  # of an external axis, and above
 _FUNCTION = re.compile(r"(Offs|RelTool)\s*(?=\()", re.IGNORECASE)
 _DEEPEST = 4  # functions inside functions
 _TURNS = ("rx", "ry", "rz")
@@ -55,8 +56,9 @@ def literal(text: str, where: str) -> object | None:
 
 def _target(values: list[object], where: str) -> Target | Reason:
     """A target of the numbers in its brackets."""
+    external = _external_axes(values[-1])
     if len(values) == 2 and (joints := flat(values[0], 6)) is not None:
-        return joint_target(joints, where)
+        return replace(joint_target(joints, where), external=external)
     if len(values) != 4:
         return Reason.EXPRESSION
     place, turn, posture = flat(values[0], 3), flat(values[1], 4), flat(values[2], 4)
@@ -64,7 +66,13 @@ def _target(values: list[object], where: str) -> Target | Reason:
         return Reason.EXPRESSION
     rotation = _rotation(turn, where)
     metres = [MILLIMETRE * coordinate for coordinate in place]
-    return turned_target(metres, rotation, where, Posture(quarters=_quarters(posture)))
+    target = turned_target(metres, rotation, where, Posture(quarters=_quarters(posture)))
+    return replace(target, external=external)
+
+
+def _external_axes(values: object) -> tuple[float | None, ...]:
+    """The values of external axes; None: not used, 9E9."""
+    return tuple({True: value}.get(value < _UNUSED) for value in flat(values, 6) or [])
 
 
 def _rotation(turn: list[float], where: str) -> Array:
@@ -194,7 +202,8 @@ def _moved_target(function: str, text: str, names: Names, where: str, depth: int
         moved[:3, 3] += MILLIMETRE * np.array(known[:3])
     else:
         moved = moved @ _in_tool(known, where)
-    return turned_target(moved[:3, 3].tolist(), moved[:3, :3], where, target.posture)
+    made = turned_target(moved[:3, 3].tolist(), moved[:3, :3], where, target.posture)
+    return replace(made, external=target.external)
 
 
 def _in_tool(values: list[float], where: str) -> Array:

@@ -70,6 +70,7 @@ def read(text: str, name: str) -> Program:
     lines = list(_statements(text, name))
     for count, line in lines:
         _declare(names, line, f"{name}, line {count}")
+    listing.tool = _tool_at_first(lines)
     routines = 0
     for count, line in lines:
         first = _WORD.match(line)
@@ -89,6 +90,15 @@ def read(text: str, name: str) -> Program:
             if reason is not None:
                 listing.skip(count, line, reason)
     return listing.program(Language.URSCRIPT, degrees=False)
+
+
+def _tool_at_first(lines: list[tuple[int, str]]) -> Array | None:
+    """(4, 4) the tool before the first set_tcp: that of the installation; None: another one is set later, so that it is
+    none that everything is programmed in.
+    """
+    if any(line.lstrip().startswith("set_tcp") for _, line in lines):
+        return None
+    return np.eye(4)
 
 
 def _tool(rest: str, names: Names, where: str) -> Array | None:

@@ -305,3 +305,17 @@ def test_poses_that_five_joints_cannot_take_get_another_task_and_no_detour(run, 
     assert "--task tool-axis-free" in ended.out
     assert "etour" not in ended.out
     assert run("path", "px150", str(file), "--quiet", "--task", "tool-axis-free").out.startswith("Free")
+
+
+@pytest.mark.parametrize("command", ["cover", "conditions"])
+def test_a_command_that_takes_the_pose_names_the_task_that_three_joints_do_in_full(run, command, tmp_path) -> None:
+    """A pose of this arm is never singular, its position is where the arm is stretched: explain answered that."""
+    table = tmp_path / "arm.txt"
+    table.write_text("standard DH\n| i | a | alpha | d | theta |\n| 1 | 0 | 90 | 0.4 | q1 |\n"
+                     "| 2 | 0.3 | 0 | 0 | q2 |\n| 3 | 0.25 | 0 | 0 | q3 |\n", encoding="utf-8")  # fmt: skip
+    done = run(command, str(table), "--quiet")
+    assert "3 joints, too few for a pose" in one_line(done.err)
+    assert "--task position" in one_line(done.err)
+    named = run(command, str(table), "--task", "position", "--quiet")
+    assert "too few" not in named.err
+    assert "too few" not in run(command, "planar3r", "--quiet").err

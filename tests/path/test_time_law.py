@@ -10,7 +10,7 @@ import pytest
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.posture_changes import decide_postures
-from rankdrop.kinematics import pose, task_jacobian, task_jacobian_derivative
+from rankdrop.kinematics import jacobian, pose, task_jacobian, task_jacobian_derivative
 from rankdrop.path.mend.time_law import CORNER, NOT, PASSES, REGULAR, TANGENT, TURNS, Through, through
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
@@ -146,3 +146,19 @@ def test_what_cannot_be_asked_is_refused() -> None:
             through(arm, [0, 0], along)
     with pytest.raises(ConfigurationError, match="corank 2"):
         through(open_robot("pa10"), [0.0] * 7, [1, 0, 0, 0, 0, 0])
+
+
+def test_a_path_that_needs_an_internal_turn_first_is_told_with_the_turn() -> None:
+    """IRB 120 with joints 4 and 6 in line: sideways no joint moves it; with joint 4 at 90° joint 5 does."""
+    arm, home, along = open_robot("irb120"), [0.0] * 6, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]
+    found = through(arm, home, along)
+    assert found.kind == NOT
+    assert found.turn is not None
+    turned = found.turn.to
+    assert np.abs(turned - np.radians([0, 0, 0, 90, 0, -90])).max() < 1e-6
+    assert pose(arm, turned) == pytest.approx(pose(arm, home), abs=1e-9)
+    lost = np.linalg.svd(jacobian(arm, turned))[0][:, -1]
+    assert abs(lost @ along) < 1e-6
+    assert through(arm, turned, along).trackable
+    assert "joint 4 from 0° to 90° with the tool held still" in found.sentence
+    assert through(open_robot("planar2r"), [0, 0], [0, 1]).turn is None

@@ -22,6 +22,7 @@ from rankdrop.cli.opening import (
     near_line,
     of_ideal,
     open_ideal,
+    say_other_task,
     subject,
 )
 from rankdrop.cli.terminal import answer_lines, fit_to_console
@@ -148,6 +149,7 @@ def conditions(
     from rankdrop import conditions as run
 
     model, task, made = open_ideal(robot, arm, intended=True)
+    say_other_task(model, task, arm)
     if output:
         output.check(model, exact.exact_chain(model, task, lengths=arms.read_lengths(options.lengths), parts=True))
     steps, coranks = options.steps or output.steps_out is not None, options.coranks or (1 if output else None)

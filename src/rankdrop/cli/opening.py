@@ -16,6 +16,7 @@ from cyclopts import Parameter
 from rankdrop import robot as arms
 from rankdrop import text as text_of
 from rankdrop import verbs
+from rankdrop.cli.terminal import say
 from rankdrop.cli.values import split_values, value_of
 from rankdrop.errors import OptionError
 from rankdrop.named_tasks import task_names
@@ -143,6 +144,18 @@ def open_arm(name: str, options: ArmOptions, tool: ToolOptions = NO_TOOL) -> tup
     if tool.tcp is not None:
         robot = arms.with_tool(robot, *_tool(tool.tcp, deg=tool.deg))
     return robot, resolve_task(options.task, robot, length_scale=options.length_scale)
+
+
+def say_other_task(robot: arms.Robot, task: Task, options: ArmOptions) -> None:
+    """Tell of an arm with too few joints for a pose that another task is the one to ask about, where none was named."""
+    from rankdrop.local.pointing import fitting_task
+    from rankdrop.text.words import ASKED_AS_POSE
+
+    if options.task is not None:
+        return
+    other = fitting_task(robot, task)
+    if other is not None:
+        say(f"note: {ASKED_AS_POSE.format(robot.n, robot.name, f'--task {other.name}')}")
 
 
 def _tool(text: str, *, deg: bool) -> tuple[list[float], list[float]]:

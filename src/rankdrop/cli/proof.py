@@ -14,7 +14,7 @@ from rankdrop import path as paths
 from rankdrop import results, text, verbs
 from rankdrop.cli import exits
 from rankdrop.cli.command import PROGRESS, Done, Output, command
-from rankdrop.cli.opening import NO_OPTIONS, ROBOT, ArmOptions, open_arm
+from rankdrop.cli.opening import NO_OPTIONS, ROBOT, ArmOptions, open_arm, say_other_task
 from rankdrop.cli.targets import kept_work, write_text
 from rankdrop.cli.terminal import STDOUT, say
 from rankdrop.cli.values import parse_configuration
@@ -81,6 +81,7 @@ def cover(
     out = output.out
     _check_covering_files(out, output.certificate)
     model, task = open_arm(robot, arm)
+    say_other_task(model, task, arm)
     if output.analysis is None:
         families = None
     else:

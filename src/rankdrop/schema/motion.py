@@ -624,4 +624,5 @@ THROUGH_FILE = file(
     off=(num("1", ge=0), "largest deviation from the path, lengths by the length scale"),
     rate=(num("distance/s", ge=0), "largest joint rate under the law"),
     exponent=(num("1"), "measured power of |s| of the joint rates at constant path speed; 0 where they stay finite"),
+    turn=(optional(TURN | None), "the internal turn after which a path that is not trackable from here goes on"),
 )

@@ -8,6 +8,7 @@ from typing import Any
 from rankdrop.sections import Section
 from rankdrop.task import ROWS
 from rankdrop.text.places import joint_cells, joint_heads
+from rankdrop.text.tool_paths import turn_words
 from rankdrop.text.words import minus
 
 _THROUGH = {
@@ -27,6 +28,9 @@ _THROUGH = {
 
 def through_sentence(through: Any, highest: int) -> str:
     """Whether a tool path leads through a singularity; `highest` is the order up to which terms are compared."""
+    if through.turn is not None:
+        words = turn_words(through.turn, through.robot, place=False)
+        return f"Not trackable from this configuration, but after an internal turn: {words}."
     order, side = through.order or 1, "ahead of it" if through.side > 0 else "before it"
     return _THROUGH[through.kind].format(order=order, less=order - 1, twice=2 * order, side=side, highest=highest)
 

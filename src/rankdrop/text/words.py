@@ -44,6 +44,8 @@ NEVER_TILTS = "This arm never tilts its tool. It is checked for position and yaw
 """The limit of an arm of four joints with a level tool, and the task that it is checked for."""
 PLACES_ALONE = "With {0} joints this arm places its tool and cannot choose how it is turned. It is checked for position"
 """The limit of an arm of two or three joints, and the task that it is checked for."""
+ASKED_AS_POSE = "{1} has {0} joints, too few for a pose. This is its pose; {2} is for the motion that it has"
+"""Of a command that takes the pose as it is, for an arm with too few joints for it."""
 POINTING_HERE = "For position and tool axis ({task}) it is {verdict} here, rank {rank} of {r}"
 """What the pose alone leaves out."""
 NEVER_HERE = "Never possible here: {motions}; the arm has rank {r} of the {m} rows of this task at best"
@@ -139,15 +141,21 @@ def _rounded_by(whole: Callable[[float], int], value: float, digits: int) -> str
     return short(rounded, digits)
 
 
+WITHOUT_BOUND = 10_000
+"""Times a limit: a rate beyond it is that of a singularity, and depends on the rows next to it alone."""
+
+
 def above_limit(times: float) -> str:
     """What takes so many times its limit, before "limit": "822 times the", "0.00045 % above the".
 
     Example:
-        >>> above_limit(822.04), above_limit(1.0000045), above_limit(1.02)
-        ('822 times the', '0.00045 % above the', '1.02 times the')
+        >>> above_limit(822.04), above_limit(1.0000045), above_limit(1e8)
+        ('822 times the', '0.00045 % above the', 'more than 10,000 times the')
     """
     if times < 1.01:
         return f"{short(100.0 * (times - 1.0), 2)} % above the"
+    if times > WITHOUT_BOUND:
+        return f"more than {WITHOUT_BOUND:,} times the"
     return f"{short(times, 3)} times the"
 
 

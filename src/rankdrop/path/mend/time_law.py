@@ -37,6 +37,7 @@ from rankdrop.codec import Result
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import check_robot, one_configuration, pose, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
+from rankdrop.path.check.passing import Turn, internal_turn
 from rankdrop.path.read.csv_file import csv_text
 from rankdrop.poses.inverse import Aim, check_axes, rotation
 from rankdrop.problem import Mask
@@ -49,6 +50,7 @@ from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
 _SPAN = 0.1  # of σ to either side [rad]: four digits of a fifth-order term are left
+_TURN_SPAN = 0.1  # of the path after an internal turn [rad; lengths by the length scale]
 _POINTS = 12  # on each side
 _NOTHING = 1e-7  # coefficients of s(σ), u·ξ and the quadric below this are zero; finite motion leaves 1e-10
 _CLOSE = 1e-12
@@ -84,6 +86,8 @@ class Through(Result):
         rate: largest joint rate under that law [rad/s; slides scaled].
         exponent: measured power of |s| by which joint rates per path speed grow near the singularity; 0 where they do
             not; expected is −(k − 1)/k.
+        turn: of a path that is not trackable from here, the internal turn after which it goes on ahead; None where none
+            was found within the joint limits, or the path is bent.
     """
 
     robot: Robot
@@ -101,6 +105,7 @@ class Through(Result):
     off: float = 0.0
     rate: float = 0.0
     exponent: float = 0.0
+    turn: Turn | None = None
     FILE: ClassVar[str] = "through"
 
     @property
@@ -172,7 +177,10 @@ def through(
         joints = out_of_metres(robot, law.joints)
     else:
         joints = law.joints
-    return replace(law, robot=robot, task=resolved, q=at, along=direction, bend=curved, joints=joints)
+    turn = law.turn
+    if turn is not None:
+        turn = Turn(turn.place, at, out_of_metres(robot, turn.to[None])[0])
+    return replace(law, robot=robot, task=resolved, q=at, along=direction, bend=curved, joints=joints, turn=turn)
 
 
 class _Path:
@@ -210,8 +218,20 @@ class _Path:
         if self.rank == self.full:
             return self._through(REGULAR, 1)
         if self.outside:
-            return self._leaving()
-        return self._tangent()
+            law = self._leaving()
+        else:
+            law = self._tangent()
+        if law.kind == NOT and not self.bend.any():
+            return replace(law, turn=self._internal_turn())
+        return law
+
+    def _internal_turn(self) -> Turn | None:
+        """The internal turn after which the path goes on ahead."""
+        poses = self._target(np.array([0.0, _TURN_SPAN / self.size]))
+        end = internal_turn(self.aim, poses, 0.0, self.q, limits=True)
+        if end is None:
+            return None
+        return Turn(1.0, self.q, end)
 
     def _leaving(self) -> Through:
         """u·ξ ≠ 0: along the kernel."""

@@ -77,11 +77,27 @@ MoveC [[370,40,450],[0.6,0,0.8,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
 ENDPROC
 ENDMODULE
 """),
+    "a.ls": ("lrmate200id", """/PROG  A
+/MN
+   1:J P[1] 50% FINE ;
+   2:L P[2] 100mm/sec FINE ;
+   3:C P[3]
+    :  P[4] 100mm/sec FINE ;
+/POS
+"""
+    + "".join(f"""P[{k}]{{
+   GP1:
+	UF : 0, UT : 0,		CONFIG : 'N U T, 0, 0, 0',
+	X = {x}.000  mm,	Y = {y}.000  mm,	Z = 100.000  mm,
+	W = 180.000 deg,	P = 0.000 deg,	R = 0.000 deg
+}};
+""" for k, (x, y) in enumerate([(420, -100), (450, -100), (500, -50), (450, 0)], start=1)) + "/END\n"),
 }  # fmt: skip
 PLACES = {
     "a.script": [[-0.40, -0.20, 0.30], [-0.35, -0.15, 0.30], [-0.30, -0.20, 0.30]],
     "a.src": [[0.5, 0.0, 0.6], [0.52, 0.06, 0.6], [0.56, 0.08, 0.6]],
     "a.mod": [[0.35, 0.0, 0.45], [0.37, 0.04, 0.45], [0.35, 0.08, 0.45]],
+    "a.ls": [[0.45, -0.1, 0.43], [0.5, -0.05, 0.43], [0.45, 0.0, 0.43]],  # Z from the height of axis 2, 330 mm
 }
 
 
@@ -129,6 +145,7 @@ TURNED = PROGRAMS["a.mod"][1].replace("[[350,80,450],[0.6,0,0.8,0]", "[[350,80,4
 LONG = PROGRAMS["a.mod"][1].replace("[[370,40,450]", "[[420,40,450]")
 
 
+FANUC = PROGRAMS["a.ls"][1]
 CALLED = PROGRAMS["a.mod"][1].replace("MoveC", "Grip;\nMoveC")
 OTHER_TOOL = PROGRAMS["a.mod"][1].replace("MoveC", "MoveC", 1).replace(
     "]],v100,fine,tool0;\nENDPROC", "]],v100,fine,tGun;\nENDPROC")  # fmt: skip
@@ -140,6 +157,8 @@ OTHER_TOOL = PROGRAMS["a.mod"][1].replace("MoveC", "MoveC", 1).replace(
     ("a.src", PROGRAMS["a.src"][1].replace("$VEL.CP=0.1", "$CIRC_TYPE = #PATH")),
     ("a.src", PROGRAMS["a.src"][1].replace("$VEL.CP=0.1", "$ORI_TYPE = #JOINT")),
     ("a.script", PROGRAMS["a.script"][1].replace("mode=0", "mode=1")),
+    ("a.ls", FANUC.replace("P = 0.000 deg", "P = 5.000 deg", 3)),
+    ("a.ls", FANUC.replace("Y = -50.000", "Y = 300.000")),
 ])  # fmt: skip
 def test_an_arc_on_which_the_turn_of_the_tool_is_not_known_is_not_read(name: str, text: str, tmp_path: Path) -> None:
     assert text != PROGRAMS[name][1]

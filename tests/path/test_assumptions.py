@@ -192,3 +192,12 @@ def test_what_is_certain_stays_certain(tmp_path: Path) -> None:
     assert check.verdict == "crossing"
     assert check.sentence.startswith("Crosses a singularity once (proven)")
     assert "Not certain: the tool of line 4 is not in the file" in check.sentence
+
+
+@pytest.mark.parametrize(("first", "verdict"), [(0, "touching"), (-40, "crossing")])
+def test_a_joint_move_may_begin_at_a_singularity_or_cross_it(first: int, verdict: str, tmp_path: Path) -> None:
+    """KUKA's HOME has A5 = 0: a program of PTP moves that begins there has nothing to mend."""
+    moves = f"PTP {{A1 0,A2 -90,A3 90,A4 0,A5 {first},A6 0}}\nPTP {{A1 30,A2 -80,A3 100,A4 0,A5 40,A6 0}}\n"
+    check = found("a.src", f"{KRL}{moves}END\n", "kr10r1100", tmp_path)
+    assert check.verdict == verdict
+    assert any("a joint move may: nothing needs to be done there" in line for line in check.summary)

@@ -236,10 +236,12 @@ def summary(check: Any) -> tuple[str, ...]:
 
 
 def _next_lines(check: Any) -> Iterator[str]:
-    """Of a program that crosses in joint moves alone: nothing needs to be done."""
-    if check.verdict == "crossing" and all(crossing.kind == "joint" for crossing in check.met):
+    """Of a program that meets singularities in joint moves alone: nothing needs to be done."""
+    meets = {"crossing": "cross", "touching": "touch one"}.get(check.verdict)
+    passed = any(part.passed for part in check.parts)
+    if meets and check.met and not passed and all(crossing.kind == "joint" for crossing in check.met):
         lines = _lines_words([crossing.line for crossing in check.met])
-        yield f"Next: the joint moves of {lines} cross, and a joint move may: nothing needs to be done there."
+        yield f"Next: the joint moves of {lines} {meets}, and a joint move may: nothing needs to be done there."
 
 
 def _read_lines(check: Any) -> Iterator[str]:

@@ -17,6 +17,8 @@ from rankdrop.robot.model import Array
 
 _ON_A_LINE = 1e-6  # sine of the angle at the place on the way below which the three are on one line
 _MOST_CHORDS = 20_000
+_LONGEST = pi  # the tool is turned about the axis of a longer arc the other way round
+_SAME_TURN = 1e-4  # entries of rotations that are one
 
 
 def arc_poses(begin: Array, via: Array, end: Array, height: float) -> Array | None:
@@ -90,3 +92,15 @@ def _circle(begin: Array, via: Array, end: Array) -> tuple[Array, Array, float] 
 def _angle(place: Array, out: Array, along: Array) -> float:
     """The angle in [0, 2π) of a place (3,) seen from the centre, from one direction of the plane towards another."""
     return atan2(float(place @ along), float(place @ out)) % (2.0 * pi)
+
+
+def place_between(begin: Array, via: Array, end: Array) -> Array | None:
+    """The place (3,) on the way of an arc on which the tool keeps its orientation, whatever the settings are.
+
+    None where it turns from one end (4, 4) to the other, or the arc is longer than half a turn.
+    """
+    turned = np.abs(end[:3, :3] - begin[:3, :3]).max()
+    angle = arc_angle(begin[:3, 3], via, end[:3, 3])
+    if turned > _SAME_TURN or angle is None or angle > _LONGEST:
+        return None
+    return np.asarray(via)

@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from rankdrop.path.read.arc import place_between
 from rankdrop.path.read.program_record import (
     BREAKS,
     MILLIMETRE,
@@ -32,9 +33,11 @@ from rankdrop.path.read.program_record import (
     number,
     positive,
 )
+from rankdrop.robot.model import Array
 
 _MOVES: dict[str, Literal["joint", "line"]] = {"J": "joint", "L": "line"}
 _MOVE = re.compile(r"([JLCAS])\s+(@?)(P|PR)\[\s*(\d{1,6})[^\]]*\]\s*(.*)")
+_ARC = re.compile(r"C\s+@?P\[\s*(\d{1,6})[^\]]*\]\s*:?\s*@?P\[\s*(\d{1,6})[^\]]*\]\s*(.*)")
 _POSITION = re.compile(r"\s*P\[\s*(\d{1,6})[^\]]*\]\s*\{")
 _VALUE = re.compile(r"\b([XYZWPR]|J[1-9])\s*=\s*([-+.\deE*]+)\s*(mm|deg)?")
 _EXTERNAL = re.compile(r"\bE[1-6]\s*=\s*([-+.\deE*]+)")
@@ -54,6 +57,7 @@ _SKIPPED = {**_FLOW, **dict.fromkeys(("CALL", "RUN"), Reason.CALL), **dict.fromk
 _WORD = re.compile(r"[A-Za-z_]+")
 _PLACE, _JOINTS = ("X", "Y", "Z", "W", "P", "R"), tuple(f"J{k}" for k in range(1, 10))
 _NO_TURN = 1e-9
+_SAME_TURN = 1e-4  # entries of rotations that are one
 _REMARKS = ("!", "//", "--")
 
 
@@ -201,6 +205,9 @@ def _instruction(
     last: Target | None,
 ) -> Target | None:  # fmt: skip
     """One instruction of the program; returns where the arm is after it, None where that is not known."""
+    arc = _ARC.match(text)
+    if arc is not None:
+        return _arc(listing, positions, tools, count, text, last, arc)
     match = _MOVE.match(text)
     if match is None:
         return _other_instruction(listing, count, text, last)
@@ -217,6 +224,41 @@ def _instruction(
     if isinstance(target, Reason):
         return None
     return target
+
+
+def _arc(
+    listing: Listing, positions: dict[str, Target | Reason], tools: set[str], count: int, text: str,
+    last: Target | None, match: re.Match[str],
+) -> Target | None:  # fmt: skip
+    """C P[1] P[2] speed: read where all three positions have one orientation, on half a turn at most; returns where the
+    arm is after it, None where that is not known.
+    """
+    between, key, rest = match.groups()
+    words = {word.upper() for word in re.split(r"[\s,\[(]+", rest) if word}
+    unread = {True: Reason.RELATIVE}.get("INC" in words) or _why_unread("L", words)
+    via, target = (unread or positions.get(name, Reason.VARIABLE) for name in (between, key))
+    place = None
+    if isinstance(target, Target):
+        place = _place_on_arc(last, via, target)
+        if place is None:
+            target = Reason.CIRCLE
+    kept = listing.tool
+    if isinstance(target, Target) and key in tools:
+        listing.set_tool(count, text, None)
+    listing.move(count, text, "arc", target, _speed(rest), blend="FINE" not in words, via=place)
+    listing.tool = kept
+    if isinstance(target, Reason):
+        return None
+    return target
+
+
+def _place_on_arc(last: Target | None, via: Target | Reason, target: Target) -> Array | None:
+    """The place (3,) on the way, where the tool has one orientation in all three positions; else None."""
+    if last is None or last.pose is None or target.pose is None or isinstance(via, Reason) or via.pose is None:
+        return None
+    if not np.allclose(via.pose[:3, :3], target.pose[:3, :3], atol=_SAME_TURN):
+        return None
+    return place_between(last.pose, via.pose[:3, 3], target.pose)
 
 
 def _other_instruction(listing: Listing, count: int, text: str, last: Target | None) -> Target | None:

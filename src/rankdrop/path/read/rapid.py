@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from math import pi, radians
+from math import radians
 
-import numpy as np
-
-from rankdrop.path.read.arc import arc_angle
+from rankdrop.path.read.arc import place_between
 from rankdrop.path.read.program_record import (
     MILLIMETRE,
     Doubt,
@@ -36,8 +34,6 @@ from rankdrop.path.read.rapid_values import WORD, goal_of, literal, split_switch
 from rankdrop.robot.model import Array
 
 _MOVES: dict[str, Kind] = {"MOVEJ": "joint", "MOVEABSJ": "joint", "MOVEL": "line", "MOVEC": "arc"}
-_LONGEST_ARC = pi  # the tool is turned about the axis of a longer one the other way round
-_SAME_TURN = 1e-4  # entries of rotations that are one
 _SUFFIXED = ("DO", "AO", "GO", "SYNC")
 _FLOW = {
     **dict.fromkeys(("IF", "ELSE", "ELSEIF", "ENDIF", "TEST", "CASE", "DEFAULT", "ENDTEST", "GOTO", "RETURN", "ERROR"),
@@ -283,11 +279,7 @@ def _arc_place(last: Target | None, via: Target | Reason, target: Target) -> Arr
     """The place (3,) of an arc between its ends; None where the tool turns on it, or it is longer than half a turn."""
     if last is None or last.pose is None or target.pose is None or isinstance(via, Reason) or via.pose is None:
         return None
-    turned = np.abs(target.pose[:3, :3] - last.pose[:3, :3]).max()
-    angle = arc_angle(last.pose[:3, 3], via.pose[:3, 3], target.pose[:3, 3])
-    if turned > _SAME_TURN or angle is None or angle > _LONGEST_ARC:
-        return None
-    return np.asarray(via.pose[:3, 3])
+    return place_between(last.pose, via.pose[:3, 3], target.pose)
 
 
 def _arguments(rest: str) -> list[tuple[str, dict[str, str]]]:

@@ -14,6 +14,7 @@ from path.read_programs import checked, written
 from rankdrop.kinematics import pose
 from rankdrop.path.check.program import ProgramCheck
 from rankdrop.path.read.program_file import read_program
+from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 
 KRL = "DEF a()\n$BASE=$NULLFRAME\n$TOOL=$NULLFRAME\n$VEL.CP=0.3\n"
@@ -201,3 +202,16 @@ def test_a_joint_move_may_begin_at_a_singularity_or_cross_it(first: int, verdict
     check = found("a.src", f"{KRL}{moves}END\n", "kr10r1100", tmp_path)
     assert check.verdict == verdict
     assert any("a joint move may: nothing needs to be done there" in line for line in check.summary)
+
+
+@pytest.mark.parametrize(("line", "words"), [
+    ("movej([0,-90,90,-90,-90,0])", "joint values look like degrees"),
+    ("movel(p[300,200,300,0,3.14,0])", "lengths look like millimetres"),
+])  # fmt: skip
+def test_a_script_in_degrees_or_millimetres_is_refused_with_its_line(line: str, words: str, tmp_path: Path) -> None:
+    text = f"movej([0.3,-1.57,1.57,-1.57,-1.57,0])\n{line}\n"
+    with pytest.raises(TrajectoryError, match=words) as refused:
+        read_program(written(tmp_path, "a.script", text))
+    assert "line 2" in str(refused.value)
+    counts = "numbers = [100, 200, 300]\n"  # no target
+    assert len(read_program(written(tmp_path, "b.script", counts + text.splitlines()[0])).moves) == 1

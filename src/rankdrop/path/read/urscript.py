@@ -33,9 +33,12 @@ from rankdrop.path.read.program_record import (
     statements_of,
     turned_target,
 )
+from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.poses.inverse import rotation
 from rankdrop.robot.files import LARGEST_ANGLE
 from rankdrop.robot.model import Array
+from rankdrop.text.path_files import TWO_TURNS
+from rankdrop.text.words import MOST_TURNS
 
 _MOVES: dict[str, Kind] = {"movej": "joint", "movel": "line", "movep": "line", "movec": "arc"}
 _ORDER = {"movej": ("a", "v", "t", "r"), "movel": ("a", "v", "t", "r"), "movep": ("a", "v", "r"),
@@ -55,6 +58,7 @@ _FUNCTION = re.compile(r"(pose_trans|get_inverse_kin)\s*(?=\()")
 _TARGET_KEY = re.compile(r"\s*(?:q|x|qnear|pose|pose_via|pose_to)\s*=\s*")
 _D2R = re.compile(r"\bd2r\(([^()]{1,60})\)")
 _DEEPEST = 4  # functions inside functions
+_FARTHEST = 10.0  # a length beyond it is in millimetres [m]
 _ARGUMENTS = 3  # that are read: a third one makes the function one that is not known
 _WORD = re.compile(r"\s*([A-Za-z_]\w*)")
 _NAME = re.compile(r"[A-Za-z_]\w*")
@@ -248,8 +252,26 @@ def _move(listing: Listing, names: Names, count: int, line: str, word: str, rest
     target = _target(_without_key(goal), names, where)
     if word == "movec" and (via is None or keys.get("mode", 0.0) != 0.0):
         target = Reason.CIRCLE
+    if isinstance(target, Target):
+        _check_units(target, where)
     rounded = keys.get("r", 0.0) != 0.0
     listing.move(count, line, _MOVES[word], target, _speed_of(word, keys), blend=rounded, via=via)
+
+
+def _check_units(target: Target, where: str) -> None:
+    """Refuse a target of a move that is in degrees or millimetres; the language has radians and metres.
+
+    Raises:
+        TrajectoryError: a joint value is above two turns, or a length above `_FARTHEST`.
+    """
+    far = [value for value in target.joints or () if abs(value) > MOST_TURNS]
+    if far:
+        raise TrajectoryError("joint values look like degrees", where=where, got=f"{far[0]:g}",
+                              allowed=TWO_TURNS, mend=f"write them in radians: d2r({far[0]:g})")  # fmt: skip
+    if target.pose is not None and np.abs(target.pose[:3, 3]).max() > _FARTHEST:
+        length = float(np.abs(target.pose[:3, 3]).max())
+        raise TrajectoryError("lengths look like millimetres", where=where, got=f"{length:g} m",
+                              allowed=f"metres, at most {_FARTHEST:g}", mend="write them in metres")  # fmt: skip
 
 
 def _settings(word: str, arguments: list[str], names: Names) -> dict[str, float | None]:

@@ -1,4 +1,4 @@
-"""Null-space motion planned over whole self-motions, from the same start, past singular sets that the path crosses."""
+"""Other joint paths for a tool path: null-space motion mends crossing paths that a self-motion avoids."""
 
 from __future__ import annotations
 
@@ -12,10 +12,8 @@ from known.members import members
 import rankdrop
 from rankdrop.cli import main
 from rankdrop.kinematics import pose
-from rankdrop.local.block import joint_scale, singular_values
+from rankdrop.local.block import singular_values
 from rankdrop.path import mend_path
-from rankdrop.path.curve import curve
-from rankdrop.path.mend.candidates import plan_as_run, plan_path, tool_path
 from rankdrop.path.mend.remedies import NULL
 from rankdrop.poses.inverse import Aim
 from rankdrop.results.known import known_analysis
@@ -25,62 +23,6 @@ from rankdrop.task import Task, resolve_task
 
 WIDE = 0.05  # of σ_6: a self-motion that keeps it along the tool path is a way past
 ROWS = 81
-
-
-@pytest.mark.parametrize("name", ["pa10", "gen3", "ur5", "planar3r"])
-def test_the_slope_of_sigma_is_that_of_differences(name: str) -> None:
-    robot = open_robot(name)
-    task = resolve_task("planar-position" if name == "planar3r" else None, robot)
-    rank, h = task.m, 1e-5
-    q = np.random.default_rng(2).uniform(-1.5, 1.5, (20, robot.n))
-    scale = joint_scale(robot, task)
-    sigma, slope = tool_path(robot, task, curve(q, None)).rising(q)
-    for j in range(robot.n):
-        way = h * scale[j] * np.eye(robot.n)[j]
-        up, down = (singular_values(robot, q + sign * way, task)[:, rank - 1] for sign in (1.0, -1.0))
-        np.testing.assert_allclose(slope[:, j], (up - down) / (2 * h), atol=1e-6)
-    np.testing.assert_allclose(sigma, singular_values(robot, q, task)[:, rank - 1], atol=1e-12)
-
-
-def through_the_shoulder() -> Array:
-    """A Panda's path through a point of its first family, axes 1 and 3 aligned, that the shortest joint motion goes
-    through as well: 0.0035 rad from it.
-    """
-    first = [0.391578384, 0.151140839, -1.528716280, -1.656719362, 2.240071761, 1.664091082, -2.503999720]
-    last = [0.452851150, -0.151140839, -1.654132803, -1.745586987, 2.245277332, 1.570285614, -2.354685380]
-    return np.linspace(first, last, ROWS)
-
-
-@pytest.mark.slow
-def test_a_path_through_a_singularity_is_led_around_it_from_the_same_start() -> None:
-    robot, q = open_robot("panda"), through_the_shoulder()
-    found = rankdrop.check_path(robot, q)
-    assert found.verdict in ("crossing", "touching")
-    tool = tool_path(robot, found.task, found.curve)
-    place, plan, free = plan_path(tool, q[:1], lambda done, count: None, around=False)
-    assert len(plan)
-    assert place[-1] == ROWS - 1
-    assert free > 0.15
-    assert tool.room(tool.coarse().follow_branch(q[0]).q).min() < 0.005
-    finer, followed = tool.refine_run(plan_as_run(place, plan))
-    assert followed.complete
-    np.testing.assert_array_equal(followed.q[0], q[0])
-    rows = np.flatnonzero(finer.place == np.round(finer.place))
-    np.testing.assert_allclose(pose(robot, followed.q[rows]), pose(robot, q), atol=1e-10)
-    again = rankdrop.check_path(robot, followed.q)
-    assert again.verdict == "free"
-    assert ((followed.q >= robot.lower) & (followed.q <= robot.upper)).all()
-
-
-@pytest.mark.slow
-def test_where_all_self_motions_are_singular_there_is_no_plan_and_its_place_is_told() -> None:
-    robot = open_robot("pa10")
-    q = np.linspace([0.1, 0.6, 0.3, 0.3, 0.4, 0.9, 0.2], [0.2, 0.7, 0.2, -0.3, 0.3, 0.8, 0.3], 61)  # the elbow, θ4 = 0
-    found = rankdrop.check_path(robot, q)
-    assert found.verdict == "crossing"
-    place, plan, _ = plan_path(tool_path(robot, found.task, found.curve), q[:1], lambda done, count: None, around=True)
-    assert not len(plan)
-    assert 25.0 < place[-1] < 30.0
 
 
 def crossing_paths(robot: Robot, task: Task, count: int, seed: int) -> list[Array]:

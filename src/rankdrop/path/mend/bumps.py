@@ -39,7 +39,7 @@ from rankdrop.local.block import joint_scale
 from rankdrop.path.check.crossings import Signs, signs
 from rankdrop.path.check.record import CROSSING, FREE, PathCheck, Stretch
 from rankdrop.path.curve import Curve, Spot
-from rankdrop.path.mend.candidates import JointToolPath
+from rankdrop.path.mend.joint_tool_path import JointToolPath
 from rankdrop.path.mend.local_change import largest_move, step, tool_off
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.mend.retime import derivatives

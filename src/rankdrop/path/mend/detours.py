@@ -22,7 +22,7 @@ import numpy as np
 from rankdrop.kinematics import pose
 from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.mend.bumps import Bumper, Core
-from rankdrop.path.mend.candidates import JointToolPath
+from rankdrop.path.mend.joint_tool_path import JointToolPath
 from rankdrop.path.mend.local_change import LocalChange, largest_move, step, tool_off
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.read.trajectory import Trajectory, regular_times

@@ -11,7 +11,7 @@ from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.curve import Curve
-from rankdrop.path.mend.candidates import JointToolPath
+from rankdrop.path.mend.joint_tool_path import JointToolPath
 from rankdrop.robot.model import Array
 
 _LEAST = 1e-9  # length of a step between two poses at least

@@ -31,7 +31,6 @@ from rankdrop.path.curve import Curve
 from rankdrop.path.mend.bumps import CLEARANCE, ON_PATH, SPARE, Bump, Bumper, Core, NoBump, Obstacle
 from rankdrop.path.mend.candidates import (
     Candidate,
-    JointToolPath,
     Parameter,
     Ranking,
     branches,
@@ -40,10 +39,10 @@ from rankdrop.path.mend.candidates import (
     other_branches,
     shifts,
     tilts,
-    tool_path,
 )
 from rankdrop.path.mend.detours import Detour, Detourer, NoDetour
 from rankdrop.path.mend.given_poses import given_tool_path
+from rankdrop.path.mend.joint_tool_path import JointToolPath, tool_path
 from rankdrop.path.mend.local_change import LocalChange, RowsBefore
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, PoseWindow
 from rankdrop.path.mend.retime import Usage, retime_path, usage

@@ -49,7 +49,8 @@ from rankdrop.local.rates import rate_limits
 from rankdrop.path.check.check import check_path
 from rankdrop.path.check.record import FREE, PathCheck
 from rankdrop.path.check.tool_path import check_poses
-from rankdrop.path.mend.remedies import LOCAL, mend_path
+from rankdrop.path.mend.mend import mend_path
+from rankdrop.path.mend.record import LOCAL
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

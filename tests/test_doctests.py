@@ -12,7 +12,7 @@ import rankdrop
 
 FOUND = (module.name for module in pkgutil.walk_packages(rankdrop.__path__, "rankdrop."))
 MODULES = ["rankdrop", *(name for name in FOUND if name != "rankdrop._core")]
-LONG = {"rankdrop.families.slices", "rankdrop.distance.tolerant", "rankdrop.path.mend.remedies",
+LONG = {"rankdrop.families.slices", "rankdrop.distance.tolerant", "rankdrop.path.mend.mend",
         "rankdrop.aspects.posture_paths", "rankdrop.verbs.ideal_vs_actual"}  # fmt: skip
 """Examples of half a second and more."""
 

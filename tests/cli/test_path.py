@@ -232,7 +232,7 @@ def test_interrupted_remedies_keep_what_is_done(tmp_path: Path, run, monkeypatch
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("rankdrop.path.mend.remedies.shifts", stop)
+    monkeypatch.setattr("rankdrop.path.mend.mend.shifts", stop)
     code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv")
     assert code == 130
     assert "Remedies: detour, blend (checked again: free, proven), interrupted: not all kinds were tried." in out

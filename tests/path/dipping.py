@@ -7,7 +7,8 @@ from functools import cache
 import numpy as np
 
 import rankdrop
-from rankdrop.path.mend.remedies import LOCAL, Mending, mend_path
+from rankdrop.path.mend.mend import mend_path
+from rankdrop.path.mend.record import LOCAL, Mending
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 

@@ -13,7 +13,7 @@ from rankdrop.cli import main
 from rankdrop.kinematics import pose
 from rankdrop.path.check.tool_path import check_poses
 from rankdrop.path.mend.as_poses import NoPoses, mended_poses
-from rankdrop.path.mend.remedies import mend_path
+from rankdrop.path.mend.mend import mend_path
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 

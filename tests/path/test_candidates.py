@@ -14,7 +14,7 @@ from rankdrop.cli import main
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.path import mend_path
-from rankdrop.path.mend.remedies import NULL
+from rankdrop.path.mend.record import NULL
 from rankdrop.poses.inverse import Aim
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot

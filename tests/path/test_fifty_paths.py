@@ -12,7 +12,7 @@ from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.path import mend_path
 from rankdrop.path.check.record import CROSSING, PathCheck
-from rankdrop.path.mend.remedies import BLEND, FLIP, NULL, RETIME, SHIFT, TILT
+from rankdrop.path.mend.record import BLEND, FLIP, NULL, RETIME, SHIFT, TILT
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot

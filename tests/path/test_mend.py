@@ -13,8 +13,9 @@ from rankdrop import path as paths
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.path.mend import remedies as module
-from rankdrop.path.mend.remedies import KINDS, LOCAL, Mending, mend_path
+from rankdrop.path.mend import verifier
+from rankdrop.path.mend.mend import mend_path
+from rankdrop.path.mend.record import KINDS, LOCAL, Mending
 from rankdrop.path.read.files import WRITTEN, read_trajectory, trajectory_bytes
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task
@@ -24,7 +25,7 @@ WRIST = np.linspace([0.0, 0.7, -0.2, 0.3, 0.4, 0.1], [0.2, 0.8, -0.1, 0.2, -0.4,
 CORNER = np.array([[0.3, 0.4, 0.1], [0.5, -0.2, 0.3], [0.9, 0.5, 0.3]])  # planar3r, through θ2 = 0 and back
 INNER = np.linspace([0.3, 0.4, np.pi - 0.5], [0.6, -0.4, np.pi + 0.5], 41)  # planar3r in position: θ2 = 0, θ3 = π
 TILT, SHIFT = np.radians(10), 0.05
-WHOLE = tuple(kind for kind in KINDS if kind not in LOCAL)  # local ones have their tests in `test_remedies`
+WHOLE = tuple(kind for kind in KINDS if kind not in LOCAL)  # local ones have their tests in `test_local_remedies`
 
 
 @cache
@@ -228,7 +229,7 @@ def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
 @pytest.mark.slow
 def test_what_is_not_proven_free_is_no_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     found = wrist().before
-    monkeypatch.setattr(module, "check_path", lambda *args, **kwargs: found)
+    monkeypatch.setattr(verifier, "check_path", lambda *args, **kwargs: found)
     mended = mend_path(found, kinds=WHOLE)
     assert mended.remedies == ()
     assert any(note.startswith("flip") and "none was proven free" in note for note in mended.notes)

@@ -19,8 +19,9 @@ from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.tool_path import check_poses
 from rankdrop.path.mend import pose_detours
 from rankdrop.path.mend.detours import Hindrance, lost_motions
+from rankdrop.path.mend.mend import mend_path
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
-from rankdrop.path.mend.remedies import LOCAL, Remedy, mend_path
+from rankdrop.path.mend.record import LOCAL, Remedy
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 

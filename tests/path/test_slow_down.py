@@ -7,7 +7,8 @@ import pytest
 
 import rankdrop
 from rankdrop.local.rates import rate_limits
-from rankdrop.path.mend.remedies import Mending, mend_path
+from rankdrop.path.mend.mend import mend_path
+from rankdrop.path.mend.record import Mending
 from rankdrop.path.mend.slow_down import slowed_down
 from rankdrop.path.read.trajectory import Trajectory
 from rankdrop.robot.model import Array

@@ -9,8 +9,9 @@ from path.planar_detours import CLEARANCE, planar
 from rankdrop.kinematics import pose
 from rankdrop.path.check.tool_path import check_poses
 from rankdrop.path.mend.detours import Hindrance
+from rankdrop.path.mend.mend import mend_path
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
-from rankdrop.path.mend.remedies import LOCAL, mend_path
+from rankdrop.path.mend.record import LOCAL
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.text.remedies import local_lines, remedy_note

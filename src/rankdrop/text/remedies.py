@@ -1,4 +1,4 @@
-"""Remedies of a path in words: what they change, and why there is none. Records: `rankdrop.path.mend.remedies`."""
+"""Remedies of a path in words: what they change, and why there is none. Records: `rankdrop.path.mend.record`."""
 
 from __future__ import annotations
 

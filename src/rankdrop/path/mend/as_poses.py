@@ -23,7 +23,7 @@ from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.check.tool_path import followed_branch, proof_of, timed_branch, tip_tolerance
 from rankdrop.path.curve import Curve, Index
-from rankdrop.path.mend.remedies import Remedy
+from rankdrop.path.mend.record import Remedy
 from rankdrop.path.mend.retime import usage
 from rankdrop.poses.inverse import Aim
 from rankdrop.problem import Mask

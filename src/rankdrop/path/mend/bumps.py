@@ -40,7 +40,7 @@ from rankdrop.path.check.crossings import Signs, signs
 from rankdrop.path.check.record import CROSSING, FREE, PathCheck, Stretch
 from rankdrop.path.curve import Curve, Spot
 from rankdrop.path.mend.joint_tool_path import JointToolPath
-from rankdrop.path.mend.local_change import largest_move, step, tool_off
+from rankdrop.path.mend.local_change import ON_PATH, largest_move, step, tool_off
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.mend.retime import derivatives
 from rankdrop.path.read.trajectory import Trajectory, regular_times
@@ -63,7 +63,6 @@ _RAMP = 0.3  # shortest ramp of a path in time [s]
 _SLOPE = 4.0  # … and of a path without times, in heights
 _RAMPS = 7  # lengths of a ramp that are tried, each twice the one before
 _ROWS = 24  # of a ramp at least
-ON_PATH = 1e-4  # a tool that leaves its path by less is on it, lengths divided by the length scale
 _LEAST, _GROWING = 0.3, 2.0  # share of that by which the tool is led aside at first; each time so many times more
 
 

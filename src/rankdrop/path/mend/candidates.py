@@ -23,6 +23,7 @@ from rankdrop.local.self_motions import CLOSED, self_motion
 from rankdrop.path.check.follow import Pull, follow
 from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.mend.joint_tool_path import JointToolPath, Run
+from rankdrop.path.mend.record import Parameter, joint_values
 from rankdrop.path.mend.self_motion_plan import plan_as_run, plan_path
 from rankdrop.poses.inverse import distinct, near_and_within
 from rankdrop.robot.model import Array
@@ -30,8 +31,6 @@ from rankdrop.robot.transform import about_axis, translation
 
 Progress = Callable[[int, int], None]
 """report(done, all)."""
-Parameter = tuple[str, float | tuple[float, ...], str]
-"""A number, or some, that a remedy is made with: name, value, and unit ("rad, m": joint values; "": none)."""
 Start = tuple[JointToolPath, Array | None, Pull | None, str, tuple[Parameter, ...]]
 """Tool path, start (None: the first pose is not reached), null-space motion, what is done, and with which numbers."""
 
@@ -143,11 +142,6 @@ def branches(tool: JointToolPath, report: Progress) -> Ranking:
     if starts and not ranking[0] and tool.redundant:
         _plan(ranking, tool, starts, report, around=True)
     return ranking
-
-
-def joint_values(name: str, values: Array, unit: str = "rad, m") -> Parameter:
-    """Numbers that a remedy is made with: joint values, or others with their unit."""
-    return name, tuple((values + 0.0).tolist()), unit
 
 
 def other_branches(tool: JointToolPath) -> list[Array]:

@@ -12,6 +12,9 @@ from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.path.curve import Curve, Place
 from rankdrop.robot.model import Array, Robot
 
+ON_PATH = 1e-4
+"""A tool that leaves its path by less is on it, lengths divided by the length scale."""
+
 
 @dataclass(frozen=True, eq=False)
 class LocalChange:

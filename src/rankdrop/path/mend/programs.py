@@ -2,8 +2,8 @@
 
 Where a straight line ends before its target, the internal turn after which it goes on, or a joint move where its
 target is within reach in another posture. Where a line is too fast, the speed at which it keeps the limits. Where a
-line crosses a singularity, the least local change of its part (`path.mend.remedies`): the joints moved aside, or the
-tool led around. A joint move that crosses needs none.
+line crosses a singularity, the least local change of its part (`path.mend.local_remedies`): the joints moved aside,
+or the tool led around. A joint move that crosses needs none.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from rankdrop.path.check.program import ProgramCheck, ProgramPart
 from rankdrop.path.check.record import FREE, PathCheck
 from rankdrop.path.curve import Place
 from rankdrop.path.mend.local_change import LocalChange
-from rankdrop.path.mend.remedies import BUMP, DETOUR, mend_path
+from rankdrop.path.mend.mend import mend_path
+from rankdrop.path.mend.record import BUMP, DETOUR
 from rankdrop.path.read.program_record import Move
 from rankdrop.questions import RemedyOptions
 from rankdrop.results.analysis import Analysis

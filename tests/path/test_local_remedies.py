@@ -15,11 +15,13 @@ from rankdrop.cli import main
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.path.curve import Curve, curve
-from rankdrop.path.mend import remedies
+from rankdrop.path.mend import local_remedies
 from rankdrop.path.mend.bumps import CLEARANCE
 from rankdrop.path.mend.local_change import tool_off
-from rankdrop.path.mend.remedies import LOCAL, Mending, Remedy, mend_path
+from rankdrop.path.mend.mend import mend_path
+from rankdrop.path.mend.record import LOCAL, Mending, Remedy
 from rankdrop.path.read.files import read_trajectory
+from rankdrop.questions import RemedyOptions
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -360,7 +362,7 @@ def test_what_a_bump_avoids_needs_no_detour() -> None:
     (0.0, 1, 0, 1, (1, 1), None), (0.1, 0, 0, 1, (1, 1), None), (0.1, 1, 0, 0, (1, 1), None),
     (0.1, 1, 1, 0, (1, 1), 0), (0.1, 1, 1, 1, (2, 2), 0), (0.1, 0, 2, 0, (1, 1), None),
 ])  # fmt: skip
-def test_bumps_beside_detours_leave_no_singularity_but_those_without_a_bump(
+def test_bumps_before_detours_leave_no_singularity_but_those_without_a_bump(
     bound: float, bumps: int, far: int, failed: int, unfree: tuple[int, int], chosen: int | None,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
@@ -368,15 +370,20 @@ def test_bumps_beside_detours_leave_no_singularity_but_those_without_a_bump(
     that takes the tool farther off than a detour may counts as none.
     """
     checks = [SimpleNamespace(stretches=[SimpleNamespace(verdict="crossing")] * count) for count in unfree]
-    proposals = [SimpleNamespace(made=check, number=k) for k, check in enumerate(checks)]
+    proposals = [SimpleNamespace(trajectory=check, number=k) for k, check in enumerate(checks)]
     core = SimpleNamespace(stretches=(None,))
     put_in: list[object] = []
-    monkeypatch.setattr(remedies, "_bump_proposals", lambda bumper, near, room: put_in.extend(near) or iter(proposals))
+    monkeypatch.setattr(
+        local_remedies, "bump_proposals", lambda bumper, near, room: put_in.extend(near) or iter(proposals)
+    )
     near_bumps = [SimpleNamespace(core=core, off=0.02)] * bumps
     left = near_bumps + [SimpleNamespace(core=core, off=0.04)] * far, [SimpleNamespace(core=core)] * failed
-    mender = SimpleNamespace(_bumps=lambda *given: left, _check_changed=lambda changed: changed)
+    mender = SimpleNamespace(
+        find_bumps=lambda *given: left, clearance=CLEARANCE, bounds=RemedyOptions(detour=0.03),
+        verifier=SimpleNamespace(check_changed=lambda changed: changed),
+    )  # fmt: skip
     bumper = SimpleNamespace(bound=bound, size=lambda off: off)
-    found = remedies._Mender._bumps_beside(mender, bumper, CLEARANCE, 0.03)
+    found = local_remedies.LocalMender.bumps_before_detours(mender, bumper)
     assert found == (None if chosen is None else (proposals[chosen], checks[chosen]))
     assert put_in == ([] if chosen is None else near_bumps)
 

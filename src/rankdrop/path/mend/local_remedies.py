@@ -1,0 +1,250 @@
+"""Local remedies: the path changed around its singularities, by bumps of the joints and by detours of the tool.
+
+Where the joints stay on one side they are moved aside (`path.mend.bumps`). Where they have to go to the other side, the
+tool is led around the singularity (`path.mend.detours`), on the path with its bumps. Poses are moved in windows
+(`path.mend.pose_detours`), on the branch that they are on or on another one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from operator import attrgetter
+
+import numpy as np
+
+from rankdrop.errors import TaskError
+from rankdrop.path.check.record import FREE, PathCheck
+from rankdrop.path.mend.bumps import CLEARANCE, SPARE, Bump, Bumper, Core, NoBump, Obstacle
+from rankdrop.path.mend.candidates import other_branches
+from rankdrop.path.mend.detours import Detour, Detourer, NoDetour
+from rankdrop.path.mend.given_poses import given_tool_path
+from rankdrop.path.mend.joint_tool_path import JointToolPath, tool_path
+from rankdrop.path.mend.local_change import LocalChange, RowsBefore
+from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, PoseWindow
+from rankdrop.path.mend.record import BUMP, DETOUR, Failure, Proposal, Remedy, joint_values
+from rankdrop.path.mend.verifier import Verifier
+from rankdrop.questions import RemedyOptions
+from rankdrop.results.known import known_families
+from rankdrop.robot.model import Array
+
+_CLEARER = 1.5  # times the clearance of a bump whose window was not proven free
+_ROUNDS = 3  # of that
+_MANY = 200  # places on one path above which no local remedy is tried: such a file is not what it was meant to be
+_DETOURS = 12  # crossings of one path that the tool is led around, some 2 s each
+
+
+@dataclass(frozen=True, eq=False)
+class LocalMender:
+    """Changes one path around its singularities.
+
+    Attributes:
+        verifier: checks changed paths as the path was checked.
+        kinds: those that are tried.
+        bounds: how far the path may be changed.
+    """
+
+    verifier: Verifier
+    kinds: Collection[str]
+    bounds: RemedyOptions
+
+    @property
+    def check(self) -> PathCheck:
+        """The judgement of the path."""
+        return self.verifier.before
+
+    @property
+    def clearance(self) -> float:
+        """First-order distance from a singularity that a change leaves [rad]."""
+        asked = SPARE * self.check.options.min_distance
+        return asked if asked > 0.0 else CLEARANCE
+
+    def change_joints(self, tool: JointToolPath) -> Iterator[Remedy | Failure]:
+        """The joints moved aside; where they have to go to the other side, the tool led around it."""
+        check, most = self.check, self.bounds
+        if sum(stretch.verdict != FREE for stretch in check.stretches) > _MANY:
+            yield "local", _MANY
+            return
+        families, _ = known_families(check.robot, check.task, self.verifier.analysis, check.tolerances)
+        bumper = Bumper(check, tool, families, most.bump, *self.verifier.limits)
+        if BUMP in self.kinds and most.bump > 0.0:
+            result = self._bump(bumper)
+            yield result
+            if isinstance(result, Remedy) and bumper.size(result.deviation) <= most.detour:
+                return
+        if DETOUR in self.kinds and most.detour > 0.0 and check.poses is None:
+            yield self._detour(bumper, self.bumps_before_detours(bumper))
+
+    def bumps_before_detours(self, bumper: Bumper) -> tuple[Proposal, PathCheck] | None:
+        """A path that needs detours in addition to its bumps, with them: some part of it has none, or
+        one that takes the tool farther off its path than a detour may. None without bumps.
+
+        Bumps that bring the tool back are taken where only the singularities without a bump are left after them.
+        """
+        if bumper.bound <= 0.0:
+            return None
+        found, failed = self.find_bumps(bumper, self.clearance)
+        bumps = [bump for bump in found if bumper.size(bump.off) <= self.bounds.detour]
+        led_around = _without(bumps, found, failed)
+        if not bumps or not led_around:
+            return None
+        most = sum(len(core.stretches) for core in led_around)
+        for proposal in bump_proposals(bumper, bumps, self.clearance):
+            check = self.verifier.check_changed(proposal.trajectory)
+            if sum(stretch.verdict != FREE for stretch in check.stretches) <= most:
+                break
+        return proposal, check
+
+    def _bump(self, bumper: Bumper) -> Remedy | Failure:
+        """The joints moved aside at every singularity, farther where the path is not proven free."""
+        clearance = self.clearance
+        for tried in range(1, _ROUNDS + 1):
+            bumps, failed = self.find_bumps(bumper, clearance)
+            if failed or not bumps:
+                missing = [
+                    (bumper.path.place(bumper.spot(failure.core)), failure.obstacle, failure.needed)
+                    for failure in failed
+                ]
+                return BUMP, (tried - 1, bumper.bound, missing)
+            remedy = self.verifier.first_proven(BUMP, bump_proposals(bumper, bumps, clearance))
+            if remedy is not None:
+                return remedy
+            clearance *= _CLEARER
+        return BUMP, (_ROUNDS, bumper.bound, [])
+
+    def find_bumps(self, bumper: Bumper, clearance: float) -> tuple[list[Bump], list[NoBump]]:
+        """A bump for each part of a path that has one, and why the others have none."""
+        cores, crossed = bumper.cores(clearance)
+        results: list[Bump | NoBump] = [NoBump(core, Obstacle.SIDE) for core in crossed]
+        for k, core in enumerate(cores):
+            self.verifier.report(BUMP, k, len(cores))
+            results.append(bumper.bump(core, clearance))
+        self.verifier.report(BUMP, len(cores), len(cores))
+        bumps = [result for result in results if isinstance(result, Bump)]
+        return bumps, [result for result in results if isinstance(result, NoBump)]
+
+    def _detour(self, bumper: Bumper, bumped: tuple[Proposal, PathCheck] | None) -> Remedy | Failure:
+        """The tool led around what no bump avoids, on the path with its bumps."""
+        if not _poses_determine(bumper.tool) or bumper.path.degree != 1:
+            return DETOUR, None
+        most = self.bounds.detour
+        changes: list[LocalChange] = []
+        rows = RowsBefore.of(bumper.path, bumper.path, ())
+        if bumped is not None:
+            before, checked = bumped
+            rows = RowsBefore.of(bumper.path, checked.curve, before.changes)
+            bumper = replace(bumper, check=checked, tool=tool_path(checked.robot, checked.task, checked.curve))
+            changes += before.changes
+        stretches = sorted(
+            (stretch for stretch in bumper.check.stretches if stretch.verdict != FREE), key=attrgetter("start")
+        )
+        if len(stretches) > _DETOURS:
+            return DETOUR, (most, [], len(stretches))
+        cores = [bumper.core(stretch, self.clearance) for stretch in stretches]
+        work = Detourer(bumper, most)
+        results = work.find_detours(cores, self.clearance)
+        self.verifier.report(DETOUR, len(results), len(cores))
+        detours = [result for result in results if isinstance(result, Detour)]
+        failed = [(rows.place(bumper.path.place(bumper.spot(result.core))), result.hindrance, result.needed,
+                   result.joints) for result in results if isinstance(result, NoDetour)]  # fmt: skip
+        if failed or not detours:
+            return DETOUR, (most, failed, 0)
+        for change in work.changes(detours):
+            changes.append(replace(change, start=rows.place(change.start), end=rows.place(change.end)))
+        changes.sort(key=attrgetter("start"))
+        trajectory, rest = work.trajectory(detours)
+        off = max(rest[0], *(change.off[0] for change in changes)), max(rest[1], *(change.off[1] for change in changes))
+        proposal = Proposal(("detour", len(detours)), (), trajectory, off, tuple(changes))
+        return self.verifier.first_proven(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
+
+    def change_poses(self) -> Iterator[Remedy | Failure]:
+        """The poses moved around each singularity that they lead through, and the joints along them."""
+        most = self.bounds.detour
+        if DETOUR not in self.kinds or most <= 0.0:
+            return
+        work = PoseDetourer(self.check, most, self.clearance)
+        windows = work.find_windows(partial(self.verifier.report, DETOUR))
+        if isinstance(windows, Blocked):
+            place = work.place_at(windows.place)
+            joints = (windows.joint,) if windows.joint else ()
+            yield DETOUR, (most, [(place, windows.hindrance, windows.needed, joints)], 0)
+            if windows.joint:
+                yield "range", (windows.joint, windows.beyond, self.check.robot)
+            return
+        if not windows:
+            yield DETOUR, (most, [], 0)
+            return
+        proposal = self._pose_proposal(work, windows, "detour")
+        yield self.verifier.first_proven(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
+
+    def change_poses_on_other_branch(self, start: Array) -> Iterator[Remedy]:
+        """The poses followed on another branch from the first one on, and moved around the singularities there.
+
+        Args:
+            start: (n,) the configuration at the first pose.
+        """
+        work = PoseDetourer(self.check, self.bounds.detour, self.clearance)
+        starts = other_branches(given_tool_path(self.check, start))
+        proposals = []
+        for k, other in enumerate(starts):
+            self.verifier.report(DETOUR, k, len(starts))
+            windows = work.find_windows(_unreported, other)
+            if isinstance(windows, Blocked) or not windows:
+                continue
+            proposal = self._pose_proposal(work, windows, "detour elsewhere")
+            proposals.append(replace(proposal, parameters=(joint_values("start", other),)))
+        self.verifier.report(DETOUR, len(starts), len(starts))
+        length = self.check.length_scale
+        proposals.sort(key=lambda proposal: proposal.off[0] / length + proposal.off[1])
+        remedy = self.verifier.first_proven(DETOUR, proposals)
+        if remedy is not None:
+            yield remedy
+
+    def _pose_proposal(self, work: PoseDetourer, windows: list[PoseWindow], how: str) -> Proposal:
+        """The joints along poses that are moved in windows."""
+        still = np.zeros(self.check.robot.n)
+        changes = tuple(
+            LocalChange(work.place_at(window.low), work.place_at(window.high), still, window.off, still)
+            for window in windows
+        )
+        off = max(window.off[0] for window in windows), max(window.off[1] for window in windows)
+        return Proposal((how, len(windows)), (), work.trajectory(), off, changes)
+
+
+def _poses_determine(tool: JointToolPath) -> bool:
+    """Whether poses of the tool determine its task, so that the joints can follow them."""
+    try:
+        tool.aim  # noqa: B018  # refuses a task that poses do not determine
+    except TaskError:
+        return False
+    return True
+
+
+def _unreported(done: int, count: int) -> None:
+    """Progress of a part of the work that is too short to be reported."""
+
+
+def _without(bumps: list[Bump], found: list[Bump], failed: list[NoBump]) -> list[Core]:
+    """Parts of a path that have none of the bumps that are taken."""
+    left_out = [bump.core for bump in found if bump not in bumps]
+    return [failure.core for failure in failed] + left_out
+
+
+def bump_proposals(bumper: Bumper, bumps: list[Bump], clearance: float) -> Iterator[Proposal]:
+    """A path with bumps: the tool brought back to its path where that is better; then as the bumps are."""
+    led = [bumper.lead_aside(bump, clearance) for bump in bumps]
+    if any(bump.twist is not None for bump in led):
+        yield _bump_proposal(bumper, led)
+    yield _bump_proposal(bumper, bumps)
+
+
+def _bump_proposal(bumper: Bumper, bumps: list[Bump]) -> Proposal:
+    """A path with bumps."""
+    path = bumper.path
+    changes = []
+    for bump in sorted(bumps, key=lambda bump: bump.core.low):
+        start, end = (path.place(spot) for spot in bumper.ends(bump))
+        changes.append(LocalChange(start, end, bumper.most_moved(bump), bump.off, np.zeros_like(bump.way)))
+    off = max(bump.off[0] for bump in bumps), max(bump.off[1] for bump in bumps)
+    return Proposal(("bump", len(bumps)), (), bumper.trajectory(bumps), off, tuple(changes))

@@ -66,6 +66,8 @@ _BEFORE = re.compile(r"\(?[ijnk]?-1\)?$")
 _INDEX = re.compile(r"[_{}( ]*[ijnk]?[})]?$")
 _FRAME = re.compile(r"[+\-=─━═╋┼┳┻┏┓┗┛┣┫┌┐└┘├┤┬┴|┃│\s:]+|\\hline|```\w*")
 _BARS = str.maketrans("┃│║&", "||||")
+_CLOSED = re.compile(r"\s*[└┗╚╰]")
+_RULE = re.compile(r"\s*\+[-=+]+\+\s*")
 _AROUND = re.compile(r"^[^|,;\t\d]*?=\s*[\w.]*\(?\s*(?=\[)")
 
 _SPLITS = tuple(map(re.compile, (r"\|", r";", r",", r"\t+", r"\s{2,}", r"\s+")))
@@ -395,32 +397,58 @@ def _unit_of(found: re.Match[str] | None) -> str:
 def _rows_below(lines: list[str], at: int, keys: tuple[str, ...]) -> Iterator[WrittenRow]:
     begun = False
     for number in range(at, len(lines)):
+        if begun and _ends_table(lines, number):
+            return
         line = _AROUND.sub("", lines[number])
         if _FRAME.fullmatch(line) or not line.strip():
             continue
-        cells = _cells(line, len(keys))
-        fits = len(cells) == len(keys) and re.search(r"\d", line) is not None
-        if fits:
+        cells = _cells_of_row(line, len(keys))
+        if cells:
             begun = True
             yield _row_of_cells(dict(zip(keys, cells, strict=True)), number + 1)
         elif begun or _heads(lines[number]) is not None:
             return
 
 
+def _cells_of_row(line: str, count: int) -> list[str]:
+    """The cells of a row, as many as the heading has; empty where the line is no row."""
+    cells = _cells(line, count)
+    if len(cells) == count and re.search(r"\d", line):
+        return cells
+    return []
+
+
+def _ends_table(lines: list[str], number: int) -> bool:
+    """Whether a line closes the frame of a table; the printout may go on with a table of configurations."""
+    if _CLOSED.match(lines[number]):
+        return True
+    return not lines[number].strip() and _RULE.fullmatch(lines[number - 1]) is not None
+
+
 def _cells(line: str, count: int | None) -> list[str]:
-    """The cells of a line, by the first separator that makes as many as are wanted; None: at least three."""
+    """The cells of a line, by the first separator that makes as many as are wanted; None: at least three.
+
+    Where bars stand between cells, nothing else separates them.
+    """
     body = re.sub(r"(?:\\\\|\\hline)\s*$", "", _row_without_comment(line)).translate(_BARS).strip()
     around = "| \t"
     if count is None or "|" not in body:
         around = "|[](){} \t,;"
     body = body.strip(around)
-    for split in _SPLITS:
+    for split in _splits(body):
         cells = [cell.strip(" []{}") for cell in split.split(body)]
         if split.pattern == ";":
             cells = [_DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in cells]
         if len(cells) == count or (count is None and len(cells) >= 3):
             return cells
     return []
+
+
+def _splits(body: str) -> tuple[re.Pattern[str], ...]:
+    """The separators that the cells of a row may have."""
+    if "|" in body:
+        return _SPLITS[:1]
+    return _SPLITS
 
 
 def _row_without_comment(line: str) -> str:

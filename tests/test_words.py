@@ -111,7 +111,7 @@ FOREIGN = {
     **dict.fromkeys(("results/old_files.py", "results/old_sentences.py"), "files of versions up to 0.2"),
     "results/estimate.py": "files of the user",
     "robot/ideal.py": "tolerances of the user",
-    **dict.fromkeys(("robot/dh_rows.py", "robot/dh_text.py"), "tables as they were written"),
+    **dict.fromkeys(("robot/dh_latex.py", "robot/dh_rows.py", "robot/dh_text.py"), "tables as they were written"),
     **dict.fromkeys(("robot/drawing.py", "robot/files.py", "robot/formats.py", "robot/mesh_file.py",
                      "robot/mjcf.py", "robot/open.py", "robot/quantities.py", "robot/screws.py",
                      "robot/shapes.py", "robot/toml_file.py", "robot/tree.py", "robot/urdf.py", "robot/xacro.py"),

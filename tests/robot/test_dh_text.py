@@ -113,6 +113,21 @@ TABLES: dict[str, tuple[str, str, list[Row], str]] = {
               "0 & 0 & 0.0675 & $\\theta_1 + \\pi$ \\\\\n"
               "$\\pi/2$ & -0.0225 & 0 & $\\theta_2$ \\\\\n0 & 0.1131 & 0 & $\\theta_3+\\pi/2$ \\\\\n", "modified",
               THREE, "RRR"),
+    "LaTeX with fractions and lines": (
+        "\\begin{table} Denavit-Hartenberg (modified)\n\\begin{tabular}{|c|c|c|c|c|}\n\\hline\n"
+        "$i$ & $\\alpha_{i-1}$ & $a_{i-1}$ & $d_i$ & $\\theta_i$ \\\\ \\hline\n"
+        "1 & $0^\\circ$ & 0 & $l_1$ & $\\theta_1 + \\dfrac{2\\pi}{2}$ \\\\ \\hline\n"
+        "2 & $\\frac{\\pi}{2}$ & $-l_{2}$ & $0$ & $\\theta_{2}$ \\\\[2pt] \\cline{1-5}\n"
+        "3 & $0$ & 0.1131 & 0 & $\\theta_3^* - \\left(-90^{\\circ}\\right)$ \\\\ \\hline\n\\end{tabular}\n"
+        "with $l_1 = 0.0675$ and $l_2 = 0.0225$.\n", "modified", THREE, "RRR"),
+    "LaTeX in one line": (
+        "\\begin{tabular}{cccc} \\toprule \\textbf{$a_{i-1}$} & $\\alpha_{i-1}\\,[^\\circ]$ & $d_i$ & $\\theta_i$ \\\\ "
+        "\\midrule 0 & 0 & 0.0675 & $q_1+\\frac{2}{2}\\pi$ \\\\ -0.0225 & 90 & 0 & $q_2$ \\\\ 0.1131 & 0 & 0 & "
+        "$q_3 + \\ang{90}$ \\\\ \\bottomrule \\end{tabular}", "modified", THREE, "RRR"),
+    "multiples of π next to degrees": (
+        "modified\na alpha d theta\n0 0 0.0675 q1+pi\n-0.0225 90 0 q2\n0.1131 0 0 q3+90\n", "modified", THREE, "RRR"),
+    "letters in capitals": ("modified\na alpha d theta\n0 0 L1 θ1+π\n-L2 π/2 0 θ2\nL3 0 0 θ3+1π/2\n"
+                            "L1 = 0.0675, L2 = 0.0225, L3 = 0.1131\n", "modified", THREE, "RRR"),
     "decimal commas": ("convention;modified\njoint;a [m];alpha [deg];d [m];theta [deg]\n1;0;0;0,0675;180\n"
                        "2;-0,0225;90;0;0\n3;0,1131;0;0;90\n", "modified", THREE, "RRR"),
     "lengths called d and r": ("j alpha d theta r\n1 0 0 q1+180 0.0675\n2 90 -0.0225 q2 0\n3 0 0.1131 q3+90 0\n",
@@ -201,6 +216,8 @@ def test_the_singularities_are_those_of_the_same_arm_in_the_catalogue(tmp_path: 
         ("L1 = RevoluteDH(a=1,\n    d=0.5\n", r"line 1: a call has no end; got RevoluteDH\("),
         ("L1 = RevoluteDH(a=1, d=0)\nL2 = RevoluteMDH(a=1, d=0)\n", "links are of both conventions"),
         ("modified\na alpha d theta\n0 0 0 q1\n0 0 1 0\n0 0 0 q3\n", "line 5: a row before this one has no"),
+        ("modified\na & alpha & d & theta\n0 & $\\varrho$ & 1 & q1\n", r"LaTeX is not read; got \\varrho; fix: write"),
+        ("modified\na alpha[deg] d theta\n0 pi/2 1 q1\n", r"angle is in doubt; got pi/2 in degrees; fix: .*: pi/2rad"),
         ("0 0 0.1 0\n", "six numbers .*fix: rows of four numbers of a DH table need a heading: a, alpha, d, theta"),
         ("dh = Matrix([[th_1, pi/2, 0, d_1]])\n", "a table has a heading: a, alpha, d, theta"),
     ],
@@ -208,6 +225,15 @@ def test_the_singularities_are_those_of_the_same_arm_in_the_catalogue(tmp_path: 
 def test_what_is_in_doubt_is_refused_with_what_to_write(text: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(RobotError, match=said):
         opened(tmp_path, text)
+
+
+def test_a_name_without_a_number_is_read_after_the_line_that_the_refusal_proposes(tmp_path: Path) -> None:
+    """A proposed fix works: it named commands of LaTeX, "write frac = 0.1"."""
+    text = "modified\n$a_i$ & $\\alpha_i$ & $d_i$ & $\\theta_i$ \\\\\n0 & 0 & $H_1$ & $q_1$ \\\\\n0.5 & 0 & 0 & $q_2$\n"
+    with pytest.raises(RobotError, match=r"line 3, .*got H_1; fix: write .* line of its own: H_1 = 0\.1$") as refused:
+        opened(tmp_path, text)
+    line = refused.value.parts["mend"].rpartition(": ")[2]
+    assert opened(tmp_path, f"{text}{line}\n").home[2, 3] == 0.1
 
 
 def test_a_tool_of_the_text_is_named_as_not_read(tmp_path: Path) -> None:

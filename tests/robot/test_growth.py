@@ -80,6 +80,10 @@ ROBOTS: dict[str, tuple[str, Callable[[int], str]]] = {
     "numbered names": (".py", lambda size: repeated(lambda i: f"a{i % 100} = 1\n", size)),
     "assignments": (".py", lambda size: repeated(lambda i: f"x{i} = x{i - 1}\n", size, "L = Link([0 x1 0 0])\n")),
     "blanks in an assignment": (".py", lambda size: repeated(" ", size, "a", "= 1")),
+    "fractions of LaTeX": (".txt", lambda size: repeated("\\frac{1}{", size, "a & alpha & d & theta\\\\\n")),
+    "blanks of LaTeX": (".txt", lambda size: repeated(" ", size, "a & alpha & d & theta\\\\\n\\frac{1}", "x")),
+    "rows of LaTeX in one line": (".txt", lambda size: repeated(
+        "1 & 0 & 0 & q \\\\", size, "modified\na & \\alpha & d & \\theta\\\\\n")),
     "bars": (".txt", lambda size: repeated("|", size, "alpha", "x")),
     "lines of screws": (".txt", lambda size: repeated("0 0 0 0 0 1\n", size)),
 }  # fmt: skip

@@ -14,17 +14,18 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 
 from rankdrop.errors import RobotError
+from rankdrop.robot.dh_latex import plain_latex, rows_of_line
 
 KEYS = ("a", "alpha", "d", "theta", "offset", "lower", "upper")
 _LONGEST_HEADING = 400  # characters
 _LONGEST_CALL = 600  # characters of the arguments of one call
 _GREEK = str.maketrans({"α": "alpha", "⍺": "alpha", "𝛼": "alpha", "θ": "theta", "ϑ": "theta", "𝜃": "theta", "π": "pi",
-                        "−": "-", "–": "-"})  # fmt: skip
-_LATEX = re.compile(r"\\(pi|alpha|theta)(?![A-Za-z])")
+                        "−": "-", "–": "-",
+                        "∘": "°", "º": "°", "˚": "°"})  # fmt: skip
 
 # Calls of toolboxes
 
@@ -32,8 +33,10 @@ _COMMENT = re.compile(r"[%#].*|//.*")
 _GOES_ON = re.compile(r"\.\.\.\s*$")
 _CALL = re.compile(r"\b(?:(?P<kind>Revolute|Prismatic)(?P<modified>M?)(?:DH)?|(?P<link>Link|link|DHLink))\s*\(")
 _ASSIGNED = re.compile(
-    r"(?:^|[;,{(])\s*(?:(?:double|float|const|self\.)\s*)*(?P<name>[A-Za-z_]\w{0,40})\s*=\s*(?P<value>[^=;,#%\n]{1,80})"
+    r"(?:^|[;,{(&|:]|\b(?:and|where|with)\b)\s*(?:(?:double|float|const|self\.)\s*)*(?P<name>[A-Za-z_]\w{0,40})\s*=\s*"
+    r"(?P<value>(?:(?!\s(?:and|where|with)\s)[^=;,#%\n]){1,80})"
 )
+_END_OF_SENTENCE = re.compile(r"(?<=\d)\.$")
 _TARGET = re.compile(r"(?P<name>[\w.]{1,40}(?:[({\[]\d{1,3}[)}\]])?)\s*=\s*(?:\w{1,20}\.)?$")
 _LATER = re.compile(
     r"(?P<name>[\w.]{1,40}(?:[({\[]\d{1,3}[)}\]])?)\.(?P<key>offset|qlim)\s*=\s*(?P<value>[^;\n]{1,120})"
@@ -64,7 +67,7 @@ _HEADS = (
 _TWIST = re.compile(r"alpha|twist", re.IGNORECASE)
 _BEFORE = re.compile(r"\(?[ijnk]?-1\)?$")
 _INDEX = re.compile(r"[_{}( ]*[ijnk]?[})]?$")
-_FRAME = re.compile(r"[+\-=─━═╋┼┳┻┏┓┗┛┣┫┌┐└┘├┤┬┴|┃│\s:]+|\\hline|```\w*")
+_FRAME = re.compile(r"[+\-=─━═╋┼┳┻┏┓┗┛┣┫┌┐└┘├┤┬┴|┃│\s:]+|```\w*")
 _BARS = str.maketrans("┃│║&", "||||")
 _CLOSED = re.compile(r"\s*[└┗╚╰]")
 _RULE = re.compile(r"\s*\+[-=+]+\+\s*")
@@ -74,7 +77,8 @@ _SPLITS = tuple(map(re.compile, (r"\|", r";", r",", r"\t+", r"\s{2,}", r"\s+")))
 _DECIMAL_COMMA = re.compile(r"^(-?\d+),(\d+)$")
 
 _VARIABLE = re.compile(
-    r"(?:\b(?:q|theta|th|t)_?\{?\d{0,2}\}?(?:\[\d{1,2}\]?)?(?:\(t\))?\*?|\bd_?\{?\d{0,2}\}?\*|\*)(?!\w)"
+    r"(?:\b(?:q|theta|th|t)_?\{?\d{0,2}\}?(?:\[\d{1,2}\]?)?(?:\(t\))?\*?|\bd_?\{?\d{0,2}\}?\*|\*)(?!\w)",
+    re.IGNORECASE,
 )
 _SLIDE = re.compile(r"^q_?\{?\d{0,2}\}?\*?$|\*$|^d_?\{?\d{0,2}\}?\*$")
 
@@ -136,8 +140,7 @@ def table_in(text: str, file: str) -> WrittenTable | None:
     Raises:
         RobotError: two arms, or a row that does not fit.
     """
-    plain = _LATEX.sub(r"\1", text.translate(_GREEK)).replace("$", "")
-    lines = plain.splitlines()
+    lines = plain_latex(text.translate(_GREEK)).replace("$", "").splitlines()
     rows = _of_calls(lines, file) or _of_heading(lines) or _of_named_rows(lines, file)
     return rows or _of_lists(lines) or _of_numbers(lines)
 
@@ -308,7 +311,7 @@ def _constants(lines: list[str]) -> dict[str, str]:
     constants: dict[str, str] = {}
     for line in lines:
         for found in _ASSIGNED.finditer(line):
-            value = found["value"].strip()
+            value = _END_OF_SENTENCE.sub("", found["value"].strip())
             before = constants.get(found["name"])
             if before not in (None, value):
                 value = f"{before} | {value}"
@@ -317,11 +320,14 @@ def _constants(lines: list[str]) -> dict[str, str]:
 
 
 def _of_heading(lines: list[str]) -> WrittenTable | None:
-    for number, line in enumerate(lines):
-        heads = _heads(line)
+    by_line = list(map(rows_of_line, lines))
+    pieces = list(chain.from_iterable(by_line))
+    numbers = [number for number, rows in enumerate(by_line, 1) for _ in rows]
+    for place, piece in enumerate(pieces):
+        heads = _heads(piece)
         if heads is None:
             continue
-        rows = tuple(_rows_below(lines, number + 1, heads.keys))
+        rows = tuple(replace(row, line=numbers[row.line - 1]) for row in _rows_below(pieces, place + 1, heads.keys))
         if rows:
             return WrittenTable(rows, heads.convention, heads.units, constants=_constants(lines))
     return None
@@ -430,7 +436,7 @@ def _cells(line: str, count: int | None) -> list[str]:
 
     Where bars stand between cells, nothing else separates them.
     """
-    body = re.sub(r"(?:\\\\|\\hline)\s*$", "", _row_without_comment(line)).translate(_BARS).strip()
+    body = re.sub(r"\\\\\s*$", "", _row_without_comment(line)).translate(_BARS).strip()
     around = "| \t"
     if count is None or "|" not in body:
         around = "|[](){} \t,;"
@@ -462,7 +468,7 @@ def _row_without_comment(line: str) -> str:
 def _row_of_cells(cells: dict[str, str], line: int) -> WrittenRow:
     entries = {key: cell for key, cell in cells.items() if key}
     slides = bool(_SLIDE.search(entries.get("d", "").lower()))
-    varies = slides or bool(_VARIABLE.search(entries.get("theta", "q").lower()))
+    varies = slides or bool(_VARIABLE.search(entries.get("theta", "q")))
     for key in ("theta", "d"):
         if key in entries:
             entries[key] = _constant_part(entries[key])
@@ -471,7 +477,7 @@ def _row_of_cells(cells: dict[str, str], line: int) -> WrittenRow:
 
 def _constant_part(cell: str) -> str:
     """The part of a cell that is added to the joint variable: "- 90°" of "q2 - 90°"; all of it where it has none."""
-    rest = _VARIABLE.sub("", cell.lower(), count=1).strip().rstrip("+").strip()
+    rest = _VARIABLE.sub("", cell, count=1).strip().rstrip("+").strip()
     return rest or "0"
 
 
@@ -572,6 +578,6 @@ def _numbered_row(found: Mapping[str, Mapping[int, tuple[str, int]]], number: in
     entries = {key: found[key][place][0] for key, place in at.items() if place in found.get(key, {})}
     varies = None
     if "theta" in entries:
-        varies = bool(_VARIABLE.search(entries["theta"].lower()))
+        varies = bool(_VARIABLE.search(entries["theta"]))
         entries["theta"] = _constant_part(entries["theta"])
     return WrittenRow(entries, found["d"][number][1], varies=varies)

@@ -31,6 +31,9 @@ _PLACED = re.compile(r"\b(?:tool|base)\b[^\n]{0,12}(?:=|SE3|transl|\bt =)|['\"](
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?!\w)")
 _CELL_UNIT = re.compile(r"(?<=[\d.)i])\s*(?P<unit>mm|cm|m|deg|°|rad)$")
 _BEHIND = re.compile(r"(?<=[\d.)])\s*(?:deg\b|°)")
+_TIMES_PI = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)pi\b")
+_PI = re.compile(r"\bpi\b|(?<=\d)pi\b|\bM_PI")
+_COMMAND = re.compile(r"\\[A-Za-z]+")
 _ONE_DEGREE = dict.fromkeys(("deg", "deg2rad", "d2r", "dtr", "degree"), "pi/180")  # where the text does not say it
 _LARGEST_ARM = 10.0  # [m]: an arm of larger numbers is in mm, or in cm
 _LEAST_MILLIMETRES = 50.0  # the longest link of an arm is longer; a table in cm has smaller numbers
@@ -147,7 +150,10 @@ class _Reader:
             body, stated = body[: unit.start()], unit["unit"].replace("°", "deg")
         if measure == "length":
             return self._number(body, f"{where}, {key}") * _LENGTHS.get(stated, _LENGTHS[self.length])
-        if (stated or self.angle) == "deg":
+        if stated == "deg" and _in_radians(body):
+            raise RobotError("the unit of the angle is in doubt", where=f"{where}, {key}", got=f"{body} in degrees",
+                             mend="write degrees, 90, or the unit behind it: pi/2rad")  # fmt: skip
+        if (stated or self.angle) == "deg" and not _in_radians(body):
             return quantity(f"{self._number(body, f'{where}, {key}'):.17g} deg", "angle", where=f"{where}, {key}")
         return self._radians(body, f"{where}, {key}")
 
@@ -163,7 +169,11 @@ class _Reader:
         Raises:
             RobotError: a name without a value or with two, or no arithmetic.
         """
-        plain = _BEHIND.sub("*pi/180", with_plain_constants(text or "0"))
+        plain = _TIMES_PI.sub(r"\1*pi", _BEHIND.sub("*pi/180", with_plain_constants(text or "0")))
+        command = _COMMAND.search(plain)
+        if command is not None:
+            raise RobotError("this command of LaTeX is not read", where=where, got=command[0],
+                             mend="write the number, or plain signs: (pi/2), 90°, sqrt(2)")  # fmt: skip
 
         def value(name: re.Match[str]) -> str:
             if name[0] in _FUNCTIONS:
@@ -177,7 +187,7 @@ class _Reader:
             return self.values[name]
         written = self.table.constants.get(name, _ONE_DEGREE.get(name))
         if written is None or depth >= _DEEPEST:
-            raise RobotError("the text gives this name no number", where=where, got=name, mend=f"write {name} = 0.1")
+            raise _without_number(name, where)
         if " | " in written:
             raise RobotError("the text gives this name two values", where=where, got=f"{name} = {written}",
                              mend="keep one of them")  # fmt: skip
@@ -232,6 +242,16 @@ class _Reader:
             raise RobotError("the unit of the angles is in doubt", where=self.file, got=f"{largest:g}",
                              allowed="rad or deg", mend="name the unit in the heading: alpha [deg]")  # fmt: skip
         return "rad"
+
+
+def _in_radians(entry: str) -> bool:
+    """Whether an angle is a multiple of π, and not one that is converted to degrees."""
+    return _PI.search(entry) is not None and "180" not in entry
+
+
+def _without_number(name: str, where: str) -> RobotError:
+    return RobotError("the text gives this name no number", where=where, got=name,
+                      mend=f"write the number, or a line of its own: {name} = 0.1")  # fmt: skip
 
 
 def _whole(number: float) -> bool:

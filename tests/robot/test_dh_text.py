@@ -124,6 +124,25 @@ TABLES: dict[str, tuple[str, str, list[Row], str]] = {
         "\\begin{tabular}{cccc} \\toprule \\textbf{$a_{i-1}$} & $\\alpha_{i-1}\\,[^\\circ]$ & $d_i$ & $\\theta_i$ \\\\ "
         "\\midrule 0 & 0 & 0.0675 & $q_1+\\frac{2}{2}\\pi$ \\\\ -0.0225 & 90 & 0 & $q_2$ \\\\ 0.1131 & 0 & 0 & "
         "$q_3 + \\ang{90}$ \\\\ \\bottomrule \\end{tabular}", "modified", THREE, "RRR"),
+    "a slide called d2": (
+        "DH (standard)\nlink, theta, d, a, alpha\n1, t1, 0.4, 0, 90\n2, 0, d2, 0, -90\n3, 30, 0.1 + d_3, 0.3, 0\n"
+        "4, t4, l, 0, 0\nl = 0.2\n", "standard",
+        [(0, H, 0.4, 0), (0, -H, 0, 0), (0.3, 0, 0.1, pi / 6), (0, 0, 0.2, 0)], "RPPR"),
+    "units behind named numbers": (
+        "| i | α(i−1) | a(i−1) | d(i) | θ(i) |\n|---|---|---|---|---|\n| 1 | 0 | 0 | d1 | θ1 + b |\n"
+        "| 2 | −c | −a2 | 0 | θ2 |\n| 3 | 0 | 2*a3 + 100*a2/1 - 100*a2 | 0 | 90° + θ3 |\n"
+        "a2 = 22.5 mm\na3 = 5.655 cm, d1 = 0.0675 m, b = 180 deg, c = -90°\n", "modified", THREE, "RRR"),
+    "names with a unit in a table of degrees": (
+        "standard\na [mm] alpha [deg] d [mm] theta [deg]\n0 h l1 q1\n-l2 0 0 q2\nl1 = 0.5 m, h = pi/2, l2=25 cm\n",
+        "standard", [(0, H, 0.5, 0), (-0.25, 0, 0, 0)], "RR"),
+    "lists as the calibration of a UR is printed": (  # of Universal_Robots_Client_Library, KinematicsInfo
+        "standard DH, m, rad\ndh_theta: [0 0.5 -0.25 ]\n\ndh_a: [0.0002 -0.0566 0.1 ]\n\n"
+        "dh_d: [0.0888 5.7425 -5.0736 ]\n\ndh_alpha: [1.5703 -0.0007 0 ]\n", "standard",
+        [(0.0002, 1.5703, 0.0888, 0), (-0.0566, -0.0007, 5.7425, 0.5), (0.1, 0, -5.0736, -0.25)], "RRR"),
+    "lists with a suffix": (  # OstermD/EAIK#15
+        "# standard DH, all in m and rad\nalpha_test = np.array([-np.pi/2, 0.5])\na_test = np.array([11, 12])\n"
+        "d_test = np.array([0.0, 0.9954])\n# a_test = np.array([1, 2])\n", "standard",
+        [(11, -H, 0, 0), (12, 0.5, 0.9954, 0)], "RR"),
     "multiples of π next to degrees": (
         "modified\na alpha d theta\n0 0 0.0675 q1+pi\n-0.0225 90 0 q2\n0.1131 0 0 q3+90\n", "modified", THREE, "RRR"),
     "letters in capitals": ("modified\na alpha d theta\n0 0 L1 θ1+π\n-L2 π/2 0 θ2\nL3 0 0 θ3+1π/2\n"
@@ -186,6 +205,37 @@ def test_configurations_below_a_printed_table_are_no_rows(
     assert np.array_equal(whole.home, alone.home)
 
 
+def test_fixed_rows_before_the_first_joint_are_the_base(tmp_path: Path, rng: np.random.Generator) -> None:
+    """Kinova's tables of the Gen3 begin with "0 (from base)": its tip is that of the arm below the fixed transform."""
+    rows: list[Row] = [(0, H, -0.2848, 0), (0.1, H, -0.0118, pi), (0, pi, -0.1674, pi)]
+    head = "Kinova, classical DH\ni | alpha_i (rad) | a_i (m) | d_i (m) | theta_i (rad)\n"
+    joints = ["1 | pi/2 | 0.0 | -(0.1564 + 0.1284) | q1", "2 | pi/2 | 0.1 | -(0.0054 + 0.0064) | q2 + pi",
+              "3 (to interface) | pi | 0.0 | -0.1674 | q3 + pi"]  # fmt: skip
+    arm = opened(tmp_path, head + "\n".join(["0 (from base) | pi | 0.0 | 0.0 | 0", *joints]))
+    assert [joint.name for joint in arm.joints] == ["joint1", "joint2", "joint3"]
+    for q in rng.uniform(-1.0, 1.0, (3, 3)):
+        assert np.abs(pose(arm, q) - turned(0, pi) @ tip(rows, q, "standard", "RRR")).max() < 1e-12
+
+
+def test_a_joint_that_is_taken_for_a_slide_is_named_in_a_note(tmp_path: Path) -> None:
+    notes = [str(note) for note in opened(tmp_path, TABLES["a slide called d2"][0]).notes]
+    assert any("joint 'joint2' slides: no number is given for d2" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "change"),
+    [("standard\na alpha d theta\n0.001 90 574.2 0\n", ("standard", "standard, lengths in cm")),
+     ("standard\na alpha d theta\n0.001 90 574.2 0\n", ("standard\na ", "standard\na [cm] ")),
+     ("standard, rad\na alpha d theta\n0 90 1 q1\n", ("90", "90deg")),
+     ("a=[1]\nd=[0]\nalpha=[0]\n", ("a=[1]", "standard\na=[1]")),
+     ("standard\na alpha d theta\n0 0 0 q1\n0 0 1 0\n0 0 0 q3\n", ("0 0 1 0", "0 0 1 q2"))],
+)  # fmt: skip
+def test_a_text_is_read_after_the_fix_of_its_refusal(text: str, change: tuple[str, str], tmp_path: Path) -> None:
+    with pytest.raises(RobotError):
+        opened(tmp_path, text)
+    opened(tmp_path, text.replace(*change, 1))
+
+
 def test_limits_are_read_in_the_unit_of_the_form(tmp_path: Path) -> None:
     arm = opened(tmp_path, PRINTED)
     assert [(joint.lower, joint.upper) for joint in arm.joints[:2]] == [(-0.33, 0.33)] * 2
@@ -209,13 +259,23 @@ def test_the_singularities_are_those_of_the_same_arm_in_the_catalogue(tmp_path: 
         ("L(1) = Link([0 0.1 0 90]);\n", r"many turns in radians; got 90; fix: write pi/2"),
         ("standard, angles in degrees\na,alpha,d,theta\n0,1,0.1,0\n", "unit of the angles is in doubt; got 1"),
         ("modified\na,alpha,d,theta\n0,10,0.1,0\n", "unit of the angles is in doubt; got 10"),
-        ("standard\na,alpha,d,theta\n43.18,90,0,0\n2,0,12.5,0\n", "unit of the lengths is in doubt; got 43.18 at most"),
+        ("standard\na,alpha,d,theta\n43.18,90,0,0\n2,0,12.5,0\n", "lengths is in doubt; got 2 at least, 43.18 at most"),
         ("a2 = 0.25;\na2 = 0.26;\nL1 = Link('d',0,'a',a2,'alpha',0);\n", r"line 3, .*two values; got .* 0.25 \| 0.26"),
         ("L = [RevoluteDH(a=a[i], alpha=0, d=0)]\n", "gives this name no number; got a"),
         ("L1 = Link('d',0,'a',1,'alpha',0);\nL1 = Link('d',0,'a',2,'alpha',0);\n", "two arms; got L1 again"),
         ("L1 = RevoluteDH(a=1,\n    d=0.5\n", r"line 1: a call has no end; got RevoluteDH\("),
         ("L1 = RevoluteDH(a=1, d=0)\nL2 = RevoluteMDH(a=1, d=0)\n", "links are of both conventions"),
-        ("modified\na alpha d theta\n0 0 0 q1\n0 0 1 0\n0 0 0 q3\n", "line 5: a row before this one has no"),
+        ("modified\na alpha d theta\n0 0 0 q1\n0 0 1 0\n0 0 0 q3\n", "line 4: the row has no joint .*fix: .*q2"),
+        ("standard\nlink a alpha d theta\n1 0 0 0.1 0\n2 0 90 0 q2\n", "line 3: the row has no joint .*fix: .*q1"),
+        ("standard\ni,theta,d,a,alpha\n1,0,d1,0,90\n2,0,d2,1,0\nd1 = 0.1\n", "line 3: the row has no joint variable"),
+        ("standard\ni,theta,d,a,alpha\n1,q1,d1,0,90\n", "gives this name no number; got d1"),
+        ("standard\ni,theta,d,a,alpha\n1,q1,1,0,90\ntool,0,d2,0,0\n", "gives this name no number; got d2"),
+        ("standard\na alpha d theta\nb 90 0 q1\nb = 90 deg\n", "line 3, row 1, a, b: the unit does not fit"),
+        ("standard, in m\nall in mm\na alpha d theta\n0 0 1 q1\n", "unit of the lengths is in doubt; got m and mm"),
+        ("standard\na alpha d theta\n0.001 90 574.2 0\n0.4 0 0 0\n", "in doubt; got 0.001 at least, 574.2 at most"),
+        ("standard, rad\na alpha d theta\n0 90 1 q1\n", "unit of the angles is in doubt; got 90"),
+        ("standard\na_x=[1]\nd_x=[0]\nalpha_x=[0]\na_y=[1]\nd_y=[0]\nalpha_y=[0]\n", "two arms; got 2 lists of alpha"),
+        ("standard\na=[1]\nd=[0]\nalpha=[0]\na=[2]\n", "the file has two arms; got a again"),
         ("modified\na & alpha & d & theta\n0 & $\\varrho$ & 1 & q1\n", r"LaTeX is not read; got \\varrho; fix: write"),
         ("modified\na alpha[deg] d theta\n0 pi/2 1 q1\n", r"angle is in doubt; got pi/2 in degrees; fix: .*: pi/2rad"),
         ("0 0 0.1 0\n", "six numbers .*fix: rows of four numbers of a DH table need a heading: a, alpha, d, theta"),

@@ -21,6 +21,7 @@ from rankdrop.errors import RobotError
 from rankdrop.robot.dh_latex import plain_latex, rows_of_line
 
 KEYS = ("a", "alpha", "d", "theta", "offset", "lower", "upper")
+_LABEL = "label"  # the key of a first column that is none of these
 _LONGEST_HEADING = 400  # characters
 _LONGEST_CALL = 600  # characters of the arguments of one call
 _GREEK = str.maketrans({"α": "alpha", "⍺": "alpha", "𝛼": "alpha", "θ": "theta", "ϑ": "theta", "𝜃": "theta", "π": "pi",
@@ -55,6 +56,7 @@ _CONVERTED = re.compile(r"^(?:\w{1,20}\.)?(?:deg2rad|radians|d2r)\((?P<pair>.*)\
 # A table with a heading
 
 _UNIT = re.compile(r"[(\[{]\s*(?P<unit>mm|cm|m|deg(?:rees?)?|°|rad(?:ians?)?)\s*(?:[)\]}]|$)", re.IGNORECASE)
+_BEFORE_UNIT = re.compile(r"(?<=\w)[ \t]+(?=[(\[](?:mm|cm|m|deg|°|rad)[)\]])", re.IGNORECASE)
 _HEADS = (
     ("alpha", re.compile(r"(?:link\s?)?(?:alpha|twist)(?:\s?angle)?")),
     ("offset", re.compile(r"(?:theta)?(?:off(?:set)?|0)")),
@@ -80,6 +82,8 @@ _VARIABLE = re.compile(
     r"(?:\b(?:q|theta|th|t)_?\{?\d{0,2}\}?(?:\[\d{1,2}\]?)?(?:\(t\))?\*?|\bd_?\{?\d{0,2}\}?\*|\*)(?!\w)",
     re.IGNORECASE,
 )
+_DISTANCE = re.compile(r"(?:^|.*\+)\s*(?P<name>[dD]_?\d{1,2})\s*(?:[-+].*)?")
+_NO_JOINT = re.compile(r"\b(?:tool|tcp|ee|end|tip|flange|gripper|hand|interface|fixed)\b", re.IGNORECASE)
 _SLIDE = re.compile(r"^q_?\{?\d{0,2}\}?\*?$|\*$|^d_?\{?\d{0,2}\}?\*$")
 
 # Names in each row, lists and numbered names
@@ -93,8 +97,12 @@ _NAMED_KIND = re.compile(
 )
 _TURNING = frozenset(("r", "revolute", "rotary", "rotational", "0", "false"))
 
-_LIST = re.compile(r"(?:^|[\s.;])(?P<name>[A-Za-z]\w{0,30})\s*=\s*[\w.]*\(?\s*[\[{](?P<items>[^\[\]{}]{1,2000})[\]}]")
-_NAMED_LIST = re.compile(r"(?:dh_?)?(?P<key>(?:alpha|a|d|theta|theta_offset|offset)s?)\b(?:_?dh)?")
+_LIST = re.compile(
+    r"(?:^|[\s.;,{\"'])(?P<name>[A-Za-z]\w{0,30})[\"']?\s*[=:]\s*[\w.]*\(?\s*[\[{](?P<items>[^\[\]{}]{1,2000})[\]}]"
+)
+_NAMED_LIST = re.compile(
+    r"(?:(?P<before>\w{1,20}?)_|dh)??(?P<key>theta_offset|alpha|theta|offset|a|d)s?(?:_(?P<after>\w{1,20}))?"
+)
 _NUMBERED = re.compile(
     r"(?<!\w)(?P<key>alpha|a|d|q|theta|th|offset)_?(?P<number>\d{1,2})\s*[=:]\s*(?P<value>[^=;,:#%\n{}]{1,60})"
 )
@@ -107,12 +115,18 @@ class WrittenRow:
     Attributes:
         slides: its d is the joint variable.
         varies: an entry names the joint variable; None where the form does not write it.
+        variable: that name; "" where there is none.
+        label: the cell in front of the entries: the number or the name of the link.
+        assumed: the variable is a name that may be a length too: d2, without a number.
     """
 
     entries: Mapping[str, str]
     line: int
     slides: bool = False
     varies: bool | None = None
+    variable: str = ""
+    label: str = ""
+    assumed: bool = False
 
 
 @dataclass(frozen=True)
@@ -142,7 +156,7 @@ def table_in(text: str, file: str) -> WrittenTable | None:
     """
     lines = plain_latex(text.translate(_GREEK)).replace("$", "").splitlines()
     rows = _of_calls(lines, file) or _of_heading(lines) or _of_named_rows(lines, file)
-    return rows or _of_lists(lines) or _of_numbers(lines)
+    return rows or _of_lists(lines, file) or _of_numbers(lines)
 
 
 def is_table(text: str) -> bool:
@@ -323,13 +337,16 @@ def _of_heading(lines: list[str]) -> WrittenTable | None:
     by_line = list(map(rows_of_line, lines))
     pieces = list(chain.from_iterable(by_line))
     numbers = [number for number, rows in enumerate(by_line, 1) for _ in rows]
+    constants = _constants(lines)
     for place, piece in enumerate(pieces):
         heads = _heads(piece)
         if heads is None:
             continue
-        rows = tuple(replace(row, line=numbers[row.line - 1]) for row in _rows_below(pieces, place + 1, heads.keys))
+        keys = (heads.keys[0] or _LABEL, *heads.keys[1:])
+        below = _rows_below(pieces, place + 1, keys, constants)
+        rows = tuple(replace(row, line=numbers[row.line - 1]) for row in below)
         if rows:
-            return WrittenTable(rows, heads.convention, heads.units, constants=_constants(lines))
+            return WrittenTable(rows, heads.convention, heads.units, constants=constants)
     return None
 
 
@@ -346,7 +363,7 @@ def _heads(line: str) -> _Heads | None:
     """The heading in a line; None where it names no a, alpha and d."""
     if len(line) > _LONGEST_HEADING or _TWIST.search(line) is None:
         return None
-    cells = _cells(_AROUND.sub("", line.lstrip("#%/* ")), None)
+    cells = _cells(_BEFORE_UNIT.sub("", _AROUND.sub("", line.lstrip("#%/* "))), None)
     read = [_head(cell) for cell in cells]
     keys = [key for key, _, _ in read]
     if _named_r(cells) and "a" not in keys:
@@ -400,7 +417,9 @@ def _unit_of(found: re.Match[str] | None) -> str:
     return {"°": "deg"}.get(word, word)
 
 
-def _rows_below(lines: list[str], at: int, keys: tuple[str, ...]) -> Iterator[WrittenRow]:
+def _rows_below(
+    lines: list[str], at: int, keys: tuple[str, ...], constants: Mapping[str, str]
+) -> Iterator[WrittenRow]:
     begun = False
     for number in range(at, len(lines)):
         if begun and _ends_table(lines, number):
@@ -411,7 +430,7 @@ def _rows_below(lines: list[str], at: int, keys: tuple[str, ...]) -> Iterator[Wr
         cells = _cells_of_row(line, len(keys))
         if cells:
             begun = True
-            yield _row_of_cells(dict(zip(keys, cells, strict=True)), number + 1)
+            yield _row_of_cells(dict(zip(keys, cells, strict=True)), number + 1, constants)
         elif begun or _heads(lines[number]) is not None:
             return
 
@@ -419,7 +438,7 @@ def _rows_below(lines: list[str], at: int, keys: tuple[str, ...]) -> Iterator[Wr
 def _cells_of_row(line: str, count: int) -> list[str]:
     """The cells of a row, as many as the heading has; empty where the line is no row."""
     cells = _cells(line, count)
-    if len(cells) == count and re.search(r"\d", line):
+    if len(cells) == count and re.search(r"\d", line) and "=" not in line:
         return cells
     return []
 
@@ -465,14 +484,34 @@ def _row_without_comment(line: str) -> str:
     return bare
 
 
-def _row_of_cells(cells: dict[str, str], line: int) -> WrittenRow:
-    entries = {key: cell for key, cell in cells.items() if key}
-    slides = bool(_SLIDE.search(entries.get("d", "").lower()))
-    varies = slides or bool(_VARIABLE.search(entries.get("theta", "q")))
+def _row_of_cells(cells: Mapping[str, str], line: int, constants: Mapping[str, str]) -> WrittenRow:
+    entries = {key: cell for key, cell in cells.items() if key in KEYS}
+    label = cells.get(_LABEL, "")
+    variable = _VARIABLE.search(entries.get("theta", "q"))
+    distance = entries.get("d", "")
+    slides = bool(_SLIDE.search(distance.lower()))
+    if slides:
+        variable = _VARIABLE.search(distance)
     for key in ("theta", "d"):
         if key in entries:
             entries[key] = _constant_part(entries[key])
-    return WrittenRow(entries, line, slides, varies)
+    if variable is not None:
+        return WrittenRow(entries, line, slides, True, variable[0], label)
+    name = _name_of_slide(distance, constants, label)
+    if name:
+        entries["d"] = distance.replace(name, "0", 1)
+    return WrittenRow(entries, line, bool(name), bool(name), name, label, assumed=bool(name))
+
+
+def _name_of_slide(distance: str, constants: Mapping[str, str], label: str) -> str:
+    """The name in the column d of a row with a constant theta that no number is given for: its joint slides.
+
+    "" where there is none, and in the row of a tool.
+    """
+    found = _DISTANCE.fullmatch(distance.strip())
+    if found is None or found["name"] in constants or _NO_JOINT.search(label):
+        return ""
+    return found["name"]
 
 
 def _constant_part(cell: str) -> str:
@@ -483,6 +522,7 @@ def _constant_part(cell: str) -> str:
 
 def _of_named_rows(lines: list[str], file: str) -> WrittenTable | None:
     code = _code_of(lines)
+    constants = _constants(code.splitlines())
     rows: list[WrittenRow] = []
     short: list[int] = []  # lines of rows without a, alpha or d
     lists = 1
@@ -491,13 +531,13 @@ def _of_named_rows(lines: list[str], file: str) -> WrittenTable | None:
         cells = {item["key"]: item["value"].strip() for item in _NAMED_ENTRY.finditer(row.items)}
         if cells.keys() >= {"a", "alpha", "d"}:
             _refuse_slide(row, file)
-            rows.append(_row_of_cells(cells, row.line))
+            rows.append(_row_of_cells(cells, row.line, constants))
         elif "alpha" in cells:
             short.append(row.line)
     if len(rows) < 2:
         return None
     _refuse_doubtful_rows(short, lists, file)
-    return WrittenTable(tuple(rows), constants=_constants(code.splitlines()))
+    return WrittenTable(tuple(rows), constants=constants)
 
 
 @dataclass(frozen=True)
@@ -538,24 +578,38 @@ def _refuse_doubtful_rows(short: list[int], lists: int, file: str) -> None:
         raise RobotError("the row has not each of a, alpha and d", where=f"{file}, line {short[0]}",
                          mend="write all three, 0 for none")  # fmt: skip
     if lists > 1:
-        raise RobotError("the file has two arms", where=file, got=f"rows in {lists} lists",
-                         mend="keep the rows of one arm")  # fmt: skip
+        raise _two_arms(file, f"rows in {lists} lists")
 
 
-def _of_lists(lines: list[str]) -> WrittenTable | None:
+def _of_lists(lines: list[str], file: str) -> WrittenTable | None:
     code = _code_of(lines)
-    lists: dict[str, list[str]] = {}
+    arms: dict[tuple[str | None, str | None], dict[str, list[str]]] = {}
     for found in _LIST.finditer(code):
         name = _NAMED_LIST.fullmatch(found["name"].lower())
         if name is not None:
-            key = {"theta_offset": "offset"}.get(name["key"].rstrip("s"), name["key"].rstrip("s"))
-            lists[key] = [item for item in re.split(r"\s*[,;]\s*|\s+", found["items"].strip()) if item]
-    sizes = {len(items) for items in lists.values()}
-    if not lists.keys() >= {"a", "alpha", "d"} or len(sizes) != 1:
+            lists = arms.setdefault((name["before"], name["after"]), {})
+            key = name["key"].replace("theta_", "")
+            items = [item for item in re.split(r"\s*[,;]\s*|\s+", found["items"].strip(" \t\r\n,;")) if item]
+            if lists.setdefault(key, items) != items:
+                raise _two_arms(file, f"{found['name']} again")
+    whole = [lists for lists in arms.values() if _is_whole(lists)]
+    if not whole:
         return None
+    if len(whole) > 1:
+        raise _two_arms(file, f"{len(whole)} lists of alpha")
+    lists = whole[0]
     entries = zip(*lists.values(), strict=True)
     rows = tuple(WrittenRow(dict(zip(lists, values, strict=True)), 1) for values in entries)
     return WrittenTable(rows, constants=_constants(code.splitlines()))
+
+
+def _is_whole(lists: Mapping[str, list[str]]) -> bool:
+    """Whether there are all parameters, each for every joint."""
+    return lists.keys() >= {"a", "alpha", "d"} and len(set(map(len, lists.values()))) == 1
+
+
+def _two_arms(file: str, got: str) -> RobotError:
+    return RobotError("the file has two arms", where=file, got=got, mend="keep the rows of one arm")
 
 
 def _of_numbers(lines: list[str]) -> WrittenTable | None:

@@ -8,14 +8,17 @@ that the text gives a value.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import reduce
-from math import inf, pi
+from math import inf
 
 import numpy as np
 
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import CONVENTIONS, DHRow, from_dh
 from rankdrop.robot.dh_rows import WrittenRow, WrittenTable, table_in
+from rankdrop.robot.dh_units import LENGTHS, UNITS, Unit, angle_unit, length_unit
 from rankdrop.robot.joint_text import with_plain_constants
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
 from rankdrop.robot.note import NoteOn, RobotNote
@@ -25,8 +28,6 @@ from rankdrop.robot.transform import rotation, times, translation
 
 _STANDARD = re.compile(r"\b(?:standard|std[_ ]?dh|sdh|classic(?:al)?|distal)\b|\bRevoluteDH\b", re.IGNORECASE)
 _MODIFIED = re.compile(r"\b(?:modified|mod[_ ]?dh|mdh|craig|proximal|khalil)\b|\bm_?dh|\bRevoluteMDH\b", re.IGNORECASE)
-_LENGTH_UNIT = re.compile(r"\b(?:lengths?|units?|dimensions)\b[^\n]{0,20}?\b(mm|cm|m)\b", re.IGNORECASE)
-_DEGREES = re.compile(r"\b(?:degrees?|deg)\b", re.IGNORECASE)
 _PLACED = re.compile(r"\b(?:tool|base)\b[^\n]{0,12}(?:=|SE3|transl|\bt =)|['\"](?:tool|base)['\"]", re.IGNORECASE)
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?!\w)")
 _CELL_UNIT = re.compile(r"(?<=[\d.)i])\s*(?P<unit>mm|cm|m|deg|°|rad)$")
@@ -35,11 +36,10 @@ _TIMES_PI = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)pi\b")
 _PI = re.compile(r"\bpi\b|(?<=\d)pi\b|\bM_PI")
 _COMMAND = re.compile(r"\\[A-Za-z]+")
 _ONE_DEGREE = dict.fromkeys(("deg", "deg2rad", "d2r", "dtr", "degree"), "pi/180")  # where the text does not say it
-_LARGEST_ARM = 10.0  # [m]: an arm of larger numbers is in mm, or in cm
-_LEAST_MILLIMETRES = 50.0  # the longest link of an arm is longer; a table in cm has smaller numbers
-_MOST_RADIANS = 2 * pi + 0.01
 _DEEPEST = 20  # names in the values of names
-_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+_ALLOWED_UNITS = {"length": "m, cm, mm", "angle": "deg, rad"}
+_DIGITS = re.compile(r"\d+")
+_BASE = re.compile(r"^0\b|\b(?:base|world|fixed)\b", re.IGNORECASE)
 _FUNCTIONS = frozenset(("sqrt", "pi"))
 _NAMED = ("none is named", "both are named")
 
@@ -65,9 +65,9 @@ def from_dh_text(text: str, *, file: str, name: str, as_written: bool = False) -
     angles = Angles(as_written)
     convention = table.convention or _convention(text, file)
     read = _Reader(table, text, file, angles)
-    rows, tool = read.rows(convention)
+    rows, base, tool = read.rows(convention)
     described = {"name": name, "source": Source("dh", file), "notes": read.notes(convention)}
-    robot = from_dh(rows, convention=convention, tool=tool, **described)  # type: ignore[arg-type]
+    robot = from_dh(rows, convention=convention, base=base, tool=tool, **described)  # type: ignore[arg-type]
     return as_intended(robot, angles)
 
 
@@ -90,43 +90,60 @@ class _Reader:
 
     def __init__(self, table: WrittenTable, text: str, file: str, angles: Angles) -> None:
         self.table, self.text, self.file, self.angles = table, text, file, angles
-        self.values: dict[str, float] = {}
-        self.length, self.angle = self._length_unit(), self._angle_unit()
+        self.values: dict[tuple[str, Unit | None], float] = {}
+        self.length = length_unit(table, text, file, self._sizes(("a", "d")))
+        self.angle = angle_unit(table, text, file, self._sizes(("alpha", "theta")))
 
-    def rows(self, convention: str) -> tuple[list[DHRow], Array]:
-        """Rows in m and rad; the tool that fixed rows at the end are.
+    def rows(self, convention: str) -> tuple[list[DHRow], Array, Array]:
+        """Rows in m and rad; the base and the tool that fixed rows in front of the joints and behind them are.
 
         Raises:
-            RobotError: a fixed row before a joint.
+            RobotError: a fixed row between joints, or one that may be a joint.
         """
-        rows: list[DHRow] = []
-        fixed: list[Array] = []
-        mixed = any(row.varies for row in self.table.rows)
-        for number, written in enumerate(self.table.rows, 1):
-            row = self._row(written, number)
-            if mixed and written.varies is False:
-                fixed.append(_link(row, convention))
-            elif fixed:
-                raise RobotError("a row before this one has no joint variable", mend="name it there: q1",
-                                 where=f"{self.file}, line {written.line}",
-                                 allowed="rows without a variable behind the last joint")  # fmt: skip
-            else:
-                rows.append(row)
-        return rows, reduce(times, fixed, np.eye(4))
+        rows = [self._row(written, number) for number, written in enumerate(self.table.rows, 1)]
+        moving = [place for place, written in enumerate(self.table.rows) if written.varies is not False]
+        if not any(written.varies for written in self.table.rows):
+            return rows, np.eye(4), np.eye(4)
+        first, last = moving[0], moving[-1]
+        self._refuse_fixed_rows(first, last)
+        base, tool = (_links(fixed, convention) for fixed in (rows[:first], rows[last + 1 :]))
+        joints = [replace(row, name=f"joint{number}") for number, row in enumerate(rows[first : last + 1], 1)]
+        return joints, base, tool
+
+    def _refuse_fixed_rows(self, first: int, last: int) -> None:
+        """Refuse fixed rows between the first and the last joint, and in front of them where one may be a joint."""
+        start = 0
+        if self._is_base(first):
+            start = first
+        for place, written in enumerate(self.table.rows[start:last], start):
+            if written.varies is False:
+                raise RobotError("the row has no joint variable", where=f"{self.file}, line {written.line}",
+                                 allowed="fixed rows behind the last joint; with the number 0 in front of the first",
+                                 mend=f"name the variable, in theta or for a slide in d: q{place + 1}")  # fmt: skip
+
+    def _is_base(self, first: int) -> bool:
+        """Whether the rows before the first joint are fixed beyond doubt, by its number or by their names."""
+        number = _DIGITS.search(self.table.rows[first].variable)
+        if number is not None:
+            return int(number[0]) < first + 1
+        return all(_BASE.search(row.label) for row in self.table.rows[:first])
 
     def notes(self, convention: str) -> tuple[RobotNote, ...]:
-        """How the table is read; whether the text sets a tool or a base, which are not read."""
-        read = RobotNote(NoteOn.DH_TEXT, convention, other=self.length, instead=self.angle)
-        if _PLACED.search(self.text) is None:
-            return (read,)
-        return read, RobotNote(NoteOn.NOT_PLACED)
+        """How the table is read; which joints slide; whether the text sets a tool or a base, which are not read."""
+        read = [RobotNote(NoteOn.DH_TEXT, convention, other=self.length, instead=self.angle)]
+        joints = (row for row in self.table.rows if row.varies is not False)
+        read += [RobotNote(NoteOn.SLIDES, f"joint{number}", other=row.variable)
+                 for number, row in enumerate(joints, 1) if row.assumed]  # fmt: skip
+        if _PLACED.search(self.text) is not None:
+            read.append(RobotNote(NoteOn.NOT_PLACED))
+        return tuple(read)
 
     def _row(self, written: WrittenRow, number: int) -> DHRow:
         kind, varied = JointKind.REVOLUTE, "theta"
         if written.slides:
             kind, varied = JointKind.PRISMATIC, "d"
         measures = {"a": "length", "alpha": "angle", "d": "length", "theta": "angle", "offset": kind.measure}
-        where = f"{self.file}, line {written.line}, joint {number}"
+        where = f"{self.file}, line {written.line}, row {number}"
         found = {key: self._quantity(written.entries.get(key, "0"), key, measure, where)
                  for key, measure in measures.items()}  # fmt: skip
         offset = found.pop("offset")
@@ -143,33 +160,43 @@ class _Reader:
 
     def _quantity(self, text: str, key: str, measure: str, where: str) -> float:
         """One entry in m or rad."""
-        body = text.strip()
+        body, place = text.strip(), f"{where}, {key}"
         unit = _CELL_UNIT.search(body)
         stated = self.table.units.get(key, "")
         if unit is not None:
-            body, stated = body[: unit.start()], unit["unit"].replace("°", "deg")
+            body, stated = body[: unit.start()], unit["unit"]
         if measure == "length":
-            return self._number(body, f"{where}, {key}") * _LENGTHS.get(stated, _LENGTHS[self.length])
+            known = _unit_of(stated, self.length)
+            return self._number(body, place, known) * known.size
         if stated == "deg" and _in_radians(body):
-            raise RobotError("the unit of the angle is in doubt", where=f"{where}, {key}", got=f"{body} in degrees",
+            raise RobotError("the unit of the angle is in doubt", where=place, got=f"{body} in degrees",
                              mend="write degrees, 90, or the unit behind it: pi/2rad")  # fmt: skip
-        if (stated or self.angle) == "deg" and not _in_radians(body):
-            return quantity(f"{self._number(body, f'{where}, {key}'):.17g} deg", "angle", where=f"{where}, {key}")
-        return self._radians(body, f"{where}, {key}")
+        if (stated.replace("°", "deg") or self.angle) == "deg" and not _in_radians(body):
+            return quantity(f"{self._number(body, place, UNITS['deg']):.17g} deg", "angle", where=place)
+        return self._radians(body, place)
 
     def _radians(self, body: str, where: str) -> float:
         try:
             return self.angles.quantity(body, where=where)  # a decimal by the rule of digits
         except RobotError:
-            return self._number(body, where)
+            return self._number(body, where, UNITS["rad"])
 
-    def _number(self, text: str, where: str, depth: int = 0) -> float:
+    def _number(self, text: str, where: str, unit: Unit | None, depth: int = 0) -> float:
         """The value of an expression, with the values of the names in it.
+
+        Args:
+            text: the expression.
+            where: for errors.
+            unit: that the value is wanted in; None while it is not settled: values with a unit count as 0.
+            depth: of names in the values of names.
 
         Raises:
             RobotError: a name without a value or with two, or no arithmetic.
         """
-        plain = _TIMES_PI.sub(r"\1*pi", _BEHIND.sub("*pi/180", with_plain_constants(text or "0")))
+        degree = "*pi/180"
+        if unit is not None:
+            degree = f"*{UNITS['deg'].size / unit.size:.17g}"
+        plain = _TIMES_PI.sub(r"\1*pi", _BEHIND.sub(degree, with_plain_constants(text or "0")))
         command = _COMMAND.search(plain)
         if command is not None:
             raise RobotError("this command of LaTeX is not read", where=where, got=command[0],
@@ -178,70 +205,58 @@ class _Reader:
         def value(name: re.Match[str]) -> str:
             if name[0] in _FUNCTIONS:
                 return name[0]
-            return f"({self._constant(name[0], where, depth):.17g})"
+            return f"({self._constant(name[0], where, unit, depth):.17g})"
 
         return quantity(_NAME.sub(value, plain), "number", where=where)
 
-    def _constant(self, name: str, where: str, depth: int) -> float:
-        if name in self.values:
-            return self.values[name]
+    def _constant(self, name: str, where: str, unit: Unit | None, depth: int) -> float:
+        if (name, unit) in self.values:
+            return self.values[name, unit]
         written = self.table.constants.get(name, _ONE_DEGREE.get(name))
         if written is None or depth >= _DEEPEST:
             raise _without_number(name, where)
         if " | " in written:
             raise RobotError("the text gives this name two values", where=where, got=f"{name} = {written}",
                              mend="keep one of them")  # fmt: skip
-        self.values[name] = self._number(written, where, depth + 1)
-        return self.values[name]
+        self.values[name, unit] = self._written_value(written, f"{where}, {name}", unit, depth + 1)
+        return self.values[name, unit]
 
-    def _largest(self, keys: tuple[str, ...]) -> float:
-        """The largest of the entries without a unit of their own; 0 where there are none."""
+    def _written_value(self, written: str, where: str, unit: Unit | None, depth: int) -> float:
+        """The number that a text gives a name: in the unit behind it, and multiples of π in radians.
+
+        Raises:
+            RobotError: an angle where a length is wanted, or a length where an angle is.
+        """
+        found = _CELL_UNIT.search(written)
+        if found is not None:
+            body, stated = written[: found.start()], UNITS[found["unit"]]
+        elif unit is not None and unit.measure == "angle" and _in_radians(written):
+            body, stated = written, UNITS["rad"]
+        else:
+            return self._number(written, where, unit, depth)
+        value = self._number(body, where, stated, depth)
+        if unit is None:
+            return 0.0
+        if unit.measure != stated.measure:
+            raise RobotError("the unit does not fit", where=where, got=written, allowed=_ALLOWED_UNITS[unit.measure])
+        return value * stated.size / unit.size
+
+    def _sizes(self, keys: tuple[str, ...]) -> list[float]:
+        """Sizes of the entries without a unit of their own; 0 where there are none."""
         sizes = [0.0]
         for row in self.table.rows:
             for key in keys:
                 entry = row.entries.get(key, "0").strip()
                 if _CELL_UNIT.search(entry) is None:
-                    sizes.append(abs(self._number(entry, f"{self.file}, line {row.line}, {key}")))
-        return max(sizes)
+                    sizes.append(abs(self._number(entry, f"{self.file}, line {row.line}, {key}", None)))
+        return sizes
 
-    def _length_unit(self) -> str:
-        """The unit of lengths without one.
 
-        Raises:
-            RobotError: it is in doubt.
-        """
-        stated = {unit for key, unit in self.table.units.items() if unit in _LENGTHS}
-        named = _LENGTH_UNIT.search(self.text)
-        if len(stated) == 1:
-            return stated.pop()
-        if named is not None:
-            return named[1].lower()
-        largest = self._largest(("a", "d"))
-        if largest <= _LARGEST_ARM:
-            return "m"
-        if largest < _LEAST_MILLIMETRES:
-            raise RobotError("the unit of the lengths is in doubt", where=self.file, got=f"{largest:g} at most",
-                             allowed="mm, cm or m", mend="name the unit in the heading: a [cm]")  # fmt: skip
-        return "mm"
-
-    def _angle_unit(self) -> str:
-        """The unit of angles without one.
-
-        Raises:
-            RobotError: it is in doubt.
-        """
-        largest = self._largest(("alpha", "theta"))
-        if self.table.radians:
-            if largest > 2 * _MOST_RADIANS:
-                raise RobotError("an angle of many turns in radians", where=self.file, got=f"{largest:g}",
-                                 mend="write pi/2 or deg2rad(90)")  # fmt: skip
-            return "rad"
-        if "deg" in self.table.units.values() or (largest > _MOST_RADIANS and largest >= 15.0):
-            return "deg"
-        if largest > _MOST_RADIANS or (0 < largest <= pi and _DEGREES.search(self.text) and _whole(largest)):
-            raise RobotError("the unit of the angles is in doubt", where=self.file, got=f"{largest:g}",
-                             allowed="rad or deg", mend="name the unit in the heading: alpha [deg]")  # fmt: skip
-        return "rad"
+def _unit_of(stated: str, other: str) -> Unit:
+    """The unit of a length that is stated, else the other one."""
+    if stated in LENGTHS:
+        return UNITS[stated]
+    return UNITS[other]
 
 
 def _in_radians(entry: str) -> bool:
@@ -254,8 +269,9 @@ def _without_number(name: str, where: str) -> RobotError:
                       mend=f"write the number, or a line of its own: {name} = 0.1")  # fmt: skip
 
 
-def _whole(number: float) -> bool:
-    return number == round(number)
+def _links(rows: Sequence[DHRow], convention: str) -> Array:
+    """The pose of fixed rows."""
+    return reduce(times, (_link(row, convention) for row in rows), np.eye(4))
 
 
 def _link(row: DHRow, convention: str) -> Array:

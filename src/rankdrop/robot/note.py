@@ -36,6 +36,7 @@ class NoteOn(StrEnum):
     NO_HOME = "no-home-pose"
     SCREW_LINES = "screw-lines"
     DH_TEXT = "dh-table-in-text"
+    SLIDES = "joint-slides"
     NOT_PLACED = "tool-or-base-not-read"
     SIZE = "reach-in-millimetres"
     PACKAGE = "package-found"

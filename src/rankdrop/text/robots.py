@@ -39,6 +39,7 @@ _NOTES = {
     NoteOn.NO_HOME: "home pose not given: the tip is taken at the base origin",
     NoteOn.SCREW_LINES: "six numbers a line: screws (direction; moment about the base origin) at q = 0, in order",
     NoteOn.DH_TEXT: "DH table of the {name} convention; without a unit lengths are in {other}, angles in {instead}",
+    NoteOn.SLIDES: "joint {name!r} slides: no number is given for {other} in its column d, and its theta is constant",
     NoteOn.NOT_PLACED: "a tool or a base that the text sets is not read: poses are those of the last DH frame",
     NoteOn.SIZE: "the arm's reach is {value:.3g} m: are these numbers millimetres? Lengths are read as metres",
     NoteOn.PACKAGE: "package {name!r} found: {other}",

@@ -12,7 +12,7 @@ import pytest
 from rankdrop.errors import RobotError, UnknownRobotError
 from rankdrop.robot import files
 from rankdrop.robot.arm_reach import reach
-from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.robot.open import CatalogEntry, catalog_entries, open_robot, robot_names
 from robot.urdf_text import chain, robot
 
 DH = 'convention = "standard"\n[[joints]]\na = 1\n'
@@ -33,7 +33,7 @@ def test_files_are_known_by_what_they_hold(tmp_path: Path, name: str, text: str,
 
 
 def test_a_name_with_a_slash_finds_the_arm_before_it() -> None:
-    with pytest.raises(UnknownRobotError, match=r"fix: did you mean lrmate200id\?"):
+    with pytest.raises(UnknownRobotError, match=r"fix: give a file; the catalogue has other arms: lrmate200id"):
         open_robot("FANUC LR Mate 200iD/7L")
     with pytest.raises(UnknownRobotError, match=r"got 'robots/arm.urdf'$"):
         open_robot("robots/arm.urdf")
@@ -70,6 +70,45 @@ def test_unknown_names_bring_close_ones_and_the_list() -> None:
 @pytest.mark.parametrize("name", ["UR5e", "ur_5e", "UR 5e", "ur-5E", "u r 5 e"])
 def test_capitals_blanks_and_dashes_make_no_difference_to_a_name(name: str) -> None:
     assert open_robot(name) is open_robot("ur5e")
+
+
+def spelled(text: str, rng: np.random.Generator) -> str:
+    """The same name with other capitals, and with blanks in other places."""
+    letters = [letter.upper() if rng.random() < 0.5 else letter.lower() for letter in text if letter != " "]
+    return "".join(letter + " " * (rng.random() < 0.3) for letter in letters)
+
+
+def printed_names(entry: CatalogEntry) -> list[str]:
+    """The name of an arm, its line in `rankdrop robots`, what that line says before its first comma; with its maker."""
+    names = [entry.name, entry.about, entry.maker + " " + entry.name, *entry.aliases]
+    if entry.name in ("fetch", "fetch8"):  # two arms of one machine
+        return names
+    return [*names, entry.about.split(",")[0], entry.about.split(",")[0].removeprefix(entry.maker)]
+
+
+def test_every_arm_is_found_by_the_names_that_are_printed(rng: np.random.Generator) -> None:
+    for entry in catalog_entries():
+        for name in printed_names(entry):
+            assert open_robot(spelled(name, rng)) is open_robot(entry.name)
+
+
+@pytest.mark.parametrize(
+    "name", ["KUKA LBR iiwa 14 R820", "kuka iiwa14", "ABB IRB 120", "Universal Robots UR5e", "FANUC LR Mate 200iD",
+             "staubli tx2-60l", "Motoman GP7"],
+)  # fmt: skip
+def test_names_with_the_maker_are_found(name: str) -> None:
+    assert open_robot(name).n in (6, 7)
+
+
+@pytest.mark.parametrize(
+    ("name", "others"),
+    [("LR Mate 200iD/7L", "lrmate200id"), ("GP8", "gp7, gp25, gp12"), ("nova5", "nova2"), ("UR8", "ur5, ur3, ur5e"),
+     ("ur5ee", "ur5e, ur5, ur3e"), ("M-20iA/35M", "m20ia"), ("xarm 6 lite", "xarm6")],
+)  # fmt: skip
+def test_another_model_of_a_series_is_no_spelling_of_an_arm(name: str, others: str) -> None:
+    with pytest.raises(UnknownRobotError, match=f"other arms: .*{others}") as refused:
+        open_robot(name)
+    assert "did you mean" not in str(refused.value)
 
 
 def test_names_in_another_spelling_stay_unambiguous() -> None:

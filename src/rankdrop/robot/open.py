@@ -6,7 +6,7 @@ import difflib
 import re
 import tomllib
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
@@ -25,6 +25,7 @@ from rankdrop.robot.toml_file import robot_from_toml
 _SEVERAL = {"cylindrical": 2, "spherical": 3}  # variables of the joints of a screw file that are not one
 _SUGGESTED, _TELLING = 3, 2  # names that an error suggests; letters of a text from which it is looked for inside names
 
+_DIGITS = re.compile(r"\d+")
 _LARGEST = 30.0  # [m]; Canadarm2, the longest arm flown, reaches 17.6 m, and arms of 30 mm become 30 m
 _SMALLEST = 0.03  # [m]; the smallest arms sold reach some 0.2 m
 _NOTHING = 1e-9  # [m]; a bare wrist has no length at all, and none is missing
@@ -67,7 +68,8 @@ def open_robot(
     numbers a line.
 
     A catalogue name wins over a file of the same name; write "./pa10" for the file. Capitals, blanks, - and _ make no
-    difference to a name ("UR 5e"), but a file that is called exactly so comes first.
+    difference to a name ("UR 5e"), but a file that is called exactly so comes first. The maker may be in front, and
+    what `rankdrop robots` prints is a name too: "KUKA LBR iiwa 14 R820".
 
     Numbers that are rounded decimals of multiples of 15°, and structure that holds to 2e-5 rad and 2 µm (axes parallel,
     at right angles, meeting), are taken as exact; a note of the robot says how many and by how much.
@@ -231,7 +233,27 @@ def _plain(name: str) -> str:
 def _same_names(name: str) -> list[str]:
     plain = _plain(name)
     by_name = [known for known in robot_names() if _plain(known) == plain]
-    return by_name or [entry.name for entry in catalog_entries() if plain in map(_plain, entry.aliases)]
+    return by_name or list(_spellings().get(plain, ()))
+
+
+@cache
+def _spellings() -> dict[str, list[str]]:
+    """Ways to write an arm, as `_plain` has them -> names: as `rankdrop robots` prints it, with or without maker."""
+    spellings: dict[str, list[str]] = {}
+    for entry in catalog_entries():
+        for spelling in {_plain(text) for text in _titles(entry)}:
+            spellings.setdefault(spelling, []).append(entry.name)
+    return spellings
+
+
+def _titles(entry: CatalogEntry) -> Iterator[str]:
+    """Texts that name one arm: "irb120_3_58", "ABB irb120", "ABB IRB 120-3/0.58, 6R, …", "IRB 120-3/0.58"."""
+    title = entry.about.partition(",")[0]
+    for text in (entry.about, title, *entry.aliases):
+        yield text
+        yield text.removeprefix(entry.maker)
+        yield entry.maker + text
+    yield entry.maker + entry.name
 
 
 def _close_names(name: str) -> list[str]:
@@ -253,10 +275,9 @@ def _unknown(name: str) -> UnknownRobotError:
     else:
         shown = name[:499] + "…"
     if "/" in name or "\\" in name or name.lower().endswith((*format_endings(), ".sdf")):
-        before = re.split(r"[/\\]", name, maxsplit=1)[0]  # "LR Mate 200iD/7L": the catalogue has lrmate200id
-        mend = _meant(_same_names(Path(name).stem) or _listed_names(before))  # ur5e.urdf: the catalogue has ur5e
-        return UnknownRobotError("there is no such file", got=repr(shown), allowed=None, mend=mend)
-    mend = _meant(_close_names(name))
+        return _no_file(name, shown)
+    close = _close_names(name)
+    mend = _meant([known for known in close if _may_be_meant(name, known)])
     fitting = 0
     if len(_plain(name)) >= _TELLING:
         fitting = len(search_catalog(name[:80]))
@@ -264,7 +285,33 @@ def _unknown(name: str) -> UnknownRobotError:
         mend = f"{fitting} arms fit: rankdrop robots {name[:80]!r} lists them"
     allowed = f"a file, or one of {len(robot_names())} names: rankdrop robots lists them"
     what = "there is no such robot in the catalogue and no such file"
+    if mend is None and close:
+        return _only_others(shown, close)
     return UnknownRobotError(what, got=repr(shown), allowed=allowed, mend=mend)
+
+
+def _no_file(name: str, shown: str) -> UnknownRobotError:
+    mend = _meant(_same_names(Path(name).stem))  # ur5e.urdf: the catalogue has ur5e
+    before = re.split(r"[/\\]", name, maxsplit=1)[0]  # "LR Mate 200iD/7L": the catalogue has lrmate200id
+    others = _same_names(before) or _listed_names(before)
+    if mend is None and others:
+        return _only_others(shown, others)
+    return UnknownRobotError("there is no such file", got=repr(shown), allowed=None, mend=mend)
+
+
+def _only_others(shown: str, names: Sequence[str]) -> UnknownRobotError:
+    """Names that are alike, of arms that are others."""
+    return UnknownRobotError("there is no such robot in the catalogue and no such file", got=repr(shown),
+                             allowed=f"a file, or one of {len(robot_names())} names: rankdrop robots lists them",
+                             mend=f"give a file; the catalogue has other arms: {', '.join(names)}")  # fmt: skip
+
+
+def _may_be_meant(name: str, known: str) -> bool:
+    """Whether a name may be a slip for this arm, or a part of its name; with other numbers it is another arm."""
+    plain = _plain(name)
+    if known in _listed_names(name) or known.startswith(plain):
+        return True
+    return _DIGITS.findall(plain) == _DIGITS.findall(known) and not plain.startswith(_plain(known))
 
 
 def _meant(names: Sequence[str]) -> str | None:

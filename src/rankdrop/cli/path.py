@@ -201,8 +201,8 @@ def path(
             JointTrajectory, or ROS bags (.bag, .db3, .mcap, the folder of a recording); or folders of these. Poses of
             the tip, joined by straight moves: CSV with x, y, z and qx, qy, qz, qw or roll, pitch, yaw, or with
             matrices (m00 ... m23 or m00 ... m33); JSON or YAML with poses; .npy or .npz of shape (N, 4, 4) or
-            (N, 3, 4). Robot programs with literal targets: .src (KUKA KRL), .mod (ABB RAPID), .script (URScript), .ls
-            (FANUC TP listing), .jbi (Yaskawa INFORM); the lines that are not read are listed.
+            (N, 3, 4). Robot programs with literal targets: .src (KUKA KRL), .mod, .modx (ABB RAPID), .script
+            (URScript), .ls (FANUC TP listing), .jbi (Yaskawa INFORM); the lines that are not read are listed.
     """
     if many.status is not None:
         write_text(f"{jobs.progress_of(many.status).sentence}\n", STDOUT)

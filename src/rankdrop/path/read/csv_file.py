@@ -15,6 +15,7 @@ import numpy as np
 
 from rankdrop import _core
 from rankdrop.errors import RankdropError
+from rankdrop.path.read.program_signs import refuse_program_text
 from rankdrop.path.read.trajectory import (
     Trajectory,
     TrajectoryError,
@@ -419,6 +420,7 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     Raises:
         TrajectoryError: with file, line and column.
     """
+    refuse_program_text(text, name)
     table = read_table(_with_commas(text), name)
     if all(map(is_number, table.head)):
         table.head = _names_of_numbers(table, robot)
@@ -464,7 +466,7 @@ def _refuse_program(name: str, table: Table) -> None:
         return
     raise TrajectoryError(
         "this file is no table of joint values, and no program in a language that is read", where=table.head_place,
-        got=", ".join(table.head), allowed="programs: .src, .mod, .script, .ls, .jbi; tables: .csv",
+        got=", ".join(table.head), allowed="programs: .src, .mod, .modx, .script, .ls, .jbi; tables: .csv",
         mend="write its targets to a CSV file: columns q1, q2 … for joint values; x, y, z, roll, pitch, yaw for poses",
     )  # fmt: skip
 

@@ -15,12 +15,13 @@ from rankdrop.errors import OptionError, RankdropError
 from rankdrop.path.read.arrays import read_arrays
 from rankdrop.path.read.csv_file import csv_text, parse_trajectory
 from rankdrop.path.read.messages import ENTRIES, OBJECTS, parse_message
-from rankdrop.path.read.program_record import PROGRAMS, is_program
+from rankdrop.path.read.program_record import PROGRAMS, SYSTEM_PROGRAMS, is_program
 from rankdrop.path.read.trajectory import BAGS, Trajectory, TrajectoryError, is_bag
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Array, Robot
 
-ENDINGS = (".csv", ".tsv", ".txt", ".npy", ".npz", ".json", ".yaml", ".yml", *BAGS, *PROGRAMS)
+ENDINGS = (".csv", ".tsv", ".txt", ".npy", ".npz", ".json", ".yaml", ".yml", *BAGS,
+           *(ending for ending in PROGRAMS if ending not in SYSTEM_PROGRAMS))  # fmt: skip
 """Files that are taken for paths in a folder; a single file of another ending is read as CSV."""
 WRITTEN = (".csv", ".npz", ".json")
 """Endings of files that are written."""

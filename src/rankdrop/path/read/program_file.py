@@ -9,24 +9,26 @@ from rankdrop.path.read import fanuc_tp, inform, krl, rapid, urscript
 from rankdrop.path.read.program_record import LARGEST_PROGRAM, Program, Reader
 from rankdrop.path.read.trajectory import TrajectoryError
 
+_KRL = (".src", ".sub")
 _READERS: dict[str, Reader] = {
-    ".src": krl.read, ".mod": rapid.read, ".prg": rapid.read, ".script": urscript.read, ".ls": fanuc_tp.read,
-    ".jbi": inform.read,
+    **dict.fromkeys(_KRL, krl.read), **dict.fromkeys((".mod", ".modx", ".prg", ".sys", ".sysx"), rapid.read),
+    **dict.fromkeys((".script", ".urscript"), urscript.read), ".ls": fanuc_tp.read, ".jbi": inform.read,
 }  # fmt: skip
+
 
 def read_program(path: str | Path) -> Program:
     """A robot program: the moves with literal targets, and the lines that were not read.
 
     Args:
-        path: .src (KRL; positions also from the .dat file next to it), .mod or .prg (RAPID), .script (URScript), .ls
-            (FANUC TP listing), .jbi (Yaskawa INFORM).
+        path: .src or .sub (KRL; positions also from the .dat file next to it), .mod, .modx, .sys, .sysx or .prg
+            (RAPID), .script or .urscript (URScript), .ls (FANUC TP listing), .jbi (Yaskawa INFORM).
 
     Raises:
         TrajectoryError: it cannot be read, with file and line, or no move in it has a literal target.
     """
     file, name = Path(path), str(path)
     text, ending = _text(file), file.suffix.lower()
-    if ending == ".src":
+    if ending in _KRL:
         data = (file.with_suffix(".dat"), file.with_suffix(".DAT"))
         beside = next((path for path in data if path.is_file()), None)
         program = krl.read(text, name, "" if beside is None else _text(beside))

@@ -30,7 +30,9 @@ _DIGITS = 50  # characters of a number
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _DEEPER = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}  # brackets: by how much
 MILLIMETRE = 1e-3
-PROGRAMS = (".src", ".mod", ".prg", ".script", ".ls", ".jbi")
+SYSTEM_PROGRAMS = (".sub", ".sys", ".sysx")
+"""Endings of programs that run next to others, and of modules of the controller; most have no moves."""
+PROGRAMS = (".src", ".mod", ".modx", ".prg", ".script", ".urscript", ".ls", ".jbi", *SYSTEM_PROGRAMS)
 """Endings of robot programs."""
 
 Kind = Literal["joint", "line", "arc"]

@@ -140,8 +140,15 @@ def test_numbers_that_spaces_separate_are_columns(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.times, T)
 
 
+def test_names_without_spaces_above_such_numbers_are_read(tmp_path: Path) -> None:
+    np.savetxt(tmp_path / "a.txt", np.column_stack([T, Q]), header="time q1 q2 q3 q4", comments="")
+    found = read_trajectory(tmp_path / "a.txt", ARM)
+    np.testing.assert_array_equal(found.q, Q)
+    np.testing.assert_array_equal(found.times, T)
+
+
 @pytest.mark.parametrize("text", [
-    "0 0 0 1\n0,5 0 0\n", "0 0 0 1\n0 0 0\n", "0 0 0 1\n0 0 0 x\n", "q1 q2 q3 q4\n0 0 0 1\n",
+    "0 0 0 1\n0,5 0 0\n", "0 0 0 1\n0 0 0\n", "0 0 0 1\n0 0 0 x\n", "q1 q2 q3 q4 [m]\n0 0 0 1\n",
 ])  # fmt: skip
 def test_rows_of_spaces_that_do_not_fit_are_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "a.txt").write_text(text)

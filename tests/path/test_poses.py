@@ -112,7 +112,7 @@ BROKEN = {
     "a.csv|x,y,z,roll,pitch,yaw\n0,0,0,0,0,0\n0,0,0,90,0,0": r"line 3: angles look like degrees; got roll 90; allowed",
     'a.json|[{"position": [0, 0, 1], "rpy": [0, 0, 45]}]': r"pose 1: angles look like degrees; got yaw 45; .*deg=True",
     "a.csv|x [cm],y [cm],z [cm]\n1,2,3": r"line 1, column 1: the unit does not fit the column; got x \[cm\]; allowed",
-    "a.csv|x y z\n0 0 1\n0 1 1": r"line 2: the columns are separated by spaces; got 3 numbers; .*fix: separate them",
+    "a.csv|x y z [mm]\n0 0 1\n0 1 1": r"line 2: the columns are separated by spaces; got 3 numbers; .*: separate",
     "a.yaml|" + "[" * 200: r"a\.yaml, line 1: the objects are nested too deeply; allowed: depth 100",
     "a.yaml|a: &a {b: 1}\nc: {<<: *a}": r"a\.yaml: merge keys are not read",
 }

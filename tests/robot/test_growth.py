@@ -91,6 +91,10 @@ ROWS = "joint1,joint2,joint3,joint4\n"
 PATHS: dict[str, tuple[str, Callable[[int], str]]] = {
     "rows": (".csv", lambda size: repeated("0,0,0,0\n", size, ROWS)),
     "columns": (".csv", lambda size: repeated(lambda i: f"c{i},", size, tail="\n1\n")),
+    "prefixes": (".csv", lambda size: repeated(lambda i: f"p{i}_joint1,", size, tail="\n1\n")),
+    "one long prefix": (".csv", lambda size: repeated("p", size, tail="_joint1,q2\n1,2\n")),
+    "names that spaces separate": (".csv", lambda size: repeated("0 0 0 0\n", size, ROWS.replace(",", " "))),
+    "lines above a program": (".txt", lambda size: repeated(" \n;\n", size)),
     "quotes": (".csv", lambda size: repeated('"a"', size, ROWS)),
     "empty lines": (".csv", lambda size: repeated("\n", size, tail=ROWS)),
     "comments": (".csv", lambda size: repeated("# \n", size, tail=ROWS)),

@@ -31,6 +31,10 @@ MILLIMETRES_STATED = {
     "arrays": "divide poses[:, :3, 3] by 1000",
 }
 """How each form of poses states millimetres."""
+AS_RTDE = "columns {0} … {1} are the joints in the arm's order, as Universal Robots' RTDE logs them"
+PREFIX_OF_FILE = "names of the file have {0!r} in front of those of the joints"
+PREFIX_OF_ARM = "names of the arm's joints have {0!r} in front of those of the file"
+"""How joints were found under other names."""
 POSE_COLUMNS = (
     "x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone; rx, ry, rz, or A, B, C, or W, P, R, or q1 … q4 as "
     "makers write them; or matrices, m00 … m23 or m00 … m33"

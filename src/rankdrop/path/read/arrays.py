@@ -10,6 +10,7 @@ import warnings
 import zlib
 from collections import Counter
 from collections.abc import Callable, Container
+from dataclasses import replace
 from math import prod
 from pathlib import Path
 from tokenize import TokenError
@@ -21,6 +22,7 @@ from numpy.lib.format import MAGIC_PREFIX, read_array, read_array_header_1_0, re
 from numpy.typing import NDArray
 
 from rankdrop.disk import is_endless
+from rankdrop.path.read.joint_columns import names_of_arm
 from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, increasing, trajectory_from_arrays
 from rankdrop.robot.files import LARGEST_ARRAY, LONGEST_HEAD, MOST_MEMBERS, MOST_ROWS, MOST_STEPS
 from rankdrop.robot.model import Array, Robot
@@ -64,9 +66,12 @@ def read_arrays(path: Path, robot: Robot, *, deg: bool = False) -> Trajectory:
         timed = q.ndim == 2 and q.shape[1] == robot.n + 1 and len(q) > 1 and increasing(q[:, 0])
         return trajectory_from_arrays(where, robot, {"q": q[:, 1:], "t": q[:, 0]} if timed else {"q": q}, deg=deg)
     names = loaded.pop("joint_names", None)
-    listed = None if names is None else _texts(names)
     parts = {key: _doubles(part) for key, part in loaded.items()}
-    return trajectory_from_arrays(where, robot, parts, listed, deg=deg)
+    if names is None:
+        return trajectory_from_arrays(where, robot, parts, deg=deg)
+    listed, notes = names_of_arm(_texts(names), [joint.name for joint in robot.variables], where)
+    found = trajectory_from_arrays(where, robot, parts, listed, deg=deg)
+    return replace(found, notes=(*found.notes, *notes))
 
 
 def _doubles(numbers: NDArray[Any]) -> Array:

@@ -6,7 +6,7 @@ import csv
 import io
 import re
 import warnings
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from math import isfinite, radians
 from pathlib import Path
@@ -15,6 +15,7 @@ import numpy as np
 
 from rankdrop import _core
 from rankdrop.errors import RankdropError
+from rankdrop.path.read.joint_columns import OtherNames, notes_on, other_names
 from rankdrop.path.read.program_signs import refuse_program_text
 from rankdrop.path.read.trajectory import (
     Trajectory,
@@ -308,9 +309,16 @@ def has_underscored_unit(word: str) -> bool:
 
 def gives_every_joint(head: list[str], robot: Robot) -> bool:
     """Whether every joint of an arm has a column, by its name or its number."""
-    given = {name_and_unit(word)[0] for word in head} | set(head)
+    given = bare_names(head)
+    if other_names(given, [joint.name for joint in robot.variables], "") is not None:
+        return True
     numbers = {int(match[1]) for match in map(_JOINT.fullmatch, given) if match}
     return all(joint.name in given or i + 1 in numbers for i, joint in enumerate(robot.variables))
+
+
+def bare_names(head: Iterable[str]) -> set[str]:
+    """Names of columns, with their units and without."""
+    return {name_and_unit(word)[0] for word in head} | set(head)
 
 
 def find_columns(
@@ -421,10 +429,12 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
         TrajectoryError: with file, line and column.
     """
     refuse_program_text(text, name)
-    table = read_table(_with_commas(text), name)
+    table = read_table(with_commas(text), name)
     if all(map(is_number, table.head)):
         table.head = _names_of_numbers(table, robot)
-    columns, time, unused = find_columns(table.head, table.head_place, _joint_columns(table, robot), deg=deg)
+    others = other_names(bare_names(table.head), [joint.name for joint in robot.variables], table.head_place)
+    known = _joint_columns(table, robot, others)
+    columns, time, unused = find_columns(table.head, table.head_place, known, deg=deg)
     missing = [joint.name for i, joint in enumerate(robot.variables) if i not in columns]
     if missing:
         _refuse_program(name, table)
@@ -440,20 +450,29 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     times = table.times(time)
     return Trajectory(
         Path(name).name, regular_times(len(q)) if times is None else times, q, times is not None, unused,
-        notes=table.notes, bare=not stated,
+        notes=(*table.notes, *notes_on(others)), bare=not stated,
     )  # fmt: skip
 
 
-def _with_commas(text: str) -> str:
-    """A text with commas between its columns, where spaces separate numbers and no row has a comma or the like."""
+def with_commas(text: str) -> str:
+    """A text with commas between its columns, where spaces separate numbers, or names without spaces above them."""
     given = with_line_feeds(text)
-    words = _first_line(given).split()
-    if len(words) < 2 or not all(map(is_number, words)):
+    first = _first_line(given)
+    words = first.split()
+    if len(words) < 2 or _SEPARATORS.search(first) is not None:
+        return text
+    if not all(map(is_number, words)) and not _numbers_below(given, first, len(words)):
         return text
     lines = ["" if line.lstrip().startswith("#") else line for line in given.split("\n")]
     if any(map(_SEPARATORS.search, lines)):
         return text
     return "\n".join(",".join(line.split()) for line in lines)
+
+
+def _numbers_below(text: str, head: str, count: int) -> bool:
+    """Whether the row below a line has as many numbers as that line has words."""
+    row = _first_line(text[text.index(head) + len(head) :]).split()
+    return len(row) == count and all(map(is_number, row))
 
 
 def _refuse_program(name: str, table: Table) -> None:
@@ -471,9 +490,11 @@ def _refuse_program(name: str, table: Table) -> None:
     )  # fmt: skip
 
 
-def _joint_columns(table: Table, robot: Robot) -> Known:
+def _joint_columns(table: Table, robot: Robot, others: OtherNames | None) -> Known:
     """A function that knows the columns of joints: by name or q1 … qn the joint, from 0, and what it measures."""
     numbers = {joint.name: i for i, joint in enumerate(robot.variables)}
+    if others is not None:
+        numbers |= {name: numbers[joint] for name, joint in others.joints.items()}
 
     def joint_of_name(word: str) -> tuple[int, str] | None:
         short = _JOINT.fullmatch(word)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError
+from rankdrop.path.read.joint_columns import names_of_arm
 from rankdrop.path.read.trajectory import Trajectory, TrajectoryError, trajectory_from_arrays
 from rankdrop.robot.files import DEEPEST, LARGEST_YAML
 from rankdrop.robot.model import Array, Robot
@@ -53,10 +54,12 @@ def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool =
         raise TrajectoryError("the point has no positions", where=f"{name}, row 1")
     times = [_time(point, f"{name}, row {row}") for row, point in enumerate(points, start=1)]
     columns["t"] = all_or_none(times, "point", "time_from_start", lambda row: f"{name}, row {row + 1}")
-    found = trajectory_from_arrays(name, robot, columns, names, deg=deg)
     if names is None:
-        return replace(found, notes=(*found.notes, POINTS_WITHOUT_NAMES))
-    return found
+        notes: tuple[str, ...] = (POINTS_WITHOUT_NAMES,)
+    else:
+        names, notes = names_of_arm(names, [joint.name for joint in robot.variables], name)
+    found = trajectory_from_arrays(name, robot, columns, names, deg=deg)
+    return replace(found, notes=(*found.notes, *notes))
 
 
 def _names_and_points(text: str, name: str, *, yaml: bool) -> tuple[list[str] | None, list[Any]]:

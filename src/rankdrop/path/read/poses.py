@@ -23,6 +23,7 @@ from rankdrop.path.read.csv_file import (
     UNITS,
     Known,
     Table,
+    bare_names,
     find_columns,
     gives_every_joint,
     has_underscored_unit,
@@ -30,8 +31,10 @@ from rankdrop.path.read.csv_file import (
     name_and_unit,
     names_of,
     read_table,
+    with_commas,
 )
 from rankdrop.path.read.files import text_of_file
+from rankdrop.path.read.joint_columns import other_names
 from rankdrop.path.read.makers import (
     ABB,
     ANGLES,
@@ -134,13 +137,14 @@ def holds_poses(path: Path, robot: Robot) -> bool:
         text = read_text(path)
         if ending in OBJECTS:
             return loaded_poses(text, str(path), yaml=ending != ".json") is not None
-        words = names_of(text, str(path))
+        words = names_of(with_commas(text), str(path))
+        joints = [joint.name for joint in robot.variables]
+        named = set(words).issuperset(joints) or other_names(bare_names(words), joints, str(path)) is not None
     except RankdropError:
         return False
-    joints = {joint.name for joint in robot.variables}
     if len(_entries(words)) >= _FEW:
-        return not joints <= set(words) and not gives_every_joint(words, robot)
-    if not {_column_name(word) for word in words} >= _LENGTHS or joints <= set(words):
+        return not named and not gives_every_joint(words, robot)
+    if not {_column_name(word) for word in words} >= _LENGTHS or named:
         return False
     return _plain_lengths(words) or not gives_every_joint(words, robot)
 
@@ -268,7 +272,7 @@ def pose_table(
     Raises:
         TrajectoryError: these are no columns of poses.
     """
-    table = read_table(text, name)
+    table = read_table(with_commas(text), name)
     if all(map(is_number, table.head)):
         raise TrajectoryError("the columns have no names", where=table.head_place,
                               allowed="x, y, z and qx, qy, qz, qw or roll, pitch, yaw")  # fmt: skip

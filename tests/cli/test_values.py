@@ -66,3 +66,9 @@ def test_poses_in_degrees_without_a_unit_are_refused() -> None:
 @pytest.mark.parametrize(("arm", "opposed"), [("lrmate200id", True), ("ur5", False), ("planar2r", False)])
 def test_axes_2_and_3_of_a_fanuc_are_opposed(arm: str, opposed: bool) -> None:
     assert axes_2_and_3_opposed(open_robot(arm)) == opposed
+
+
+@pytest.mark.parametrize("text", ["J2=0 J1=-90 J3=90 J4=0 J5=0 J6=0", "a: 0, b: 1, c: 2, d: 3, e: 4, f: 5"])
+def test_names_in_another_order_are_refused_with_the_joints(text: str) -> None:
+    with pytest.raises(ConfigurationError, match=r"names are not those of the joints in their order; .*fix: write the"):
+        parse_configuration(text, open_robot("ur5e"), deg=True)

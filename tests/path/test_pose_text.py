@@ -40,6 +40,16 @@ def read(text: str, **given: bool) -> Array:
     f"x: 400, y: 100, z: 300, q1: 0, q2: {HALF[0]}, q3: {HALF[1]}, q4: 0",
     "x=0.4; y=0.1; z=0.3; roll=π; pitch=0; yaw=pi/6",
     "posx(400, 100, 300, 0, 180, 150)",
+    f"CONST robtarget p10:=[[400,100,300],[0,{HALF[0]},{HALF[1]},0],[0,-1,0,0],[9E+09,9E9,9E9,9E9,9E9,9E9]];",
+    f"  LOCAL PERS robtarget p10 := [[400,100,300],[0,{HALF[0]},{HALF[1]},0],[0,-1,0,0],[0,0,9E9,9E9,9E9,9E9]];",
+    f"P1=[[400, 100, 300], [0, {HALF[0]}, {HALF[1]}, 0]]",
+    f"global Waypoint_1_p = p[0.4, 0.1, 0.3, {AXIS[0]}, {AXIS[1]}, 0]",
+    "DECL E6POS XP1={X 400.0,Y 100.0,Z 300.0,A 30.0,B 0.0,C 180.0,S 2,T 35,E1 0.0}",
+    "target[2] = posx(400, 100, 300, 0, 180, 150)",
+    "x=0.4; y=0.1; z=0.3; roll=math.pi; pitch=0; yaw=np.pi / 6",
+    f"{C} {S} 0 0.4 {S} {-C} 0 0.1 0 0 -1 0.3",
+    f"{C}, {S}, 0, 400, {S}, {-C}, 0, 100, 0, 0, -1, 300 mm",
+    f"T = np.array([[{C}, {S}, 0, 0.4], [{S}, {-C}, 0, 0.1], [0, 0, -1, 0.3], [0, 0, 0, 1]])",
     "posx([400.0, 100.0, 300.0, 30.0, 180.0, 180.0])",
 ])  # fmt: skip
 def test_every_form_gives_the_same_pose(text: str) -> None:
@@ -56,6 +66,33 @@ def test_the_order_of_turns_is_the_makers() -> None:
     last = np.array([[np.cos(c), -np.sin(c), 0], [np.sin(c), np.cos(c), 0], [0, 0, 1]])
     np.testing.assert_allclose(read("posx(400, 0, 300, 20, 40, 60)")[:3, :3], z @ y @ last, atol=1e-15)
     np.testing.assert_allclose(read("X 400 Y 0 Z 300 W 60 P 40 R 20")[:3, :3], z @ y @ x, atol=1e-15)
+
+
+def test_a_whole_robtarget_is_in_millimetres_however_near() -> None:
+    """Its configuration and external axes say that it is one: no length has to be above 10."""
+    whole = "[[5, -4, 0], [0, 1, 0, 0], [0, -1, 0, 0], [9E9, 9E9, 9E9, 9E9, 9E9, 9E9]]"
+    np.testing.assert_allclose(read(whole)[:3, 3], [0.005, -0.004, 0])
+    for part in ("[[5, -4, 0], [0, 1, 0, 0]]", "[[5, -4, 0], [0, 1, 0, 0], [0, -1, 0, 0]]"):
+        with pytest.raises(OptionError, match=r"order of the quaternion is in doubt.*or the whole robtarget"):
+            read(part)
+
+
+def test_pi_and_conversions_are_read_in_a_pose_of_urscript() -> None:
+    for text in ("p[0.4, 0, 0.3, -math.pi, 0, 0]", "p[0.4, 0, 0.3, d2r(180), 0, 0]", "p[0.4,0,0.3,2*pi/2,0,0]"):
+        np.testing.assert_allclose(read(text), read(f"p[0.4, 0, 0.3, {np.pi}, 0, 0]"), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "numbers", ["1 0 0 0 1 0 0 0 1 0.4 0.1 0.3", "1 0 0 0 0 1 0 -1 0 0 1 0.3", "1 2 3 4 5 6 7 8 9 10 11 12"]
+)
+def test_twelve_numbers_in_doubt_are_refused_and_read_as_the_refusal_says(numbers: str) -> None:
+    """Nine of a rotation, then the place; numbers that are a rotation in both orders; none in either."""
+    with pytest.raises(OptionError, match=r"order of twelve numbers is in doubt; .*fix: write the rows in brackets"):
+        read(numbers)
+
+
+def test_twelve_numbers_in_brackets_are_rows() -> None:
+    np.testing.assert_allclose(read("[[1,0,0,0],[0,1,0,-1],[0,0,1,0.3]]")[:3, 3], [0, -1, 0.3])
 
 
 @pytest.mark.parametrize(("text", "said"), [

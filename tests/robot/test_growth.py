@@ -156,6 +156,8 @@ def _pose(path: Path, text: str) -> Any:
 
 
 WORDS: dict[str, tuple[str, Callable[[int], str]]] = {
+    "names and values": ("", lambda size: repeated("a=1 ", size)),
+    "blanks before a name": ("", lambda size: repeated(" ", size, "a=1", "b=1")),
     "a sum": ("", lambda size: repeated("1+", size, tail="1,0,0,0")),
     "numbers": ("", lambda size: repeated("0,", size)),
     "brackets": ("", lambda size: repeated("(", size)),
@@ -163,6 +165,9 @@ WORDS: dict[str, tuple[str, Callable[[int], str]]] = {
     "fields of a message": ("", lambda size: repeated("name: [a]\n", size, tail="position: [1]")),
 }
 POSES: dict[str, tuple[str, Callable[[int], str]]] = {
+    "words before a target": ("", lambda size: repeated("a ", size, tail=":=[[1,1,1],[1,0,0,0]]")),
+    "a long name": ("", lambda size: repeated("a", size, tail="=[[1,1,1],[1,0,0,0]]")),
+    "pi in a pose": ("", lambda size: repeated("pi*", size, "p[", "1,0,0,0,0,0]")),
     "blanks": ("", lambda size: repeated(" ", size, "1", "x")),
     "commas": ("", lambda size: repeated(",", size, "1", "x")),
     "brackets": ("", lambda size: repeated("(", size)),

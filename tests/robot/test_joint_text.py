@@ -36,6 +36,10 @@ SORTED = [1.0, -1.2, 0.1, 0.2, 0.0, 0.3]
         "position:\n- 0.1\n- -1.2\n- 1.0\n- 0.2\n- 0.0\n- 0.3\nvelocity:\n- 0.0\n",
         "- 0.1\n- -1.2\n- 1.0\n- 0.2\n- 0.0\n- 0.3",
         "0.1|-1.2|1.0|0.2|0.0|0.3",
+        "J1=0.1 J2=-1.2 J3=1.0 J4=0.2 J5=0.0 J6=0.3",
+        "J1 = 0.1 rad  J2 = -1.2 rad\nJ3 = 1.0 rad J4=0.2 J5=0.0  J6=0.3",
+        "ur_joint1 = 0.1\nur_joint2 = -1.2\nur_joint3 = 1.0\nur_joint4 = 0.2\nur_joint5 = 0.0\nur_joint6 = 0.3\n",
+        "arm1_q1: 0.1, arm1_q2: -1.2, arm1_q3: 1.0, arm1_q4: 0.2, arm1_q5: 0.0, arm1_q6: 0.3",
     ],
 )
 def test_a_list_is_read_without_what_stands_around_it(text: str) -> None:
@@ -53,6 +57,8 @@ def test_a_list_is_read_without_what_stands_around_it(text: str) -> None:
         "[d2r(0), d2r(-90), d2r(90), d2r(0), d2r(5), d2r(0)]",
         "[0, -M_PI_2, M_PI/2, 0, 5 * M_PI / 180, 0]",
         "0, -np.pi / 2, pi/2, 0, math.radians(5), 0",
+        "[0, -math.pi/2, math.pi / 2, 0, 5*math.pi/180, -0*math.pi]",
+        "J1=0deg J2=-90 deg J3=90 ° J4=0 J5=5deg J6=0",
         "posj(0,-90,90,0,5,0)",
         "[[0,-90,90,0,5,0],[9E+09,9E+09,9E+09,9E+09,9E+09,9E+09]]",
         "CONST jointtarget p1 := [[0,-90,90,0,5,0],[9E+09,9E+09,9E+09,9E+09,9E+09,9E+09]];",

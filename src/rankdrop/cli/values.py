@@ -68,7 +68,7 @@ def parse_configuration(text: str, robot: arms.Robot, *, deg: bool, option: str 
     joints = robot.variables
     names = [joint.name for joint in joints]
     pasted = arms.joints_of_text(text.translate(_SIGNS), names, where=option)
-    words = list(pasted.words) or _values_by_name(pasted.text, names) or split_values(pasted.text)
+    words = list(pasted.words) or _values_by_name(pasted.text, names, option) or split_values(pasted.text)
     if len(words) != len(joints):
         raise ConfigurationError(
             f"{len(joints)} joint values are needed", where=option, got=f"{len(words)} in {text!r}",
@@ -98,18 +98,38 @@ def _note_on_level_joint(text: str, robot: arms.Robot, option: str) -> None:
         say(f"note: {option}: J3 is read as joint 3; a FANUC counts J3 from the horizontal: then write J3 + J2")
 
 
-def _values_by_name(text: str, names: Sequence[str]) -> list[str]:
-    """The values of a list such as {A1 0, A2 -90} or "j1: 0; j2: 1.5", one for each joint; empty for any other list."""
-    items = re.split(r"[,;]", text.translate(_AS_TYPED).strip().strip("{}[]()").strip().rstrip(",;"))
+def _values_by_name(text: str, names: Sequence[str], option: str) -> list[str]:
+    """The values of a list such as {A1 0, A2 -90} or "j1=0 j2=1.5", one for each joint; empty for any other list.
+
+    Raises:
+        ConfigurationError: every value has a name with = or :, and these are not the joints in their order.
+    """
+    items = _items_with_names(text.translate(_AS_TYPED).strip().strip("{}[]()").strip().rstrip(",;"))
     if len(items) != len(names):
         return []
     values = []
     for number, (item, name) in enumerate(zip(items, names, strict=True), start=1):
         found = re.fullmatch(r"([A-Za-z]\w*)\s*[\s:=]\s*(.+)", item.strip())
-        if found is None or not (found[1] == name or re.fullmatch(rf"[A-Za-z_]+{number}", found[1])):
+        if found is None or not (found[1] == name or re.fullmatch(rf"\w*[A-Za-z_]{number}", found[1])):
+            _refuse_other_names(items, names, option)
             return []
         values.append(found[2].strip())
     return values
+
+
+def _refuse_other_names(items: Sequence[str], names: Sequence[str], option: str) -> None:
+    given = [re.match(r"\s*([A-Za-z]\w*)\s*[=:]", item) for item in items]
+    if all(given):
+        raise ConfigurationError("the names are not those of the joints in their order", where=option,
+                                 got=", ".join(found[1] for found in given if found), allowed=", ".join(names),
+                                 mend="write the values alone, in this order")  # fmt: skip
+
+
+def _items_with_names(text: str) -> list[str]:
+    """The parts of a list at its commas, or, where it has none, in front of its names: "J1=0", "J2=-90 deg"."""
+    if re.search(r"[,;]", text):
+        return re.split(r"[,;]", text)
+    return re.split(r"(?<!\s)\s+(?=[A-Za-z]\w{0,60}\s{0,10}[=:])", text)
 
 
 def joint_units(robot: arms.Robot, *, deg: bool) -> str:
@@ -176,7 +196,7 @@ def parse_pose(text: str, *, deg: bool, option: str = "--pose", robot: arms.Robo
     made = _makers_pose(text, option, robot, deg=deg)
     if made is not None:
         return made
-    words = split_values(text)
+    words = split_values(arms.with_plain_constants(text))
     if len(words) not in (3, 6, 7):
         raise OptionError("a pose is three lengths, then three angles or a quaternion", where=option,
                           got=f"{len(words)} numbers in {text!r}",

@@ -26,6 +26,7 @@ _BLANKS_AROUND = re.compile(r"(?<!\s)\s*([*/])\s*")
 _DASH = re.compile(r"^[ \t]*-[ \t]+", re.MULTILINE)
 _ASSIGNED = re.compile(r"(?!\d)(?:[^=:(){}]|::)+:?[=:]\s*(?=[-+.\d\[({]|[A-Za-z_][\w.]*\s*[\[({])")
 _NAMED = re.compile(r"[,;]\s*(?!dtype)[A-Za-z_]\w*\s*[=:]")
+_VALUED = re.compile(r"(?<![\w.])[A-Za-z_]\w{0,60}\s{0,10}[=:]\s{0,10}[-+.\d]")  # a name and its number
 _CALL = re.compile(r"([A-Za-z_][\w.]*)\s*\(")
 _KEYWORD = re.compile(r",\s*[A-Za-z_]\w*\s*=[^=,()\[\]]*$")
 _IN_RADIANS = re.compile(r"(?<=[\])])\s*(?:\*\(?pi/180(?:\.0*)?\)?|/180(?:\.0*)?\*pi|\*(?:deg2rad|d2r|deg)\b)$",
@@ -99,7 +100,7 @@ def with_plain_constants(text: str) -> str:
 def _of_code(text: str) -> JointText:
     """The list without an assignment, calls, conversions and a second group around it."""
     assigned = _ASSIGNED.match(text)
-    if assigned is not None and _NAMED.search(text) is None:
+    if assigned is not None and _NAMED.search(text) is None and len(_VALUED.findall(text)) < 2:
         text = text[assigned.end() :]
     column = _TRANSPOSED.sub("", text)
     body = _IN_RADIANS.sub("", column)

@@ -1,8 +1,9 @@
-"""A homogeneous matrix as it is pasted from NumPy, MATLAB, a terminal or libfranka: 16 numbers, or 12 in three rows.
+"""A homogeneous matrix as it is pasted from NumPy, MATLAB, a terminal or libfranka: 16 numbers, or the 12 of [R p].
 
 Brackets, commas, semicolons and the name of the function around it (np.array, SE3) count as blanks. The translation is
 the last column. Sixteen numbers without rows are written column by column where their last column is 0 0 0 1, as
-libfranka writes O_T_EE. Lengths are in m, or in mm with that word behind the matrix.
+libfranka writes O_T_EE; twelve, as IKFast takes them, row by row where that makes a rotation. Lengths are in m, or in
+mm with that word behind the matrix.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _BLANKS = re.compile(r"[\s,;\[\]()]+")
 _ROWS = re.compile(r"[\[\];\n]")
 _LAST = np.array([0.0, 0.0, 0.0, 1.0])
+_NEARLY = 1e-3  # of an entry of RᵀR − 1 in numbers without rows
 _NEAR = 1e-6  # of the last row and column: numbers of six digits
 
 
@@ -51,7 +53,7 @@ def matrix_of_text(text: str, where: str) -> MatrixText | None:
 
     Raises:
         OptionError: its first three rows and columns are no rotation, its last row is not 0 0 0 1, or m or mm is in
-            doubt.
+            doubt, or the order of twelve numbers.
 
     Example:
         >>> matrix_of_text("[[1, 0, 0, 0.4], [0, -1, 0, 0.1], [0, 0, -1, 0.3], [0, 0, 0, 1]]", "--pose").pose[:3, 3]
@@ -60,9 +62,11 @@ def matrix_of_text(text: str, where: str) -> MatrixText | None:
     body, unit = _without_unit(_inside_function(text.strip()))
     words = [word for word in _BLANKS.split(body) if word]
     in_rows = bool(_ROWS.search(body.strip("[]() \t\r\n")))
-    if not _is_matrix(words, in_rows=in_rows):
+    if not _is_matrix(words):
         return None
     matrix = np.array(words, dtype=np.float64).reshape(-1, 4)
+    if not in_rows and len(matrix) == 3:
+        _refuse_other_orders(matrix, where)
     notes: tuple[str, ...] = ()
     if not in_rows and _is_by_columns(matrix):
         matrix, notes = matrix.T.copy(), (BY_COLUMNS,)
@@ -74,10 +78,27 @@ def matrix_of_text(text: str, where: str) -> MatrixText | None:
     return MatrixText(poses[0], (*notes, *mended))
 
 
-def _is_matrix(words: list[str], *, in_rows: bool) -> bool:
-    """Whether words are the numbers of a matrix: sixteen, or twelve in rows."""
-    count = len(words)
-    return (count == 16 or (count == 12 and in_rows)) and all(map(_NUMBER.fullmatch, words))
+def _is_matrix(words: list[str]) -> bool:
+    """Whether words are the numbers of a matrix: sixteen, or twelve."""
+    return len(words) in (12, 16) and all(map(_NUMBER.fullmatch, words))
+
+
+def _refuse_other_orders(matrix: Array, where: str) -> None:
+    """Refuse twelve numbers that are not [R p] row by row (3, 4), or that may be nine of a rotation, then the place.
+
+    Raises:
+        OptionError: with how to write them.
+    """
+    if not _is_rotation(matrix[:, :3]) or _is_rotation(matrix.ravel()[:9].reshape(3, 3)):
+        raise OptionError("the order of twelve numbers is in doubt", where=where,
+                          allowed="r11, r12, r13, x, r21, …: [R p] row by row, with a rotation R",
+                          mend="write the rows in brackets: [[r11, r12, r13, x], [r21, …], [r31, …]]")  # fmt: skip
+
+
+def _is_rotation(turn: Array) -> bool:
+    with np.errstate(over="ignore", invalid="ignore"):
+        off = np.abs(turn.T @ turn - np.eye(3)).max()
+    return bool(off <= _NEARLY) and float(np.linalg.det(turn)) > 0.0
 
 
 def _inside_function(text: str) -> str:

@@ -36,6 +36,7 @@ from rankdrop.path.read.makers import (
 from rankdrop.path.read.matrix_text import matrix_of_text
 from rankdrop.path.read.message_text import message_of_text
 from rankdrop.path.read.program_record import flat, numbers_of
+from rankdrop.robot.joint_text import with_plain_constants
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import quantity
 from rankdrop.text.path_files import (
@@ -64,6 +65,11 @@ _POSX = re.compile(r"posx\s*\(([^()]*)\)")
 _UNIT = re.compile(r"(?:mm|m|deg|°|rad)$")
 _POSTURE = frozenset(("s", "t", "f", "cf1", "cf4", "cf6", "cfx", "config", *(f"e{number}" for number in range(1, 7))))
 """Names of parts of a target that say nothing of where the tip is."""
+_DECLARED = re.compile(
+    r"(?:[A-Za-z_]\w{0,40}\s{1,10}){0,4}[A-Za-z_$][\w.]{0,40}(?:\[\d{1,4}\])?\s{0,10}:?=\s{0,10}"
+    r"(?=[\[({]|p\s?\[|[A-Za-z_][\w.]{0,40}\s?\()"
+)
+_JOINTS_OF_CONF, _EXTERNAL_AXES = 4, 6  # numbers of a robtarget behind place and quaternion
 _AS_TYPED = str.maketrans("−–", "--")
 
 
@@ -96,7 +102,7 @@ def pose_of_text(text: str, where: str, *, deg: bool = False, robot: Robot | Non
         >>> pose_of_text("{X 100, Y 0, Z 500, A 0, B 90, C 0}", "--pose").numbers[:3]
         [0.1, 0.0, 0.5]
     """
-    plain = text.translate(_AS_TYPED).replace("π", "pi").strip()
+    plain = _without_name(with_plain_constants(text.translate(_AS_TYPED).replace("π", "pi")))
     pasted = _of_matrix(plain, where) or _of_message(plain, where)
     if pasted is not None:
         return pasted
@@ -111,6 +117,14 @@ def pose_of_text(text: str, where: str, *, deg: bool = False, robot: Robot | Non
     if order is not None and not plain[order.end() :].strip(_AFTER_ORDER):
         return _of_quaternion(plain[: order.start()].rstrip(_BEFORE_ORDER), order[1].lower(), where)
     return _of_named_values(plain, where, deg=deg, robot=robot)
+
+
+def _without_name(text: str) -> str:
+    """What a declaration gives a name: the target of "CONST robtarget p10:=[[…]]", "P1=[[…]]", "start = p[…]"."""
+    declared = _DECLARED.match(text)
+    if declared is None:
+        return text
+    return text[declared.end() :]
 
 
 def _of_matrix(text: str, where: str) -> PoseText | None:
@@ -131,7 +145,7 @@ def _of_message(text: str, where: str) -> PoseText | None:
 
 
 def _of_urscript(text: str, where: str, *, deg: bool) -> PoseText:
-    values = flat(numbers_of(text), 6)
+    values = flat(numbers_of(text), 6) or _with_pi(text)
     if values is None:
         raise OptionError("a pose of URScript has six numbers", where=where, got=repr(f"p{text}"),
                           allowed="p[x, y, z, rx, ry, rz]")  # fmt: skip
@@ -142,6 +156,18 @@ def _of_urscript(text: str, where: str, *, deg: bool) -> PoseText:
     for keys, numbers in ((_PLACE, row[:, :3]), (ROTATION_VECTOR, row[:, 3:])):
         _confirmed_unit(WRITINGS[0], keys, numbers, where, NAMED_UNITS)
     return _pose_text(WRITINGS[0], row, "m", "rad")
+
+
+def _with_pi(text: str) -> list[float] | None:
+    """The numbers of [x, y, z, rx, ry, rz] where some are arithmetic or d2r(180); None where they are not six."""
+    words = text.strip("[] \t\r\n").split(",")
+    if len(words) != 6:
+        return None
+    try:
+        numbers = [quantity(word.strip(), "number", where="") for word in words[:3]]
+        return numbers + [quantity(word.strip(), "angle", where="") for word in words[3:]]
+    except RankdropError:
+        return None
 
 
 def _of_posx(text: str, where: str) -> PoseText:
@@ -162,7 +188,8 @@ def _of_rapid(text: str, where: str) -> PoseText:
     """A robtarget, or its first two groups.
 
     Raises:
-        OptionError: it is none; two groups in metres: nobody knows which number of the quaternion is its real part.
+        OptionError: it is none; the first groups alone, in metres: nobody knows which number of the quaternion is its
+            real part.
     """
     groups = numbers_of(text) or []
     place, turn = (flat(group, count) for group, count in zip([*groups, None, None][:2], (3, 4), strict=True))
@@ -170,12 +197,20 @@ def _of_rapid(text: str, where: str) -> PoseText:
         raise OptionError("this is no robtarget", where=where, got=repr(text),
                           allowed="[[x, y, z], [q1, q2, q3, q4], …]")  # fmt: skip
     writing = next(writing for writing in WRITINGS if writing.turn == ABB)
-    if writing.unit_of("length", float(np.abs(place).max())) != "mm":
+    if not _is_whole(groups) and writing.unit_of("length", float(np.abs(place).max())) != "mm":
         raise OptionError(ORDER_IN_DOUBT, where=where, got=repr(text), allowed="lengths in mm, as RAPID has them",
-                          mend="write x,y,z and the quaternion, then wxyz or xyzw")  # fmt: skip
+                          mend="write x,y,z and the quaternion, then wxyz or xyzw; or the whole robtarget")  # fmt: skip
     row = np.array([[*place, *turn]])
     row[:, :3] *= UNITS["length"]["mm"]
     return _pose_text(writing, row, "mm", "")
+
+
+def _is_whole(groups: Sequence[object]) -> bool:
+    """Whether a robtarget has its configuration and its external axes too: nothing else is written so."""
+    if len(groups) != 4:
+        return False
+    behind = zip(groups[2:], (_JOINTS_OF_CONF, _EXTERNAL_AXES), strict=True)
+    return all(flat(group, count) is not None for group, count in behind)
 
 
 def _of_quaternion(numbers: str, order: str, where: str) -> PoseText:

@@ -128,6 +128,9 @@ TABLES: dict[str, tuple[str, str, list[Row], str]] = {
         "DH (standard)\nlink, theta, d, a, alpha\n1, t1, 0.4, 0, 90\n2, 0, d2, 0, -90\n3, 30, 0.1 + d_3, 0.3, 0\n"
         "4, t4, l, 0, 0\nl = 0.2\n", "standard",
         [(0, H, 0.4, 0), (0, -H, 0, 0), (0.3, 0, 0.1, pi / 6), (0, 0, 0.2, 0)], "RPPR"),
+    "three slides called d1 to d3": (
+        "DH (standard)\ni theta d a alpha\n1 0 d1 0 -90\n2 -90 d2 0 -90\n3 0 d3 0.25 0\n", "standard",
+        [(0, -H, 0, 0), (0, -H, 0, -H), (0.25, 0, 0, 0)], "PPP"),
     "units behind named numbers": (
         "| i | α(i−1) | a(i−1) | d(i) | θ(i) |\n|---|---|---|---|---|\n| 1 | 0 | 0 | d1 | θ1 + b |\n"
         "| 2 | −c | −a2 | 0 | θ2 |\n| 3 | 0 | 2*a3 + 100*a2/1 - 100*a2 | 0 | 90° + θ3 |\n"
@@ -268,10 +271,12 @@ def test_the_singularities_are_those_of_the_same_arm_in_the_catalogue(tmp_path: 
         ("modified\na alpha d theta\n0 0 0 q1\n0 0 1 0\n0 0 0 q3\n", "line 4: the row has no joint .*fix: .*q2"),
         ("standard\nlink a alpha d theta\n1 0 0 0.1 0\n2 0 90 0 q2\n", "line 3: the row has no joint .*fix: .*q1"),
         ("standard\ni,theta,d,a,alpha\n1,0,d1,0,90\n2,0,d2,1,0\nd1 = 0.1\n", "line 3: the row has no joint variable"),
+        ("standard\ni,theta,d,a,alpha\n1,0,d1,0,90\n2,0,0,0.4,0\n", "line 4: the row has no joint variable"),
+        ("standard\ni,theta,d,a,alpha\n1,0,0,0,90\n2,0,0.1,0,0\n3,q2,0,1,0\n", "line 3: the row has no joint variable"),
         ("standard\ni,theta,d,a,alpha\n1,q1,d1,0,90\n", "gives this name no number; got d1"),
         ("standard\ni,theta,d,a,alpha\n1,q1,1,0,90\ntool,0,d2,0,0\n", "gives this name no number; got d2"),
         ("standard\na alpha d theta\nb 90 0 q1\nb = 90 deg\n", "line 3, row 1, a, b: the unit does not fit"),
-        ("standard, in m\nall in mm\na alpha d theta\n0 0 1 q1\n", "unit of the lengths is in doubt; got m and mm"),
+        ("standard, units m\nall in mm\na alpha d theta\n0 0 1 q1\n", "in doubt; got 1 at least, 1 at most and m and"),
         ("standard\na alpha d theta\n0.001 90 574.2 0\n0.4 0 0 0\n", "in doubt; got 0.001 at least, 574.2 at most"),
         ("standard, rad\na alpha d theta\n0 90 1 q1\n", "unit of the angles is in doubt; got 90"),
         ("standard\na_x=[1]\nd_x=[0]\nalpha_x=[0]\na_y=[1]\nd_y=[0]\nalpha_y=[0]\n", "two arms; got 2 lists of alpha"),

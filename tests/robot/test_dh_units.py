@@ -11,12 +11,20 @@ from rankdrop.robot.dh_units import angle_unit, length_unit
 
 @pytest.mark.parametrize(
     ("line", "unit"),
-    [("lengths in mm", "mm"), ("all in m and rad", "m"), ("Units: cm", "cm"), ("(in millimetres)", "mm"),
-     ("standard DH, m, rad", "m"), ("a and d in meters, alpha in degrees", "m"), ("# in cm", "cm")],
-)  # fmt: skip
-def test_a_line_states_the_unit_of_lengths_whatever_their_size(line: str, unit: str) -> None:
-    for sizes in ([0.0, 0.4], [0.0, 20.0], [0.0, 0.1, 574.0]):
+    [("lengths in mm", "mm"), ("all in m and rad", "m"), ("Units: cm", "cm"), ("all in cm", "cm")],
+)
+def test_a_line_on_lengths_states_their_unit_whatever_their_size(line: str, unit: str) -> None:
+    for sizes in ([0.0, 0.4], [0.0, 20.0], [0.0, 400.0], [0.0, 0.1, 574.0]):
         assert length_unit(WrittenTable(()), f"standard\n{line}\n", "t", sizes) == unit
+
+
+@pytest.mark.parametrize(
+    ("line", "unit", "sizes"),
+    [("standard DH, m, rad", "m", [0.1, 574.0]), ("a and d in metres, alpha in degrees", "m", [0.4]),
+     ("(in millimetres)", "mm", [20.0]), ("# in cm", "cm", [20.0]), ("in mm", "mm", [400.0])],
+)  # fmt: skip
+def test_a_unit_in_passing_counts_where_the_numbers_agree(line: str, unit: str, sizes: list[float]) -> None:
+    assert length_unit(WrittenTable(()), line, "t", [0.0, *sizes]) == unit
 
 
 @pytest.mark.parametrize("line", ["for row in m:", "for a, d in mm:", "a drawing", "m"])
@@ -26,11 +34,17 @@ def test_code_and_letters_state_no_unit(line: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "sizes"), [("in m, in mm", [0.0, 1.0]), ("", [0.0, 20.0]), ("", [0.0, 0.08, 574.0])]
-)
+    ("text", "sizes"),
+    [("in m, in mm", [0.0, 1.0]), ("", [0.0, 20.0]), ("", [0.0, 0.08, 574.0]), ("reach in m", [0.0, 475.0]),
+     ("repeats to 0.1 in mm", [0.0, 0.4])],
+)  # fmt: skip
 def test_lengths_in_doubt_are_refused(text: str, sizes: list[float]) -> None:
     with pytest.raises(RobotError, match=r"lengths in cm$"):
         length_unit(WrittenTable(()), text, "t", sizes)
+
+
+def test_where_each_length_has_its_own_unit_none_is_in_doubt() -> None:
+    assert length_unit(WrittenTable(()), "tolerance in mm", "t", [0.0]) == "m"
 
 
 def test_the_heading_comes_before_a_line() -> None:

@@ -112,10 +112,12 @@ class _Reader:
 
     def _refuse_fixed_rows(self, first: int, last: int) -> None:
         """Refuse fixed rows between the first and the last joint, and in front of them where one may be a joint."""
-        start = 0
+        start, end = 0, last
         if self._is_base(first):
             start = first
-        for place, written in enumerate(self.table.rows[start:last], start):
+        if all(row.assumed for row in self.table.rows if row.varies):
+            start, end = 0, len(self.table.rows)  # where no row has a variable beyond doubt, no row is fixed beyond it
+        for place, written in enumerate(self.table.rows[start:end], start):
             if written.varies is False:
                 raise RobotError("the row has no joint variable", where=f"{self.file}, line {written.line}",
                                  allowed="fixed rows behind the last joint; with the number 0 in front of the first",
@@ -125,7 +127,7 @@ class _Reader:
         """Whether the rows before the first joint are fixed beyond doubt, by its number or by their names."""
         number = _DIGITS.search(self.table.rows[first].variable)
         if number is not None:
-            return int(number[0]) < first + 1
+            return int(number[0]) <= 1
         return all(_BASE.search(row.label) for row in self.table.rows[:first])
 
     def notes(self, convention: str) -> tuple[RobotNote, ...]:

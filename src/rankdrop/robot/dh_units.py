@@ -15,9 +15,12 @@ from rankdrop.robot.dh_rows import WrittenTable
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 
-_LENGTH_UNIT = re.compile(
+_OF_LENGTHS = re.compile(
+    r"\b(?:lengths?|units?|dimensions)\b[^\n]{0,20}?\b(mm|cm|m)\b|\b(?:all|everything|numbers|values)\sin\s(mm|cm|m)\b",
+    re.IGNORECASE,
+)
+_IN_PASSING = re.compile(
     r"\bfor\s[\w, ]{1,20}\sin\s"  # a loop of code
-    r"|\b(?:lengths?|units?|dimensions)\b[^\n]{0,20}?\b(mm|cm|m)\b"
     r"|\bin\s(mm|cm|m|(?:milli|centi)?m(?:eter|etre)s)\b"
     r"|(?:^|(?<=[\s,;(\[]))(mm|cm|m)\s?(?:,|/|&|and)\s?(?:rad|deg|°)", re.IGNORECASE | re.MULTILINE
 )  # fmt: skip
@@ -57,28 +60,42 @@ def length_unit(table: WrittenTable, text: str, file: str, sizes: Sequence[float
         RobotError: it is in doubt.
     """
     headed = {unit for unit in table.units.values() if unit in LENGTHS}
-    named = {_short_unit(word) for word in map("".join, _LENGTH_UNIT.findall(text)) if word}
-    for stated in (headed, named):
+    for stated in (headed, _named(_OF_LENGTHS, text)):
         if len(stated) == 1:
             return stated.pop()
-    if named:
-        raise _length_in_doubt(file, " and ".join(sorted(named)))
+    if not any(sizes):  # each length has its own unit
+        return "m"
+    named = _named(_OF_LENGTHS, text) or _named(_IN_PASSING, text)
+    shown = _shown_by(sizes)
+    if len(named) == 1 and shown.issuperset(named):
+        return named.pop()
+    if named or len(shown) != 1:
+        least = min(filter(None, sizes), default=0.0)
+        raise RobotError("the unit of the lengths is in doubt", where=file,
+                         got=" and ".join([f"{least:.3g} at least, {max(sizes):g} at most", *sorted(named)]),
+                         allowed="mm, cm or m",
+                         mend="name the unit in the heading: a [cm]; or in a line: lengths in cm")  # fmt: skip
+    return shown.pop()
+
+
+def _named(pattern: re.Pattern[str], text: str) -> set[str]:
+    """The units of length that a text names."""
+    return {_short_unit(word) for word in map("".join, pattern.findall(text)) if word}
+
+
+def _shown_by(sizes: Sequence[float]) -> set[str]:
+    """The units in which lengths of these sizes are those of an arm."""
     largest, least = max(sizes), min((size for size in sizes if size > _NOISE), default=0.0)
     if largest <= _LARGEST_ARM:
-        return "m"
-    if largest < _LEAST_MILLIMETRES or least < _FRACTION_OF_MILLIMETRE:
-        raise _length_in_doubt(file, f"{least:.3g} at least, {largest:g} at most")
-    return "mm"
+        return {"m"}
+    if largest >= _LEAST_MILLIMETRES and least >= _FRACTION_OF_MILLIMETRE:
+        return {"mm"}
+    return set(LENGTHS)
 
 
 def _short_unit(word: str) -> str:
     """A unit of length by its sign: mm for "millimetres"."""
     return _SHORT.get(word.lower()[:5], word.lower())
-
-
-def _length_in_doubt(file: str, got: str) -> RobotError:
-    return RobotError("the unit of the lengths is in doubt", where=file, got=got, allowed="mm, cm or m",
-                      mend="name the unit in the heading: a [cm]; or in a line: lengths in cm")  # fmt: skip
 
 
 def angle_unit(table: WrittenTable, text: str, file: str, sizes: Sequence[float]) -> str:

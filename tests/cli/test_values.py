@@ -72,3 +72,9 @@ def test_axes_2_and_3_of_a_fanuc_are_opposed(arm: str, opposed: bool) -> None:
 def test_names_in_another_order_are_refused_with_the_joints(text: str) -> None:
     with pytest.raises(ConfigurationError, match=r"names are not those of the joints in their order; .*fix: write the"):
         parse_configuration(text, open_robot("ur5e"), deg=True)
+
+
+def test_a_pose_is_read_with_its_name_and_with_pi_as_code_writes_it() -> None:
+    wanted = [0.3, 0.0, 0.4, -pi, 0.0, pi / 2]
+    for text in ("0.3,0,0.4,-math.pi,0,np.pi/2", "home = [0.3, 0, 0.4, -math.pi, 0, M_PI_2];", "0.3 0 0.4 −π 0 π/2"):
+        assert parse_pose(text, deg=False) == pytest.approx(wanted)

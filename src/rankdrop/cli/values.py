@@ -191,12 +191,12 @@ def parse_pose(text: str, *, deg: bool, option: str = "--pose", robot: arms.Robo
         OptionError: not three, six or seven quantities, a maker's form in doubt, or angles that look like degrees.
         ConfigurationError: a word that is none.
     """
-    from rankdrop.path import refuse_bare_degrees
+    from rankdrop.path import refuse_bare_degrees, target_of_text
 
     made = _makers_pose(text, option, robot, deg=deg)
     if made is not None:
         return made
-    words = split_values(arms.with_plain_constants(text))
+    words = split_values(target_of_text(text))
     if len(words) not in (3, 6, 7):
         raise OptionError("a pose is three lengths, then three angles or a quaternion", where=option,
                           got=f"{len(words)} numbers in {text!r}",

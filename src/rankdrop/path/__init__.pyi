@@ -49,6 +49,7 @@ from .read.makers import axes_2_and_3_opposed as axes_2_and_3_opposed
 from .read.pose_text import PoseText as PoseText
 from .read.pose_text import pose_of_text as pose_of_text
 from .read.pose_text import refuse_bare_degrees as refuse_bare_degrees
+from .read.pose_text import target_of_text as target_of_text
 from .read.poses import Poses as Poses
 from .read.poses import holds_poses as holds_poses
 from .read.poses import length_hint as length_hint

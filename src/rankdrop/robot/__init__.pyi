@@ -9,7 +9,6 @@ from .ideal import intended_tolerance as intended_tolerance
 from .ideal import near_ideal as near_ideal
 from .ideal import read_tolerance as read_tolerance
 from .joint_text import joints_of_text as joints_of_text
-from .joint_text import with_plain_constants as with_plain_constants
 from .mesh_file import LARGEST_MESH as LARGEST_MESH
 from .model import Array as Array
 from .model import Joint as Joint

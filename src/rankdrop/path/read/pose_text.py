@@ -86,6 +86,20 @@ class PoseText:
     notes: tuple[str, ...]
 
 
+def target_of_text(text: str) -> str:
+    """A target with plain signs, without the name that it is given: "CONST robtarget p:=[[…]]", "start = p[…]".
+
+    Example:
+        >>> target_of_text("home = [0.3, 0, 0.4, -math.pi, 0, 0];")
+        '[0.3, 0, 0.4, -pi, 0, 0]'
+    """
+    plain = with_plain_constants(text.translate(_AS_TYPED).replace("π", "pi"))
+    declared = _DECLARED.match(plain)
+    if declared is None:
+        return plain
+    return plain[declared.end() :]
+
+
 def pose_of_text(text: str, where: str, *, deg: bool = False, robot: Robot | None = None) -> PoseText | None:
     """A pose from a text of a maker's form or with names; None for a plain list of numbers.
 
@@ -102,7 +116,7 @@ def pose_of_text(text: str, where: str, *, deg: bool = False, robot: Robot | Non
         >>> pose_of_text("{X 100, Y 0, Z 500, A 0, B 90, C 0}", "--pose").numbers[:3]
         [0.1, 0.0, 0.5]
     """
-    plain = _without_name(with_plain_constants(text.translate(_AS_TYPED).replace("π", "pi")))
+    plain = target_of_text(text)
     pasted = _of_matrix(plain, where) or _of_message(plain, where)
     if pasted is not None:
         return pasted
@@ -117,14 +131,6 @@ def pose_of_text(text: str, where: str, *, deg: bool = False, robot: Robot | Non
     if order is not None and not plain[order.end() :].strip(_AFTER_ORDER):
         return _of_quaternion(plain[: order.start()].rstrip(_BEFORE_ORDER), order[1].lower(), where)
     return _of_named_values(plain, where, deg=deg, robot=robot)
-
-
-def _without_name(text: str) -> str:
-    """What a declaration gives a name: the target of "CONST robtarget p10:=[[…]]", "P1=[[…]]", "start = p[…]"."""
-    declared = _DECLARED.match(text)
-    if declared is None:
-        return text
-    return text[declared.end() :]
 
 
 def _of_matrix(text: str, where: str) -> PoseText | None:

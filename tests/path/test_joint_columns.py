@@ -108,3 +108,7 @@ def test_velocities_next_to_positions_do_not_make_them_ambiguous() -> None:
 
 def test_names_that_are_the_arms_own_stay() -> None:
     assert other_names([*NAMES, *("left_" + name for name in NAMES)], NAMES, "a.csv") is None
+
+
+def test_numbers_alone_are_no_names_of_joints() -> None:
+    assert other_names(["1", "2"], ["joint_1", "joint_2"], "a.json") is None

@@ -91,6 +91,10 @@ def test_twelve_numbers_in_doubt_are_refused_and_read_as_the_refusal_says(number
         read(numbers)
 
 
+def test_a_mirrored_other_order_leaves_no_doubt() -> None:
+    np.testing.assert_allclose(read("1 0 0 0 0 1 0 1 0 0 1 0.3")[:3, 3], [0, 1, 0.3])
+
+
 def test_twelve_numbers_in_brackets_are_rows() -> None:
     np.testing.assert_allclose(read("[[1,0,0,0],[0,1,0,-1],[0,0,1,0.3]]")[:3, 3], [0, -1, 0.3])
 

@@ -208,6 +208,18 @@ def test_configurations_below_a_printed_table_are_no_rows(
     assert np.array_equal(whole.home, alone.home)
 
 
+def test_blanks_separate_nothing_between_bars(tmp_path: Path) -> None:
+    """Cut at blanks, the line of a configuration has as many cells as the table: it is no row."""
+    table = "standard\n| i | θ | d | a | α |\n| 1 | q1 | 0.1 | 0.2 | 90° |\n| 2 | q2 | 0 | 0.3 | 0° |\n"
+    below = "\n| name | q0  | q1  | q2  | q3  | q4  |\n| qr   | 0  | 90  | 0  | 0  | 0  |\n"
+    assert opened(tmp_path, table + below).n == 2
+
+
+def test_an_angle_that_is_converted_to_degrees_is_one_of_its_column(tmp_path: Path) -> None:
+    arm = opened(tmp_path, "standard\na alpha[deg] d theta\n1 0.5*180/pi 0 q1\n")
+    assert np.abs(pose(arm, [0.0]) - tip([(1, 0.5, 0, 0)], np.zeros(1), "standard", "R")).max() < 1e-12
+
+
 def test_fixed_rows_before_the_first_joint_are_the_base(tmp_path: Path, rng: np.random.Generator) -> None:
     """Kinova's tables of the Gen3 begin with "0 (from base)": its tip is that of the arm below the fixed transform."""
     rows: list[Row] = [(0, H, -0.2848, 0), (0.1, H, -0.0118, pi), (0, pi, -0.1674, pi)]

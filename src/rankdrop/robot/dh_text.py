@@ -18,7 +18,7 @@ import numpy as np
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import CONVENTIONS, DHRow, from_dh
 from rankdrop.robot.dh_rows import WrittenRow, WrittenTable, table_in
-from rankdrop.robot.dh_units import LENGTHS, UNITS, Unit, angle_unit, length_unit
+from rankdrop.robot.dh_units import LENGTHS, Unit, angle_unit, length_unit, unit_named
 from rankdrop.robot.joint_text import with_plain_constants
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
 from rankdrop.robot.note import NoteOn, RobotNote
@@ -174,14 +174,14 @@ class _Reader:
             raise RobotError("the unit of the angle is in doubt", where=place, got=f"{body} in degrees",
                              mend="write degrees, 90, or the unit behind it: pi/2rad")  # fmt: skip
         if (stated.replace("°", "deg") or self.angle) == "deg" and not _in_radians(body):
-            return quantity(f"{self._number(body, place, UNITS['deg']):.17g} deg", "angle", where=place)
+            return quantity(f"{self._number(body, place, unit_named('deg')):.17g} deg", "angle", where=place)
         return self._radians(body, place)
 
     def _radians(self, body: str, where: str) -> float:
         try:
             return self.angles.quantity(body, where=where)  # a decimal by the rule of digits
         except RobotError:
-            return self._number(body, where, UNITS["rad"])
+            return self._number(body, where, unit_named("rad"))
 
     def _number(self, text: str, where: str, unit: Unit | None, depth: int = 0) -> float:
         """The value of an expression, with the values of the names in it.
@@ -197,7 +197,7 @@ class _Reader:
         """
         degree = "*pi/180"
         if unit is not None:
-            degree = f"*{UNITS['deg'].size / unit.size:.17g}"
+            degree = f"*{unit_named('deg').size / unit.size:.17g}"
         plain = _TIMES_PI.sub(r"\1*pi", _BEHIND.sub(degree, with_plain_constants(text or "0")))
         command = _COMMAND.search(plain)
         if command is not None:
@@ -231,9 +231,9 @@ class _Reader:
         """
         found = _CELL_UNIT.search(written)
         if found is not None:
-            body, stated = written[: found.start()], UNITS[found["unit"]]
+            body, stated = written[: found.start()], unit_named(found["unit"])
         elif unit is not None and unit.measure == "angle" and _in_radians(written):
-            body, stated = written, UNITS["rad"]
+            body, stated = written, unit_named("rad")
         else:
             return self._number(written, where, unit, depth)
         value = self._number(body, where, stated, depth)
@@ -257,8 +257,8 @@ class _Reader:
 def _unit_of(stated: str, other: str) -> Unit:
     """The unit of a length that is stated, else the other one."""
     if stated in LENGTHS:
-        return UNITS[stated]
-    return UNITS[other]
+        return unit_named(stated)
+    return unit_named(other)
 
 
 def _in_radians(entry: str) -> bool:

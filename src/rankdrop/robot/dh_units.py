@@ -14,6 +14,7 @@ from rankdrop.errors import RobotError
 from rankdrop.robot.dh_rows import WrittenTable
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+ANGLES = {"rad": 1.0, "deg": pi / 180, "°": pi / 180}
 
 _OF_LENGTHS = re.compile(
     r"\b(?:lengths?|units?|dimensions)\b[^\n]{0,20}?\b(mm|cm|m)\b|\b(?:all|everything|numbers|values)\sin\s(mm|cm|m)\b",
@@ -41,10 +42,11 @@ class Unit(NamedTuple):
     size: float
 
 
-UNITS = {
-    **{name: Unit("length", size) for name, size in LENGTHS.items()},
-    **dict.fromkeys(("deg", "°"), Unit("angle", pi / 180)), "rad": Unit("angle", 1.0),
-}  # fmt: skip
+def unit_named(name: str) -> Unit:
+    """The unit of a sign: m, cm, mm, deg, ° or rad."""
+    if name in LENGTHS:
+        return Unit("length", LENGTHS[name])
+    return Unit("angle", ANGLES[name])
 
 
 def length_unit(table: WrittenTable, text: str, file: str, sizes: Sequence[float]) -> str:

@@ -148,14 +148,9 @@ def open_arm(name: str, options: ArmOptions, tool: ToolOptions = NO_TOOL) -> tup
 
 def say_other_task(robot: arms.Robot, task: Task, options: ArmOptions) -> None:
     """Tell of an arm with too few joints for a pose that another task is the one to ask about, where none was named."""
-    from rankdrop.local.pointing import fitting_task
-    from rankdrop.text.words import ASKED_AS_POSE
-
-    if options.task is not None:
-        return
-    other = fitting_task(robot, task)
-    if other is not None:
-        say(f"note: {ASKED_AS_POSE.format(robot.n, robot.name, f'--task {other.name}')}")
+    note = text_of.other_task_note(robot, task)
+    if options.task is None and note:
+        say(f"note: {note}")
 
 
 def _tool(text: str, *, deg: bool) -> tuple[list[float], list[float]]:

@@ -61,6 +61,7 @@ from .family_conditions import condition_sentences as condition_sentences
 from .ideal import here_section as here_section
 from .ideal import moved_section as moved_section
 from .ideal import there_section as there_section
+from .inverse import other_task_note as other_task_note
 from .joint_limits import Inside as Inside
 from .joint_limits import inside_limits as inside_limits
 from .joint_values import joint_symbol as joint_symbol

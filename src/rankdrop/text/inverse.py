@@ -228,6 +228,16 @@ def _out_of_reach(inverse: Any, shift: str | None) -> str:
     return f"Out of reach by {_length(why.position, robot)}{more}"
 
 
+def other_task_note(robot: Robot, task: Task) -> str:
+    """Of an arm with too few joints for a pose the task that it can do in full; "" of other arms."""
+    other = fitting_task(robot, task)
+    if other is None:
+        return ""
+    named = advise("task", other.name)
+    few = f"{robot.name} has {robot.n} joints, too few for a pose"
+    return f"{few}. The answer is for the pose; {named} is for all it can do"
+
+
 def _other_task(inverse: Any) -> str:
     """The task that an arm with too few joints can do in full, as a sentence to be added."""
     other = fitting_task(inverse.robot, inverse.task)

@@ -44,8 +44,6 @@ NEVER_TILTS = "This arm never tilts its tool. It is checked for position and yaw
 """The limit of an arm of four joints with a level tool, and the task that it is checked for."""
 PLACES_ALONE = "With {0} joints this arm places its tool and cannot choose how it is turned. It is checked for position"
 """The limit of an arm of two or three joints, and the task that it is checked for."""
-ASKED_AS_POSE = "{1} has {0} joints, too few for a pose. The answer is for the pose; {2} is for all that it can do"
-"""Of a command that takes the pose as it is, for an arm with too few joints for it."""
 POINTING_HERE = "For position and tool axis ({task}) it is {verdict} here, rank {rank} of {r}"
 """What the pose alone leaves out."""
 NEVER_HERE = "Never possible here: {motions}; the arm has rank {r} of the {m} rows of this task at best"

@@ -8,7 +8,7 @@ import numpy as np
 
 import rankdrop
 from rankdrop.path.mend.mend import mend_path
-from rankdrop.path.mend.record import LOCAL, Mending
+from rankdrop.path.mend.record import Mending
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 
@@ -36,6 +36,6 @@ def dipping(name: str, rows: int, to: float = -DEPTH, dips: int = 1) -> tuple[Ar
 
 @cache
 def mended(name: str, rows: int = 1000, dips: int = 1) -> tuple[Array, Mending]:
-    """The rows of a program, and its local remedies."""
+    """The rows of a program, and its bumps."""
     q, t = dipping(name, rows, dips=dips)
-    return q, mend_path(rankdrop.check_path(open_robot(name), q, t), kinds=LOCAL)
+    return q, mend_path(rankdrop.check_path(open_robot(name), q, t), kinds=("bump",))

@@ -342,7 +342,7 @@ def mend_text(best: Remedy) -> str:
 def test_a_path_that_touches_the_edge_of_reach_stays_inside() -> None:
     robot = open_robot("planar2r")
     q = np.array([[0.0, 0.5], [0.4, 0.0], [0.8, 0.5]])
-    best = mend_path(rankdrop.check_path(robot, q), kinds=LOCAL).best
+    best = mend_path(rankdrop.check_path(robot, q), kinds=("bump",)).best
     assert best is not None
     assert best.kind == "bump"
     np.testing.assert_array_equal(best.trajectory.q[[0, -1]], q[[0, -1]])
@@ -350,11 +350,27 @@ def test_a_path_that_touches_the_edge_of_reach_stays_inside() -> None:
     assert best.off[1] < 2.1e-3  # of the bump alone; 9.3e-3 where the tool is led aside
 
 
-def test_what_a_bump_avoids_needs_no_detour() -> None:
+def test_where_a_bump_takes_the_tool_off_its_path_it_is_led_around_as_well() -> None:
+    """One touch and one crossing: a bump would do for the touch, and leaves the path by more."""
     q = np.array([[0.0, 0.5], [0.4, 0.0], [0.8, 0.5], [1.2, -0.5]])
-    best = mend_path(rankdrop.check_path(open_robot("planar2r"), q), kinds=("detour",)).best
+    robot = open_robot("planar2r")
+    best = mend_path(rankdrop.check_path(robot, q), kinds=("detour",)).best
     assert best is not None
-    assert (best.how, len(best.changes)) == (("detour", 1), 2)
+    assert (best.how, len(best.changes)) == (("detour", 2), 2)
+    bump = mend_path(rankdrop.check_path(robot, q[:3]), kinds=("bump",)).best
+    assert bump is not None
+    assert best.deviation[0] < 0.5 * bump.deviation[0]
+
+
+@pytest.mark.slow
+def test_remedies_are_ranked_by_how_far_the_tool_leaves_its_path() -> None:
+    """A wrist that dips: a detour leaves it by a millimetre in a new time, a bump of joint 5 by more in the same."""
+    q, t = dipping("irb120", 1000)
+    detour, bump = mend_path(rankdrop.check_path(open_robot("irb120"), q, t), kinds=LOCAL).remedies
+    assert (detour.kind, detour.retimed, bump.kind, bump.retimed) == ("detour", True, "bump", False)
+    assert detour.deviation[0] < 0.2 * bump.deviation[0]
+    np.testing.assert_array_equal(bump.trajectory.times, t)
+    assert detour.trajectory.times[-1] > t[-1]
 
 
 @pytest.mark.parametrize(("bound", "bumps", "far", "failed", "unfree", "chosen"), [
@@ -383,7 +399,7 @@ def test_bumps_before_detours_leave_no_singularity_but_those_without_a_bump(
         verifier=SimpleNamespace(check_changed=lambda changed: changed),
     )  # fmt: skip
     bumper = SimpleNamespace(bound=bound, size=lambda off: off)
-    found = local_remedies.LocalMender.bumps_before_detours(mender, bumper)
+    found = local_remedies.LocalMender.bumps_before_detours(mender, bumper, 0.03)
     assert found == (None if chosen is None else (proposals[chosen], checks[chosen]))
     assert put_in == ([] if chosen is None else near_bumps)
 
@@ -439,7 +455,9 @@ def test_the_command_names_the_best_remedy_and_the_option_writes_it(
     np.save(file, np.column_stack([np.arange(len(q)) * 0.01, q]))
     assert main.run(["path", "irb120", str(file), "--quiet"]) == 3
     said = capsys.readouterr().out
-    assert "Remedy: joint 5 by 1.5°" in said
+    assert "Remedy: the tool led around it" in said
+    assert "--remedy detour --fixed FILE writes it" in said
+    assert "Or in the same time: joint 5 by 1.5°" in said
     assert "--remedy bump --fixed FILE writes it" in said
     assert main.run(["path", "irb120", str(file), "--quiet", "--remedy", "bump", "--fixed", str(out)]) == 3
     assert main.run(["path", "irb120", str(out), "--quiet"]) == 0

@@ -313,20 +313,22 @@ def tool_off_words(off: tuple[float, float], robot: Robot) -> str:
 
 
 def local_lines(mending: Any) -> list[str]:
-    """The best local remedy, or why there is none."""
-    if mending.best is not None:
-        return [f"Remedy: {best_words(mending)}."]
+    """The best local remedy, and one that keeps the times where it does not; or why there is none."""
+    best = mending.best
+    if best is not None:
+        lines = [f"Remedy: {_in_a_sentence(best)}."]
+        others = [remedy for remedy in mending.remedies if remedy.check.clear and not remedy.retimed]
+        if best.retimed and others:
+            lines.append(f"Or in the same time: {_in_a_sentence(others[0])}.")
+        return lines
     if mending.notes:
         reasons = " ".join(f"{note[:1].upper()}{note[1:]}." for note in mending.notes)
         return [f"No local remedy. {reasons}"]
     return []
 
 
-def best_words(mending: Any) -> str:
-    """The best remedy in one sentence, and the options that write it; "" where there is none."""
-    best = mending.best
-    if best is None:
-        return ""
+def _in_a_sentence(best: Any) -> str:
+    """A remedy in one sentence, and the options that write it."""
     robot = best.check.robot
     kind = best.kind.replace(" ", "-")
     options = advise(

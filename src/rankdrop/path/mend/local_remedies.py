@@ -21,7 +21,7 @@ from rankdrop.path.mend.candidates import other_branches
 from rankdrop.path.mend.detours import Detour, Detourer, NoDetour
 from rankdrop.path.mend.given_poses import given_tool_path
 from rankdrop.path.mend.joint_tool_path import JointToolPath, tool_path
-from rankdrop.path.mend.local_change import LocalChange, RowsBefore
+from rankdrop.path.mend.local_change import ON_PATH, LocalChange, RowsBefore
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, PoseWindow
 from rankdrop.path.mend.record import BUMP, DETOUR, Failure, Proposal, Remedy, joint_values
 from rankdrop.path.mend.verifier import Verifier
@@ -71,21 +71,33 @@ class LocalMender:
         if BUMP in self.kinds and most.bump > 0.0:
             result = self._bump(bumper)
             yield result
-            if isinstance(result, Remedy) and bumper.size(result.deviation) <= most.detour:
+            if isinstance(result, Remedy) and bumper.size(result.deviation) <= ON_PATH:
                 return
         if DETOUR in self.kinds and most.detour > 0.0 and check.poses is None:
-            yield self._detour(bumper, self.bumps_before_detours(bumper))
+            yield self._detour_after_bumps(bumper)
 
-    def bumps_before_detours(self, bumper: Bumper) -> tuple[Proposal, PathCheck] | None:
+    def _detour_after_bumps(self, bumper: Bumper) -> Remedy | Failure:
+        """Detours where a bump takes the tool off its path; where these are not all found, where it takes it farther
+        off than a detour may.
+        """
+        failure: Failure = DETOUR, None
+        for farthest in (min(ON_PATH, self.bounds.detour), self.bounds.detour):
+            result = self._detour(bumper, self.bumps_before_detours(bumper, farthest))
+            if isinstance(result, Remedy):
+                return result
+            failure = result
+        return failure
+
+    def bumps_before_detours(self, bumper: Bumper, farthest: float) -> tuple[Proposal, PathCheck] | None:
         """A path that needs detours in addition to its bumps, with them: some part of it has none, or
-        one that takes the tool farther off its path than a detour may. None without bumps.
+        one that takes the tool farther off its path than `farthest`. None without bumps.
 
         Bumps that bring the tool back are taken where only the singularities without a bump are left after them.
         """
         if bumper.bound <= 0.0:
             return None
         found, failed = self.find_bumps(bumper, self.clearance)
-        bumps = [bump for bump in found if bumper.size(bump.off) <= self.bounds.detour]
+        bumps = [bump for bump in found if bumper.size(bump.off) <= farthest]
         led_around = _without(bumps, found, failed)
         if not bumps or not led_around:
             return None

@@ -65,8 +65,8 @@ def mend_path(
     null-space    the same tool path by other joint motion of a redundant arm, from the same start where there is one
     flip          the same tool path on another branch of the inverse kinematics
     bump          the joints moved aside around each singularity, within `bump`, and the rest of the path as it is
-    detour        where the joints go to the other side of a singularity, or a bump takes the tool farther off its path
-                  than `detour`: the tool led around it, within `detour`
+    detour        where the joints go to the other side of a singularity, or a bump takes the tool off its path: the
+                  tool led around it, within `detour`
     blend         a corner cut, where the path meets the singularity around it, within `blend`
     tool tilt     the tool held tilted, within `tool_tilt`
     base shift    the base moved, within `base_shift`

@@ -10,7 +10,7 @@ from rankdrop.path.check.path_file import PathQuestion
 from rankdrop.path.check.program import ProgramCheck, check_any_file
 from rankdrop.path.read.program_record import Move, Program
 from rankdrop.questions import PathOptions
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Array, Robot
 
 
 def written(folder: Path, name: str, text: str) -> Path:
@@ -19,8 +19,10 @@ def written(folder: Path, name: str, text: str) -> Path:
     return path
 
 
-def checked(robot: Robot, path: Path, *, at_tool_point: bool = False) -> ProgramCheck:
-    question = PathQuestion(None, None, PathOptions(), at_tool_point=at_tool_point)
+def checked(
+    robot: Robot, path: Path, *, at_tool_point: bool = False, task: str | None = None, start: Array | None = None
+) -> ProgramCheck:
+    question = PathQuestion(task, None, PathOptions(), at_tool_point=at_tool_point, start=start)
     found = check_any_file(robot, path, question)
     assert isinstance(found, ProgramCheck)
     return found

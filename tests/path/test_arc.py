@@ -159,6 +159,7 @@ OTHER_TOOL = PROGRAMS["a.mod"][1].replace("MoveC", "MoveC", 1).replace(
     ("a.script", PROGRAMS["a.script"][1].replace("mode=0", "mode=1")),
     ("a.ls", FANUC.replace("P = 0.000 deg", "P = 5.000 deg", 3)),
     ("a.ls", FANUC.replace("Y = -50.000", "Y = 300.000")),
+    ("a.ls", FANUC.replace("P = 0.000 deg", "P = 0.0 deg", 2).replace("P = 0.000 deg", "P = 5.000 deg", 1)),
 ])  # fmt: skip
 def test_an_arc_on_which_the_turn_of_the_tool_is_not_known_is_not_read(name: str, text: str, tmp_path: Path) -> None:
     assert text != PROGRAMS[name][1]

@@ -107,6 +107,18 @@ def test_the_mode_lasts_until_it_is_set_anew(tmp_path: Path) -> None:
     _, *moves = read_program(written(tmp_path, "a.src", text)).moves
     assert [(move.keeps_turn, sorted(move.assumed)) for move in moves] == [
         (False, ["turns"]), (True, []), (False, [])]  # fmt: skip
+    joint = f"{KRL}$ORI_TYPE=#CONSTANT\n{FIRST}$ORI_TYPE=#JOINT\n{FIRST}END\n"
+    first, second = read_program(written(tmp_path, "b.src", joint)).moves
+    assert (first.keeps_turn, second.assumed) == (False, frozenset())
+
+
+@pytest.mark.parametrize(("mode", "known"), [("VAR", True), ("CONSTANT", False)])
+def test_after_a_line_of_constant_orientation_a_turn_relative_to_its_target_is_not_known(
+    mode: str, known: bool, tmp_path: Path
+) -> None:
+    line = "LIN {X 600,Y 0,Z 900,A 0,B 90,C 0}\nLIN_REL {X 0,Y 0,Z 10,A 0,B 5,C 0} #TOOL\n"
+    text = f"{KRL}$ORI_TYPE=#{mode}\n{line}END\n"
+    assert (len(read_program(written(tmp_path, "a.src", text)).moves) == 2) == known
 
 
 @pytest.mark.parametrize(("mode", "doubted"), [
@@ -122,6 +134,7 @@ def test_lines_with_singarea_are_undecided(mode: str, doubted: bool, tmp_path: P
     )
     check = found("a.mod", text, "irb120", tmp_path)
     assert ("wrist" in check.assumptions) == doubted
+    assert [move.kind for move in check.program.moves if "wrist" in move.assumed] == ["line"] * doubted
     assert [move.verdict for move in check.moves][-1] == "too fast"
     assert check.verdict == ("undecided" if doubted else "too fast")
 
@@ -157,6 +170,10 @@ def test_another_posture_of_config_is_not_read(posture: str, doubted: bool, tmp_
     check = found("a.ls", text, "lrmate200id", tmp_path)
     assert ("configuration" in check.assumptions) == doubted
     assert check.verdict == ("undecided" if doubted else "free")
+    assert check.parts[0].check is not None
+    first = check.parts[0].check.curve.control[0, 0]
+    started = checked(open_robot("lrmate200id"), written(tmp_path, "a.ls", text), start=first)
+    assert started.assumptions == {}
 
 
 @pytest.mark.parametrize(("turn", "doubted"), [(np.pi, True), (3.0, False)])
@@ -166,6 +183,19 @@ def test_half_a_turn_has_two_ways_round(turn: float, doubted: bool, tmp_path: Pa
         text = "movel(p[-0.4,-0.3,0.4,3.14159265,0,0], v=0.1)\nmovel(p[-0.4,-0.3,0.35,3.0,0,0], v=0.1)\n"
     check = found("a.script", text, "ur5e", tmp_path)
     assert ("half a turn" in check.assumptions) == doubted
+    placed = checked(open_robot("ur5e"), written(tmp_path, "a.script", text), task="position")
+    assert placed.assumptions == {}
+
+
+def test_where_the_tip_decides_several_tools_leave_it_open(tmp_path: Path) -> None:
+    """Singularities of the whole pose are those of the arm with any tool; those of the position are not."""
+    text = (
+        "set_tcp(p[0,0,0.1,0,0,0])\nmovel(p[-0.4,-0.2,0.4,3.14159,0,0], v=0.1)\n"
+        "set_tcp(p[0,0,0.2,0,0,0])\nmovel(p[-0.4,-0.3,0.4,3.14159,0,0], v=0.1)\n"
+    )
+    path = written(tmp_path, "a.script", text)
+    assert checked(open_robot("ur5e"), path).assumptions == {}
+    assert checked(open_robot("ur5e"), path, task="position").assumptions == {"tool": (2, 4)}
 
 
 def test_joint_values_end_what_an_unknown_tool_leaves_open(tmp_path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from path.planar_detours import CLEARANCE, planar
@@ -60,3 +62,18 @@ def _error(wanted: Array, now: Array) -> Array:
     turn = wanted[:3, :3] @ now[:3, :3].T
     skew = (turn - turn.T) / 2.0
     return np.array([*(wanted[:3, 3] - now[:3, 3]), skew[2, 1], skew[0, 2], skew[1, 0]])
+
+
+@pytest.mark.parametrize(("retimed", "lines"), [(True, 2), (False, 1)])
+def test_a_remedy_that_keeps_the_times_is_named_beside_one_that_does_not(retimed: bool, lines: int) -> None:
+    robot = open_robot("ur5e")
+
+    def remedy(*, retimed: bool) -> SimpleNamespace:
+        check = SimpleNamespace(robot=robot, clear=True)
+        return SimpleNamespace(kind="blend", words="a corner is cut", changes=(), turns=(), retimed=retimed,
+                               deviation=(0.0, 0.0), check=check)  # fmt: skip
+
+    best = remedy(retimed=retimed)
+    said = local_lines(SimpleNamespace(best=best, remedies=(best, remedy(retimed=False)), notes=()))
+    assert len(said) == lines
+    assert said[-1].startswith("Or in the same time: a corner is cut") == retimed

@@ -149,7 +149,7 @@ def test_no_file_of_tests_imports_another() -> None:
     assert imported == []
 
 
-UNNAMED = 20
+UNNAMED = 10
 """Modules that have no file of tests in the folder of their room whose name begins with theirs."""
 
 

@@ -86,6 +86,35 @@ def test_every_room_is_in_the_table_of_rooms() -> None:
     assert {room for room in rooms if f"`{room}/`" not in table} == set()
 
 
+def first_sentence(module: Path) -> str:
+    """Of the docstring of a module, on one line, without its full stop."""
+    text = " ".join((ast.get_docstring(ast.parse(read(module))) or "").split())
+    return re.split(r"[.](?= |$)", text, maxsplit=1)[0]
+
+
+def listed_modules(page: str) -> dict[str, dict[str, str]]:
+    """Folder -> its modules -> their line: tables under a heading that names a folder, of a page."""
+    tables = {}
+    for section in page.split("\n## ")[1:]:
+        named = re.search(r"`([\w/]+)/`$", section.splitlines()[0])
+        if named:
+            tables[named[1]] = dict(re.findall(r"(?m)^\| `(\w+\.py)` \| (.+) \|$", section))
+    return tables
+
+
+@pytest.mark.parametrize("folder", ["path/read", "path/mend"])
+def test_every_module_of_a_large_room_is_listed_by_the_beginning_of_its_docstring(folder: str) -> None:
+    listed = listed_modules(read(ROOT / "docs" / "rooms.md"))[folder]
+    modules = [path for path in sorted((SOURCE / folder).glob("*.py")) if path.stem != "__init__"]
+    sentences = {module.name: first_sentence(module) for module in modules}
+    assert list(listed) == list(sentences)
+    other = {
+        name: sentence for name, sentence in sentences.items()
+        if not sentence.startswith(listed[name]) or sentence.removeprefix(listed[name])[:1] not in ("", ":", ";", ",")
+    }  # fmt: skip
+    assert not other, "the docstrings begin otherwise"
+
+
 def test_every_line_of_the_changelog_is_short() -> None:
     lines = [line for line in read(ROOT / "CHANGELOG.md").splitlines() if line.startswith("- ")]
     assert lines

@@ -398,7 +398,7 @@ def test_bumps_before_detours_leave_no_singularity_but_those_without_a_bump(
         find_bumps=lambda *given: left, clearance=CLEARANCE, bounds=RemedyOptions(detour=0.03),
         verifier=SimpleNamespace(check_changed=lambda changed: changed),
     )  # fmt: skip
-    bumper = SimpleNamespace(bound=bound, size=lambda off: off)
+    bumper = SimpleNamespace(bound=bound, parts=SimpleNamespace(size=lambda off: off))
     found = local_remedies.LocalMender.bumps_before_detours(mender, bumper, 0.03)
     assert found == (None if chosen is None else (proposals[chosen], checks[chosen]))
     assert put_in == ([] if chosen is None else near_bumps)

@@ -5,10 +5,10 @@ can go on all the same: it is moved along u, the direction that is lost at the c
 
     T′(t) = exp(ε B(t) w) T(t),   u the left singular vector of σ_r at the crossing,
 
-with B as in `path.mend.bumps` and w the way or the turn of u with the larger share, or else the other one; the least ε
-is taken that leaves room. The joints follow on the branch that they are on. At a wrist they turn half around while the
-tool passes by; at the edge of reach they stay bent. After the window the tool is on its old path, and the arm on
-another branch of the inverse kinematics, up to the next crossing, where it may come back.
+with B as in `path.mend.bumped_path` and w the way or the turn of u with the larger share, or else the other one; the
+least ε is taken that leaves room. The joints follow on the branch that they are on. At a wrist they turn half around
+while the tool passes by; at the edge of reach they stay bent. After the window the tool is on its old path, and the arm
+on another branch of the inverse kinematics, up to the next crossing, where it may come back.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ import numpy as np
 
 from rankdrop.kinematics import pose
 from rankdrop.path.check.tool_branch import Followed
-from rankdrop.path.mend.bumps import Bumper, Core
 from rankdrop.path.mend.joint_tool_path import JointToolPath
 from rankdrop.path.mend.local_change import LocalChange, largest_move, step, tool_off
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
+from rankdrop.path.mend.singular_parts import Core, SingularParts
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.robot.model import Array
 
@@ -134,17 +134,17 @@ class Detourer:
     """Looks for detours around the crossings of one path to the other side.
 
     Attributes:
-        bumper: the path, its clock and its limits.
+        parts: the path, its clock and where it is singular.
         bound: largest size of a detour [rad; lengths divided by the length scale].
     """
 
-    bumper: Bumper
+    parts: SingularParts
     bound: float
 
     def find_detours(self, crossings: list[Core], clearance: float) -> list[Detour | NoDetour]:
         """One for each crossing in order, up to the first that has none; between them the tool is on its path."""
         start: Array | None = None  # at the beginning of the next window; None: on the old path
-        final, out = float(len(self.bumper.path.control)), list[Detour | NoDetour]()
+        final, out = float(len(self.parts.path.control)), list[Detour | NoDetour]()
         last = 0.0
         for k, core in enumerate(crossings):
             if k + 1 < len(crossings):
@@ -154,7 +154,7 @@ class Detourer:
             ends = self._ends(core, last, until)
             if ends is None:
                 return [*out, NoDetour(core, Hindrance.END)]
-            low, high = self.bumper.place_at(np.array([ends[0], ends[3]])).tolist()
+            low, high = self.parts.place_at(np.array([ends[0], ends[3]])).tolist()
             if k > 0 and start is not None:
                 rest = self._rest(last, low, start)
                 if rest is None:
@@ -181,7 +181,7 @@ class Detourer:
         return self._same(detour.high, detour.q[-1])
 
     def _same(self, place: float, q: Array) -> bool:
-        return bool((np.abs(q - self.bumper.configurations(np.array([place]))[0]) < _BACK).all())
+        return bool((np.abs(q - self.parts.configurations(np.array([place]))[0]) < _BACK).all())
 
     def _at_crossing(
         self, core: Core, ends: tuple[float, float, float, float], low: float, high: float, start: Array | None,
@@ -239,7 +239,7 @@ class Detourer:
         paths: list[MovedTool] = []
         too_small, enough = sizes
         wanted = _FINER * _NEARER * clearance
-        room = float(self.bumper.tool.room(followed.q).min())
+        room = float(self.parts.tool.room(followed.q).min())
         for _ in range(_TRIES):
             if room <= _FINER * wanted:
                 break
@@ -256,9 +256,9 @@ class Detourer:
 
     def _motions(self, core: Core) -> list[Array]:
         """Tool motions along the direction that is lost at a crossing, in the axes of `Aim`."""
-        bumper = self.bumper
+        parts = self.parts
         place = core.stretches[0].closest.place.position - 1.0
-        return lost_motions(bumper.tool.aim, bumper.tool.rank, bumper.configurations(np.array([place]))[0])
+        return lost_motions(parts.tool.aim, parts.tool.rank, parts.configurations(np.array([place]))[0])
 
     def _clear(self, moved: MovedTool, followed: Followed, clearance: float) -> bool:
         return followed.complete and float(moved.room(followed.q).min()) >= _NEARER * clearance
@@ -272,9 +272,9 @@ class Detourer:
 
     def _ends(self, core: Core, last: float, until: float) -> tuple[float, float, float, float] | None:
         """Where the ramps of a window begin and end by the clock; None where there is no room for them."""
-        bumper = self.bumper
-        first, full, back, final = (float(x) for x in bumper.time(np.array([last, core.low, core.high, until])))
-        if bumper.path.times is not None:
+        parts = self.parts
+        first, full, back, final = (float(x) for x in parts.time(np.array([last, core.low, core.high, until])))
+        if parts.path.times is not None:
             shortest = _RAMP
         else:
             shortest = _SLOPE
@@ -286,19 +286,19 @@ class Detourer:
 
     def _look(self, window: Window, twist: Array) -> tuple[MovedTool, Followed]:
         """The joints along the moved tool, at the rows and some places between, most near the crossing."""
-        bumper, low, high = self.bumper, window.low, window.high
+        parts, low, high = self.parts, window.low, window.high
         rows = np.arange(np.ceil(low), np.floor(high) + 1)
         u = np.linspace(-1.0, 1.0, _LOOKS)
         close = window.middle + np.where(u < 0.0, window.middle - low, high - window.middle) * np.sign(u) * u * u
         place = np.unique(np.concatenate([rows, close.clip(low, high), [low, high]]))
-        plain = {name: getattr(bumper.tool, name) for name in JointToolPath.__dataclass_fields__}
-        moved = MovedTool(**plain, twist=twist, ends=window.ends, clock=bumper.clock).at_places(place)
+        plain = {name: getattr(parts.tool, name) for name in JointToolPath.__dataclass_fields__}
+        moved = MovedTool(**plain, twist=twist, ends=window.ends, clock=parts.clock).at_places(place)
         return moved, moved.follow_branch(self._begin(window))
 
     def _begin(self, window: Window) -> Array:
         """(n,) the configuration at the beginning of a window."""
         if window.start is None:
-            return np.asarray(self.bumper.configurations(np.array([window.low]))[0])
+            return np.asarray(self.parts.configurations(np.array([window.low]))[0])
         return window.start
 
     def _refine_detour(self, moved: MovedTool, window: Window, clearance: float) -> Detour | None:
@@ -317,15 +317,15 @@ class Detourer:
     def _off(self, place: Array, q: Array) -> tuple[float, float]:
         """How far the tool leaves the old path at rows, and in the middle between two: [m], [rad]."""
         places = np.concatenate([place, (place[1:] + place[:-1]) / 2])
-        old, new = self.bumper.configurations(places), np.concatenate([q, (q[1:] + q[:-1]) / 2])
-        return tool_off(self.bumper.robot, old, new)
+        old, new = self.parts.configurations(places), np.concatenate([q, (q[1:] + q[:-1]) / 2])
+        return tool_off(self.parts.robot, old, new)
 
     def changes(self, detours: list[Detour]) -> list[LocalChange]:
         """What each of them changes."""
-        bumper, out = self.bumper, []
+        parts, out = self.parts, []
         for detour in detours:
-            start, end = (bumper.path.place(bumper.point(place)) for place in (detour.low, detour.high))
-            moves = detour.q - bumper.configurations(detour.place)
+            start, end = (parts.path.place(parts.point(place)) for place in (detour.low, detour.high))
+            moves = detour.q - parts.configurations(detour.place)
             if self._back_on_path(detour):
                 after = np.zeros_like(moves[-1])
             else:
@@ -337,8 +337,8 @@ class Detourer:
         """The whole path: rows before the first window, and where the joints are back, as they were; and how far the
         tool is from the old path at most [m], [rad].
         """
-        bumper, count = self.bumper, len(self.bumper.path.control)
-        rows = bumper.path.samples
+        parts, count = self.parts, len(self.parts.path.control)
+        rows = parts.path.samples
         first = np.arange(int(np.ceil(detours[0].low)))
         places, values = [first.astype(np.float64)], [rows[first]]
         for k, detour in enumerate(detours):
@@ -356,13 +356,13 @@ class Detourer:
             places.append(after.astype(np.float64))
             values.append(rows[after])
         place, q = np.concatenate(places), np.concatenate(values)
-        timed = bumper.path.times is not None
-        trajectory = Trajectory("", bumper.time(place) if timed else regular_times(len(place)), q, timed, ())
+        timed = parts.path.times is not None
+        trajectory = Trajectory("", parts.time(place) if timed else regular_times(len(place)), q, timed, ())
         return trajectory, self._off(place, q)
 
     def _rest(self, low: float, high: float, start: Array) -> tuple[Array, Array] | None:
         """Places after one up to another, and the configurations there on the branch of the one at the first place."""
-        tool = self.bumper.tool
+        tool = self.parts.tool
         between = tool.place[(tool.place > low) & (tool.place < high)]
         place = np.concatenate([[low], between, [high]])
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from rankdrop.errors import TaskError
 from rankdrop.path.check.record import FREE, PathCheck
-from rankdrop.path.mend.bumps import CLEARANCE, SPARE, Bump, Bumper, Core, NoBump, Obstacle
+from rankdrop.path.mend.bumped_path import Bump, BumpedPath, ends_of
+from rankdrop.path.mend.bumps import CLEARANCE, SPARE, Bumper, NoBump, Obstacle
 from rankdrop.path.mend.candidates import other_branches
 from rankdrop.path.mend.detours import Detour, Detourer, NoDetour
 from rankdrop.path.mend.given_poses import given_tool_path
@@ -24,6 +25,7 @@ from rankdrop.path.mend.joint_tool_path import JointToolPath, tool_path
 from rankdrop.path.mend.local_change import ON_PATH, LocalChange, RowsBefore
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, PoseWindow
 from rankdrop.path.mend.record import BUMP, DETOUR, Failure, Proposal, Remedy, joint_values
+from rankdrop.path.mend.singular_parts import Core, SingularParts
 from rankdrop.path.mend.verifier import Verifier
 from rankdrop.questions import RemedyOptions
 from rankdrop.results.known import known_families
@@ -67,11 +69,11 @@ class LocalMender:
             yield "local", _MANY
             return
         families, _ = known_families(check.robot, check.task, self.verifier.analysis, check.tolerances)
-        bumper = Bumper(check, tool, families, most.bump, *self.verifier.limits)
+        bumper = Bumper(SingularParts(check, tool), families, most.bump, *self.verifier.limits)
         if BUMP in self.kinds and most.bump > 0.0:
             result = self._bump(bumper)
             yield result
-            if isinstance(result, Remedy) and bumper.size(result.deviation) <= ON_PATH:
+            if isinstance(result, Remedy) and bumper.parts.size(result.deviation) <= ON_PATH:
                 return
         if DETOUR in self.kinds and most.detour > 0.0 and check.poses is None:
             yield self._detour_after_bumps(bumper)
@@ -82,7 +84,7 @@ class LocalMender:
         """
         failure: Failure = DETOUR, None
         for farthest in (min(ON_PATH, self.bounds.detour), self.bounds.detour):
-            result = self._detour(bumper, self.bumps_before_detours(bumper, farthest))
+            result = self._detour(bumper.parts, self.bumps_before_detours(bumper, farthest))
             if isinstance(result, Remedy):
                 return result
             failure = result
@@ -97,7 +99,7 @@ class LocalMender:
         if bumper.bound <= 0.0:
             return None
         found, failed = self.find_bumps(bumper, self.clearance)
-        bumps = [bump for bump in found if bumper.size(bump.off) <= farthest]
+        bumps = [bump for bump in found if bumper.parts.size(bump.off) <= farthest]
         led_around = _without(bumps, found, failed)
         if not bumps or not led_around:
             return None
@@ -110,12 +112,12 @@ class LocalMender:
 
     def _bump(self, bumper: Bumper) -> Remedy | Failure:
         """The joints moved aside at every singularity, farther where the path is not proven free."""
-        clearance = self.clearance
+        parts, clearance = bumper.parts, self.clearance
         for tried in range(1, _ROUNDS + 1):
             bumps, failed = self.find_bumps(bumper, clearance)
             if failed or not bumps:
                 missing = [
-                    (bumper.path.place(bumper.spot(failure.core)), failure.obstacle, failure.needed)
+                    (parts.path.place(parts.spot(failure.core)), failure.obstacle, failure.needed)
                     for failure in failed
                 ]
                 return BUMP, (tried - 1, bumper.bound, missing)
@@ -136,29 +138,29 @@ class LocalMender:
         bumps = [result for result in results if isinstance(result, Bump)]
         return bumps, [result for result in results if isinstance(result, NoBump)]
 
-    def _detour(self, bumper: Bumper, bumped: tuple[Proposal, PathCheck] | None) -> Remedy | Failure:
+    def _detour(self, parts: SingularParts, bumped: tuple[Proposal, PathCheck] | None) -> Remedy | Failure:
         """The tool led around what no bump avoids, on the path with its bumps."""
-        if not _poses_determine(bumper.tool) or bumper.path.degree != 1:
+        if not _poses_determine(parts.tool) or parts.path.degree != 1:
             return DETOUR, None
         most = self.bounds.detour
         changes: list[LocalChange] = []
-        rows = RowsBefore.of(bumper.path, bumper.path, ())
+        rows = RowsBefore.of(parts.path, parts.path, ())
         if bumped is not None:
             before, checked = bumped
-            rows = RowsBefore.of(bumper.path, checked.curve, before.changes)
-            bumper = replace(bumper, check=checked, tool=tool_path(checked.robot, checked.task, checked.curve))
+            rows = RowsBefore.of(parts.path, checked.curve, before.changes)
+            parts = SingularParts(checked, tool_path(checked.robot, checked.task, checked.curve))
             changes += before.changes
         stretches = sorted(
-            (stretch for stretch in bumper.check.stretches if stretch.verdict != FREE), key=attrgetter("start")
+            (stretch for stretch in parts.check.stretches if stretch.verdict != FREE), key=attrgetter("start")
         )
         if len(stretches) > _DETOURS:
             return DETOUR, (most, [], len(stretches))
-        cores = [bumper.core(stretch, self.clearance) for stretch in stretches]
-        work = Detourer(bumper, most)
+        cores = [parts.core(stretch, self.clearance) for stretch in stretches]
+        work = Detourer(parts, most)
         results = work.find_detours(cores, self.clearance)
         self.verifier.report(DETOUR, len(results), len(cores))
         detours = [result for result in results if isinstance(result, Detour)]
-        failed = [(rows.place(bumper.path.place(bumper.spot(result.core))), result.hindrance, result.needed,
+        failed = [(rows.place(parts.path.place(parts.spot(result.core))), result.hindrance, result.needed,
                    result.joints) for result in results if isinstance(result, NoDetour)]  # fmt: skip
         if failed or not detours:
             return DETOUR, (most, failed, 0)
@@ -253,10 +255,11 @@ def bump_proposals(bumper: Bumper, bumps: list[Bump], clearance: float) -> Itera
 
 def _bump_proposal(bumper: Bumper, bumps: list[Bump]) -> Proposal:
     """A path with bumps."""
-    path = bumper.path
+    parts = bumper.parts
     changes = []
     for bump in sorted(bumps, key=lambda bump: bump.core.low):
-        start, end = (path.place(spot) for spot in bumper.ends(bump))
-        changes.append(LocalChange(start, end, bumper.most_moved(bump), bump.off, np.zeros_like(bump.way)))
+        start, end = (parts.path.place(spot) for spot in ends_of(parts, bump))
+        way = BumpedPath(parts, [bump]).most_moved()
+        changes.append(LocalChange(start, end, way, bump.off, np.zeros_like(bump.way)))
     off = max(bump.off[0] for bump in bumps), max(bump.off[1] for bump in bumps)
-    return Proposal(("bump", len(bumps)), (), bumper.trajectory(bumps), off, tuple(changes))
+    return Proposal(("bump", len(bumps)), (), BumpedPath(parts, bumps).trajectory(), off, tuple(changes))

@@ -102,7 +102,7 @@ FOREIGN = {
                      "path/read/named_poses.py", "path/read/poses.py", "path/read/written_poses.py"),
                     "files of the user"),
     **dict.fromkeys(("path/read/fanuc_tp.py", "path/read/inform.py", "path/read/krl.py", "path/read/krl_values.py",
-                     "path/read/program_record.py", "path/read/program_signs.py", "path/read/rapid.py",
+                     "path/read/program_scan.py", "path/read/program_signs.py", "path/read/rapid.py",
                      "path/read/rapid_values.py", "path/read/urscript.py"), "programs of the user"),
     "path/read/csv_file.py": "files of the user", "path/read/pose_text.py": "poses as they were typed",
     "path/read/matrix_text.py": "matrices as they were pasted", "path/read/message_text.py": "messages of ROS",

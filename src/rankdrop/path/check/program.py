@@ -44,16 +44,7 @@ from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve, Index, Place, curve
 from rankdrop.path.read.makers import shoulder_height
 from rankdrop.path.read.program_file import read_program
-from rankdrop.path.read.program_record import (
-    BREAKS,
-    LASTING,
-    Doubt,
-    Kind,
-    Move,
-    Program,
-    Skipped,
-    is_program,
-)
+from rankdrop.path.read.program_record import BREAKS, LASTING, Doubt, Kind, Move, Program, Skipped, is_program
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.model import Array, Robot, with_tool
 from rankdrop.sections import Section

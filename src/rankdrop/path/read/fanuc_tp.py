@@ -15,24 +15,9 @@ from typing import Literal
 import numpy as np
 
 from rankdrop.path.read.arc import place_between
-from rankdrop.path.read.program_record import (
-    BREAKS,
-    MILLIMETRE,
-    Doubt,
-    Language,
-    Listing,
-    Program,
-    Reason,
-    Speed,
-    Target,
-    angle_target,
-    check_length,
-    in_base,
-    joint_target,
-    lines_of,
-    number,
-    positive,
-)
+from rankdrop.path.read.program_record import BREAKS, Doubt, Language, Listing, Program, Reason, Speed, Target
+from rankdrop.path.read.program_scan import check_length, lines_of, number, positive
+from rankdrop.path.read.program_targets import MILLIMETRE, angle_target, in_base, joint_target
 from rankdrop.robot.model import Array
 
 _MOVES: dict[str, Literal["joint", "line"]] = {"J": "joint", "L": "line"}

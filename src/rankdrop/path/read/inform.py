@@ -15,20 +15,9 @@ from typing import Literal
 
 import numpy as np
 
-from rankdrop.path.read.program_record import (
-    MILLIMETRE,
-    Language,
-    Listing,
-    Program,
-    Reason,
-    Speed,
-    Target,
-    angle_target,
-    in_base,
-    lines_of,
-    number,
-    positive,
-)
+from rankdrop.path.read.program_record import Language, Listing, Program, Reason, Speed, Target
+from rankdrop.path.read.program_scan import lines_of, number, positive
+from rankdrop.path.read.program_targets import MILLIMETRE, angle_target, in_base
 
 _MOVES: dict[str, Literal["joint", "line"]] = {"MOVJ": "joint", "MOVL": "line"}
 _OTHER_MOVES = {"MOVC": Reason.CIRCLE, "MOVS": Reason.SPLINE, "IMOV": Reason.RELATIVE, "REFP": Reason.OTHER_MOVE,

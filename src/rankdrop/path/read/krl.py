@@ -45,13 +45,9 @@ from rankdrop.path.read.program_record import (
     Reason,
     Speed,
     Target,
-    angle_target,
-    in_base,
-    joint_target,
-    positive,
-    split_bracket,
-    statements_of,
 )
+from rankdrop.path.read.program_scan import positive, split_bracket, statements_of
+from rankdrop.path.read.program_targets import angle_target, in_base, joint_target
 from rankdrop.robot.model import Array
 
 _MOVES: dict[str, Literal["joint", "line"]] = {"PTP": "joint", "SPTP": "joint", "LIN": "line", "SLIN": "line"}

@@ -10,17 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rankdrop.path.read.program_record import (
-    Names,
-    Posture,
-    Reason,
-    Target,
-    angle_target,
-    joint_target,
-    number,
-    parts_of,
-    split_bracket,
-)
+from rankdrop.path.read.program_record import Names, Posture, Reason, Target
+from rankdrop.path.read.program_scan import number, parts_of, split_bracket
+from rankdrop.path.read.program_targets import angle_target, joint_target
 from rankdrop.robot.model import Array
 
 NAME = re.compile(r"[A-Za-z_$][\w$]*")

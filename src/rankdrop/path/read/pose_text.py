@@ -35,7 +35,7 @@ from rankdrop.path.read.makers import (
 )
 from rankdrop.path.read.matrix_text import matrix_of_text
 from rankdrop.path.read.message_text import message_of_text
-from rankdrop.path.read.program_record import flat, numbers_of
+from rankdrop.path.read.program_scan import flat, numbers_of
 from rankdrop.robot.joint_text import with_plain_constants
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import quantity

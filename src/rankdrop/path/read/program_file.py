@@ -6,7 +6,8 @@ from pathlib import Path
 
 from rankdrop.disk import is_endless
 from rankdrop.path.read import fanuc_tp, inform, krl, rapid, urscript
-from rankdrop.path.read.program_record import LARGEST_PROGRAM, Program, Reader
+from rankdrop.path.read.program_record import Program, Reader
+from rankdrop.path.read.program_scan import LARGEST_PROGRAM
 from rankdrop.path.read.trajectory import TrajectoryError
 
 _KRL = (".src", ".sub")

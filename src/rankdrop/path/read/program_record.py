@@ -1,35 +1,20 @@
-"""A robot program as data: the moves whose targets are literals, and the lines that were not read; and the scanning
-that all languages share.
-
-Everything here takes time proportional to the length of a line: no regular expression has a repetition inside another.
-"""
+"""A robot program as data: moves with literal targets, and lines that were not read."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from math import isfinite, radians
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
-from rankdrop.errors import visible
+from rankdrop.path.read.program_scan import number, shorten_line
 from rankdrop.path.read.trajectory import TrajectoryError
-from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, allowed_range
 from rankdrop.robot.model import Array
-from rankdrop.robot.transform import from_xyz_rpy
 
-LARGEST_PROGRAM, MOST_LINES, LONGEST_LINE, MOST_MOVES = 10 * 2**20, 200_000, 20_000, 20_000
-"""Bytes of a program, its lines, characters of a line or of a statement over several lines, and its moves."""
-_DEEPEST = 8  # brackets inside brackets of a literal
-_SHOWN = 72  # characters of a line that are kept
-_DIGITS = 50  # characters of a number
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-_DEEPER = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}  # brackets: by how much
-MILLIMETRE = 1e-3
+MOST_MOVES = 20_000
 SYSTEM_PROGRAMS = (".sub", ".sys", ".sysx")
 """Endings of programs that run next to others, and of modules of the controller; most have no moves."""
 PROGRAMS = (".src", ".mod", ".modx", ".prg", ".script", ".urscript", ".ls", ".jbi", *SYSTEM_PROGRAMS)
@@ -376,255 +361,9 @@ class Names:
         return number(text)
 
 
-def shorten_line(text: str) -> str:
-    """The beginning of a line, for people."""
-    plain = visible(" ".join(text.split()))
-    if len(plain) <= _SHOWN:
-        return plain
-    return f"{plain[: _SHOWN - 2]} …"
-
-
-def lines_of(text: str, where: str) -> Iterator[tuple[int, str]]:
-    """Lines with their numbers, from 1.
-
-    Raises:
-        TrajectoryError: there are too many, or one is too long.
-    """
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    if len(lines) > MOST_LINES:
-        raise TrajectoryError("the program has too many lines", where=where, got=len(lines),
-                              allowed=f"at most {MOST_LINES:,}")  # fmt: skip
-    for count, line in enumerate(lines, start=1):
-        if len(line) > LONGEST_LINE:
-            raise TrajectoryError("the line is too long", where=f"{where}, line {count}", got=f"{len(line)} characters",
-                                  allowed=f"at most {LONGEST_LINE:,}")  # fmt: skip
-        yield count, line
-
-
-def check_length(size: int, where: str) -> None:
-    """Refuse a statement over several lines that is longer than all readers accept.
-
-    Args:
-        size: its characters.
-        where: the file, and the line on which the statement begins.
-
-    Raises:
-        TrajectoryError: the statement is longer.
-    """
-    if size > LONGEST_LINE:
-        raise TrajectoryError("the statement is too long", where=where,
-                              allowed=f"at most {LONGEST_LINE:,} characters")  # fmt: skip
-
-
-def open_brackets(line: str, before: int = 0) -> int:
-    """How many brackets outside quotes are open at the end of a line, of which `before` at its beginning.
-
-    Example:
-        >>> open_brackets("movej([0, 1,"), open_brackets("2], a=1)", before=2), open_brackets("])")
-        (2, 0, 0)
-    """
-    depth = before
-    for _, letter in _outside_quotes(line):
-        depth = max(depth + _DEEPER.get(letter, 0), 0)
-    return depth
-
-
-def _outside_quotes(text: str) -> Iterator[tuple[int, str]]:
-    """Places and letters of a text that are in no quotes."""
-    quoted = False
-    for place, letter in enumerate(text):
-        if letter == '"':
-            quoted = not quoted
-        elif not quoted:
-            yield place, letter
-
-
-def number(text: str) -> float | None:
-    """A number as every language writes it; None for everything else.
-
-    Example:
-        >>> number(" -1.5e2 "), number("x"), number("1e999")
-        (-150.0, None, None)
-    """
-    plain = text.strip()
-    if len(plain) <= _DIGITS and _NUMBER.fullmatch(plain):
-        value = float(plain)
-    else:
-        value = float("nan")
-    return value if isfinite(value) else None
-
-
-def statements_of(
-    text: str, name: str, mark: str, begins: Callable[[str], bool]
-) -> Iterator[tuple[int, str]]:  # fmt: skip
-    """Statements without comments, with the number of the line on which each begins.
-
-    A statement ends with its line, or, where a bracket is open there, with the line that closes it; a line that begins
-    with a word that stands in no bracket is a statement of its own.
-
-    Args:
-        text: of the program.
-        name: of its file, for errors.
-        mark: what a comment begins with.
-        begins: whether a line begins with such a word.
-    """
-    begun, depth, size = 0, 0, 0
-    kept: list[str] = []
-    for count, line in lines_of(text, name):
-        plain = without_comment(line, mark)
-        if kept and begins(plain):
-            yield begun, " ".join(kept)
-            kept, depth, size = [], 0, 0
-        if not kept:
-            begun = count
-        kept.append(plain)
-        size += len(plain) + 1
-        check_length(size - 1, f"{name}, line {begun}")
-        depth = open_brackets(plain, depth)
-        if depth == 0:
-            yield begun, " ".join(kept)
-            kept, size = [], 0
-    if kept:
-        yield begun, " ".join(kept)
-
-
-def without_comment(line: str, mark: str) -> str:
-    """A line up to a mark outside quotes."""
-    for place, letter in _outside_quotes(line):
-        if letter == mark:
-            return line[:place]
-    return line
-
-
-def parts_of(text: str, mark: str = ",", *, brackets: bool = True) -> list[str]:
-    """Parts between marks that are in no quotes and, with `brackets`, in no brackets; stripped.
-
-    Example:
-        >>> parts_of("[1, 2], v100, Offs(p, 0, 0, 1)")
-        ['[1, 2]', 'v100', 'Offs(p, 0, 0, 1)']
-    """
-    parts, depth, begin = [], 0, 0
-    for place, letter in _outside_quotes(text):
-        if brackets:
-            depth += _DEEPER.get(letter, 0)
-        if letter == mark and depth == 0:
-            parts.append(text[begin:place].strip())
-            begin = place + 1
-    return [*parts, text[begin:].strip()]
-
-
-def split_bracket(text: str, opens: str = "(") -> tuple[str, str] | None:
-    """What is in the bracket that a text begins with, and what follows it; None where it is not closed."""
-    plain = text.lstrip()
-    if not plain.startswith(opens):
-        return None
-    depth = 0
-    for place, letter in _outside_quotes(plain):
-        depth += _DEEPER.get(letter, 0)
-        if depth == 0:
-            return plain[1:place], plain[place + 1 :]
-    return None
-
-
-def numbers_of(text: str) -> list[object] | None:
-    """Numbers in square brackets, nested at most `_DEEPEST` deep; None where something else is in them.
-
-    Example:
-        >>> numbers_of("[[1,2],[3]]"), numbers_of("[1, x]")
-        ([[1.0, 2.0], [3.0]], None)
-    """
-    return _numbers(text.strip(), 0)
-
-
 def is_program(path: str | Path) -> bool:
     """Whether a file is a robot program, by its ending."""
     return Path(path).suffix.lower() in PROGRAMS
-
-
-def _numbers(text: str, depth: int) -> list[object] | None:
-    bracket = split_bracket(text, "[")
-    if bracket is None or bracket[1].strip() or depth > _DEEPEST:
-        return None
-    listed: list[object] = []
-    for part in parts_of(bracket[0]):
-        value = _numbers(part, depth + 1) if part.startswith("[") else number(part)
-        if value is None:
-            return None
-        listed.append(value)
-    return listed
-
-
-def flat(values: object, count: int) -> list[float] | None:
-    """A list of exactly so many numbers; None for everything else."""
-    if not isinstance(values, list) or len(values) != count:
-        return None
-    numbers = [value for value in values if isinstance(value, float)]
-    if len(numbers) == count:
-        return numbers
-    return None
-
-
-def joint_target(values: list[float], where: str, posture: Posture | None = None) -> Target:
-    """Joint values as a target.
-
-    Raises:
-        TrajectoryError: one is out of range.
-    """
-    in_range(values, min(LARGEST_ANGLE, LARGEST_LENGTH), where, "angle")
-    return Target(joints=tuple(values), posture=posture or Posture())
-
-
-def angle_target(values: list[float], where: str, posture: Posture | None = None) -> Target:
-    """A target of x, y, z [mm] and turns about the fixed axes x, y, z in this order [deg]: R = Rz Ry Rx.
-
-    Raises:
-        TrajectoryError: one is out of range.
-    """
-    in_range(values[:3], LARGEST_LENGTH, where, "length")
-    in_range(values[3:], LARGEST_ANGLE, where, "angle")
-    x, y, z = (MILLIMETRE * value for value in values[:3])
-    roll, pitch, yaw = map(radians, values[3:])
-    return Target(pose=from_xyz_rpy((x, y, z), (roll, pitch, yaw)), posture=posture or Posture())
-
-
-def turned_target(place: list[float], turn: Array, where: str, posture: Posture | None = None) -> Target:
-    """A target of a place [m] and a rotation (3, 3).
-
-    Raises:
-        TrajectoryError: the place is out of range.
-    """
-    in_range(place, LARGEST_LENGTH, where, "length")
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = turn, place
-    return Target(pose=pose, posture=posture or Posture())
-
-
-def in_base(target: Target | Reason, base: Array | None) -> Target | Reason:
-    """A target whose pose is in a frame (4, 4), in the base frame of the arm; without a frame its pose is not known."""
-    if isinstance(target, Reason) or target.pose is None:
-        return target
-    if base is None:
-        return Reason.BASE
-    return replace(target, pose=base @ target.pose)
-
-
-def in_range(values: list[float], most: float, where: str, measure: str) -> None:
-    """Refuse values beyond what all readers accept.
-
-    Raises:
-        TrajectoryError: one is.
-    """
-    for value in values:
-        if abs(value) > most:
-            raise TrajectoryError("the value is too large", where=where, got=f"{value:g}",
-                                  allowed=allowed_range(measure))  # fmt: skip
-
-
-def positive(value: float | None, factor: float = 1.0) -> float | None:
-    """A speed or a time in SI units; None where it is not positive, or beyond every clock."""
-    if value is None or not 0.0 < value * factor <= LARGEST_TIME:
-        return None
-    return value * factor
 
 
 Reader = Callable[[str, str], Program]

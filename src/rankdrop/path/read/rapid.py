@@ -11,25 +11,9 @@ from collections.abc import Iterator
 from math import radians
 
 from rankdrop.path.read.arc import place_between
-from rankdrop.path.read.program_record import (
-    MILLIMETRE,
-    Doubt,
-    Kind,
-    Language,
-    Listing,
-    Names,
-    Program,
-    Reason,
-    Speed,
-    Target,
-    check_length,
-    in_base,
-    lines_of,
-    number,
-    parts_of,
-    positive,
-    without_comment,
-)
+from rankdrop.path.read.program_record import Doubt, Kind, Language, Listing, Names, Program, Reason, Speed, Target
+from rankdrop.path.read.program_scan import check_length, lines_of, number, parts_of, positive, without_comment
+from rankdrop.path.read.program_targets import MILLIMETRE, in_base
 from rankdrop.path.read.rapid_values import WORD, goal_of, literal, split_switches, tool_frame, work_object
 from rankdrop.robot.model import Array
 

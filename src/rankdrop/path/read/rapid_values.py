@@ -12,23 +12,9 @@ from math import radians
 import numpy as np
 
 from rankdrop.path.read.poses import turned_by
-from rankdrop.path.read.program_record import (
-    MILLIMETRE,
-    Names,
-    Posture,
-    Reason,
-    Speed,
-    Target,
-    angle_target,
-    flat,
-    joint_target,
-    number,
-    numbers_of,
-    parts_of,
-    positive,
-    split_bracket,
-    turned_target,
-)
+from rankdrop.path.read.program_record import Names, Posture, Reason, Speed, Target
+from rankdrop.path.read.program_scan import flat, number, numbers_of, parts_of, positive, split_bracket
+from rankdrop.path.read.program_targets import MILLIMETRE, angle_target, joint_target, turned_target
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.robot.model import Array
 

@@ -12,27 +12,9 @@ from math import radians
 
 import numpy as np
 
-from rankdrop.path.read.program_record import (
-    Kind,
-    Language,
-    Listing,
-    Names,
-    Posture,
-    Program,
-    Reason,
-    Speed,
-    Target,
-    flat,
-    in_range,
-    joint_target,
-    number,
-    numbers_of,
-    parts_of,
-    positive,
-    split_bracket,
-    statements_of,
-    turned_target,
-)
+from rankdrop.path.read.program_record import Kind, Language, Listing, Names, Posture, Program, Reason, Speed, Target
+from rankdrop.path.read.program_scan import flat, number, numbers_of, parts_of, positive, split_bracket, statements_of
+from rankdrop.path.read.program_targets import in_range, joint_target, turned_target
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.poses.inverse import rotation
 from rankdrop.robot.files import LARGEST_ANGLE

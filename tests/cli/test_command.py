@@ -127,12 +127,12 @@ def test_each_file_is_tried_where_one_before_has_failed(tmp_path: Path) -> None:
         raise BrokenPipeError
 
     def refused() -> str:
-        raise OptionError("cannot draw")
+        raise OptionError("there is no such remedy")
 
     done = Done(lambda: (), {"a": broken, "b": refused, "c": lambda: "text", "d": lambda: "no target"},
                 last=lambda: steps.append("last"))  # fmt: skip
     names = {name: str(tmp_path / name) for name in "abc"} | {"d": None}
-    with pytest.raises(OptionError, match="cannot draw"):  # not the reader that has gone
+    with pytest.raises(OptionError, match="there is no such remedy"):  # not the reader that has gone
         deliver(done, names)
     assert [path.name for path in tmp_path.iterdir()] == ["c"]
     assert steps == ["last"]

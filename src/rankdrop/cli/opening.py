@@ -148,8 +148,10 @@ def open_arm(name: str, options: ArmOptions, tool: ToolOptions = NO_TOOL) -> tup
 
 def say_other_task(robot: arms.Robot, task: Task, options: ArmOptions) -> None:
     """Tell of an arm with too few joints for a pose that another task is the one to ask about, where none was named."""
+    if options.task is not None or robot.n >= task.m:
+        return
     note = text_of.other_task_note(robot, task)
-    if options.task is None and note:
+    if note:
         say(f"note: {note}")
 
 

@@ -52,16 +52,16 @@ _REASONS = {
     "other": "not a move",
 }
 _ASSUMED = {
-    "tool": "the tool of {} is not in the file, the tip of the arm is taken",
-    "external axes": "external axes or another group are away from zero, or move, in {}; they are taken not to carry "
-        "the arm",
-    "turns": "the tool turns otherwise in {} ($ORI_TYPE), a turn about one axis is taken",
-    "wrist": "SingArea lets the tool turn off its line in {}, it is taken to stay on it",
-    "configuration": "a posture other than N U T is stated in {} (CONFIG), which is not read",
-    "arrival": "another configuration than its target states is reached in {}: with ConfL \\On the controller may stop",
-    "half a turn": "the tool turns by half a turn in {}, of the two ways round one is taken",
+    "tool": "the tool of {} is not in the file, and the tip of the arm is taken",
+    "external axes": "external axes or another group move or are away from zero in {}, and are taken not to carry the "
+        "arm",
+    "turns": "$ORI_TYPE is not known, or lets the tool turn otherwise in {}, and a turn about one axis is taken",
+    "wrist": "SingArea lets the tool turn off its line in {}, and it is taken to stay on it",
+    "configuration": "CONFIG states another posture than N U T in {}, and is not read",
+    "arrival": "{} ends in another configuration than its target states: with ConfL \\On the controller may stop",
+    "half a turn": "the tool turns by half a turn in {}, and one of the two ways round is taken",
 }  # fmt: skip
-"""What moves are followed with, and their lines."""
+"""Assumptions on moves, with their lines."""
 _CAUSES = {
     "out of reach": "no configuration within the joint limits was found for its target",
     "no such posture": "no solution within the joint limits has the configuration that its target states",
@@ -82,14 +82,14 @@ _CONFIGURATIONS = 12  # that are printed
 
 
 def sentence(check: Any) -> str:
-    """The verdict: what the program does, worst first, with its lines; and what the moves are followed with."""
-    doubts = [f"{_ASSUMED[assumption].format(_lines_words(lines))}" for assumption, lines in check.assumptions.items()]
+    """The verdict: what the program does, worst first, with its lines; and assumptions on its moves."""
+    assumed = [_ASSUMED[assumption].format(_lines_words(lines)) for assumption, lines in check.assumptions.items()]
     found = _found_sentence(check)
-    if not doubts:
+    if not assumed:
         return found
     if check.verdict == "undecided":
-        return f"Undecided: {'; '.join(doubts)}. As it was read: {found[0].lower()}{found[1:]}"
-    return f"{found} Not certain: {'; '.join(doubts)}."
+        return f"Undecided: {'; '.join(assumed)}. As it was read: {found[0].lower()}{found[1:]}"
+    return f"{found} Not certain: {'; '.join(assumed)}."
 
 
 def _found_sentence(check: Any) -> str:

@@ -26,7 +26,7 @@ from rankdrop.path.check.tool_line import poses_at
 from rankdrop.path.check.tool_path import check_tilt, followed_branch, timed_branch, tip_apart
 from rankdrop.path.read.arc import arc_poses
 from rankdrop.path.read.makers import axes_2_and_3_opposed
-from rankdrop.path.read.program_record import Doubt, Move, Posture, Program
+from rankdrop.path.read.program_record import Move, MoveAssumption, Posture, Program
 from rankdrop.path.read.trajectory import TrajectoryError
 from rankdrop.poses.inverse import Aim
 from rankdrop.robot.files import MOST_ROWS
@@ -68,12 +68,17 @@ class Ended:
     available: tuple[tuple[int, int, int], ...] = ()
 
 
+def with_tool_frame(robot: Robot, tool: Array) -> Robot:
+    """The arm with a tool frame (4, 4) at its tip [m]."""
+    return with_tool(robot, tool[:3, 3], orientation_coordinates(tool[:3, :3], "rpy").tolist())
+
+
 @dataclass(eq=False)
 class FollowedMoves:
-    """Rows of a part while it is built; `doubts`: what its moves are followed with, by their index."""
+    """Rows of a part while it is built; `assumptions`: those of its moves, by their index."""
 
     moves: list[Move]
-    doubts: dict[int, set[Doubt]] = field(default_factory=dict)
+    assumptions: dict[int, set[MoveAssumption]] = field(default_factory=dict)
     begins: Literal["joints", "start", "before", "stated", "posture"] = "joints"
     rows: list[Array] = field(default_factory=list)
     owner: list[int] = field(default_factory=list)
@@ -85,10 +90,10 @@ class FollowedMoves:
     turned: float = 0.0
     passed: list[int] = field(default_factory=list)
 
-    def doubt(self, index: int, *doubts: Doubt) -> None:
-        """Of a move with an index that it is followed with these."""
-        if doubts:
-            self.doubts.setdefault(index, set()).update(doubts)
+    def assume(self, index: int, *assumptions: MoveAssumption) -> None:
+        """Keep assumptions with which a move is followed."""
+        if assumptions:
+            self.assumptions.setdefault(index, set()).update(assumptions)
 
     def add(self, index: int, rows: Array, lasts: Array | None, speeds: Array | None) -> None:
         """Rows after the last one, with the time and the joint rates of each stretch."""
@@ -123,7 +128,7 @@ class MoveFollower:
                 self._joint_move(followed, index, move)
             else:
                 self._line(followed, index, move)
-            followed.doubt(index, *move.assumed)
+            followed.assume(index, *move.assumed)
             if followed.ended is not None:
                 break
             if len(followed.rows) > MOST_ROWS:
@@ -178,9 +183,7 @@ class MoveFollower:
             return self.robot
         key = tool.tobytes()
         if key not in self.arms:
-            self.arms[key] = with_tool(
-                self.robot, tool[:3, 3], orientation_coordinates(tool[:3, :3], "rpy").tolist()
-            )
+            self.arms[key] = with_tool_frame(self.robot, tool)
         return self.arms[key]
 
     def _reached_from(self, move: Move, before: Array, goal: Array) -> Array | None:
@@ -269,15 +272,15 @@ class MoveFollower:
             followed.passed.append(index)
         if not branch.complete:
             followed.ended = Ended(move, EndCause.BRANCH, _as_shares(branch, len(way) - 1))
-        self._doubt_line(followed, index, move, turn)
+        self._assume_of_line(followed, index, move, turn)
 
-    def _doubt_line(self, followed: FollowedMoves, index: int, move: Move, turn: float) -> None:
-        """Of a line that was followed: it has two ways round, or does not arrive in the posture of its target."""
+    def _assume_of_line(self, followed: FollowedMoves, index: int, move: Move, turn: float) -> None:
+        """Keep that a line has two ways round, or that it does not arrive in the posture of its target."""
         if turn >= pi - _HALF_TURN and max(self.task.rows) >= _FIRST_TURN:
-            followed.doubt(index, Doubt.HALF_TURN)
+            followed.assume(index, MoveAssumption.HALF_TURN)
         arrives = followed.ended is not None or _fits(followed.rows[-1], move.target.posture)
         if move.checks_arrival and not arrives:
-            followed.doubt(index, Doubt.ARRIVAL)
+            followed.assume(index, MoveAssumption.ARRIVAL)
 
     def _ends_of_line(self, move: Move, now: Array) -> tuple[Array, Array]:
         """(4, 4) each: where the tip is, and where it goes."""

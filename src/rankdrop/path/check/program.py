@@ -20,10 +20,9 @@ import numpy as np
 from rankdrop.codec import Result
 from rankdrop.errors import OptionError
 from rankdrop.lists import flat_map
-from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.pointing import followed_task
 from rankdrop.path.check.check import asked_for, check_curve
-from rankdrop.path.check.moves import STILL, Ended, FollowedMoves, MoveFollower
+from rankdrop.path.check.moves import STILL, Ended, FollowedMoves, MoveFollower, with_tool_frame
 from rankdrop.path.check.overrun import Overrun, overruns
 from rankdrop.path.check.path_file import PathQuestion, check_file
 from rankdrop.path.check.record import (
@@ -44,9 +43,9 @@ from rankdrop.path.check.turns import FarTurn, far_turns
 from rankdrop.path.curve import Curve, Index, Place, curve
 from rankdrop.path.read.makers import shoulder_height
 from rankdrop.path.read.program_file import read_program
-from rankdrop.path.read.program_record import BREAKS, LASTING, Doubt, Kind, Move, Program, Skipped, is_program
+from rankdrop.path.read.program_record import BREAKS, LASTING, Kind, Move, MoveAssumption, Program, Skipped, is_program
 from rankdrop.path.read.trajectory import TrajectoryError
-from rankdrop.robot.model import Array, Robot, with_tool
+from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.text import programs as text
@@ -70,7 +69,7 @@ class MoveCheck:
         turn: by how much [rad].
         seconds: how long it takes; None where its speed is not known.
         overruns: joints that exceed their rate limits in it.
-        assumed: what it is followed with, itself or as one before it is.
+        assumed: assumptions with which it is followed, its own and lasting ones of moves before it.
     """
 
     line: int
@@ -84,7 +83,7 @@ class MoveCheck:
     turn: float
     seconds: float | None
     overruns: tuple[Overrun, ...] = ()
-    assumed: frozenset[Doubt] = frozenset()
+    assumed: frozenset[MoveAssumption] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +100,8 @@ class ProgramPart:
         off, turned: the tip is proven to stay so near to its lines [m], [rad].
         passed: indices of moves that pass through a singularity.
         untimed: the first linear move whose speed is not known; None where there is none.
-        own_doubts: what moves are followed with, by their index.
+        own_assumptions: those of single moves, by their index.
+        inherited: assumptions of the part before that hold at its beginning.
     """
 
     moves: tuple[Move, ...]
@@ -113,31 +113,44 @@ class ProgramPart:
     turned: float
     passed: tuple[int, ...]
     untimed: Move | None
-    own_doubts: Mapping[int, Set[Doubt]] = field(default_factory=dict)
+    own_assumptions: Mapping[int, Set[MoveAssumption]] = field(default_factory=dict)
+    inherited: frozenset[MoveAssumption] = frozenset()
 
     @cached_property
-    def doubts(self) -> tuple[frozenset[Doubt], ...]:
-        """Of each move what it is followed with, itself or as a move before it is: after some of them the arm may be
-        elsewhere, up to the next joint values.
+    def assumed(self) -> tuple[frozenset[MoveAssumption], ...]:
+        """Assumptions with which each move is followed: its own, and lasting ones of moves before it.
+
+        A lasting one holds up to the next joint values: until then the arm may be elsewhere.
         """
-        lasting: frozenset[Doubt] = frozenset()
-        doubts = []
+        lasting = self.inherited
+        assumed = []
         for index, move in enumerate(self.moves):
-            own = frozenset(self.own_doubts.get(index, ()))
-            doubts.append(own | lasting)
-            if move.kind == "joint" and move.target.joints is not None:
+            own = self._own(index)
+            if index == 0 and move.target.joints is not None:
                 lasting = frozenset()
-            lasting |= own & LASTING
-        return tuple(doubts)
+            assumed.append(own | lasting)
+            lasting = _lasting_after(move, own, lasting)
+        return tuple(assumed)
+
+    @property
+    def assumed_after(self) -> frozenset[MoveAssumption]:
+        """Lasting assumptions with which the part ends."""
+        lasting = self.inherited
+        for index, move in enumerate(self.moves):
+            lasting = _lasting_after(move, self._own(index), lasting)
+        return lasting
+
+    def _own(self, index: int) -> frozenset[MoveAssumption]:
+        return frozenset(self.own_assumptions.get(index, ()))
 
     @property
     def verdicts(self) -> list[Verdict]:
         """Those of its moves; moves that are followed with an assumption are undecided."""
-        if not any(self.doubts):
+        if not any(self.assumed):
             return self._whole_verdicts()
         kinds = [UNDECIDED]
         kinds += [move.verdict for move in self.checked_moves() if move.verdict is not None and not move.assumed]
-        if self.ended is not None and not self.doubts[self.moves.index(self.ended.move)]:
+        if self.ended is not None and not self.assumed[self.moves.index(self.ended.move)]:
             kinds.append(NOT_FOLLOWED)
         return kinds
 
@@ -194,7 +207,7 @@ class ProgramPart:
         begins = np.searchsorted(self.owner, np.arange(len(self.moves) + 1)).tolist()
         for index, move in enumerate(self.moves):
             first, last = begins[index : index + 2]
-            assumed = self.doubts[index]
+            assumed = self.assumed[index]
             if first < last:
                 verdict = self._verdict(index, stretches.get(index, []), violations.get(index, []))
                 distance, family = _nearest(check.profile, first, last, stretches.get(index, []))
@@ -215,6 +228,15 @@ class ProgramPart:
         if self.ended is not None and self.ended.move is self.moves[index]:
             kinds.append(NOT_FOLLOWED)
         return min(kinds, key=VERDICTS.index)
+
+
+def _lasting_after(
+    move: Move, own: frozenset[MoveAssumption], lasting: frozenset[MoveAssumption]
+) -> frozenset[MoveAssumption]:
+    """Lasting assumptions after a move: joint values end those before it."""
+    if move.kind == "joint" and move.target.joints is not None:
+        lasting = frozenset()
+    return lasting | (own & LASTING)
 
 
 def _nearest(profile: Profile, first: int, last: int, stretches: Sequence[Stretch]) -> tuple[float, str]:
@@ -308,14 +330,14 @@ class ProgramCheck(Result):
         return min(kinds, key=VERDICTS.index)
 
     @cached_property
-    def assumptions(self) -> dict[Doubt, tuple[int, ...]]:
-        """What moves are followed with, and their lines; of those that follow them only where they assume it too."""
-        lines: dict[Doubt, list[int]] = {doubt: [] for doubt in Doubt}
+    def assumptions(self) -> dict[MoveAssumption, tuple[int, ...]]:
+        """Assumptions with which moves are followed, and the lines that bring them in."""
+        lines: dict[MoveAssumption, list[int]] = {assumption: [] for assumption in MoveAssumption}
         for part in self.parts:
-            for index, doubts in part.own_doubts.items():
-                for doubt in doubts:
-                    lines[doubt].append(part.moves[index].line)
-        return {doubt: tuple(found) for doubt, found in lines.items() if found}
+            for index, own in part.own_assumptions.items():
+                for assumption in own:
+                    lines[assumption].append(part.moves[index].line)
+        return {assumption: tuple(found) for assumption, found in lines.items() if found}
 
     @property
     def complete(self) -> bool:
@@ -435,7 +457,11 @@ def check_program(
                 mend="write targets as numbers, or check parts of the program for themselves",
             )  # fmt: skip
         followed = follower.follow_moves(moves, before, given=not parts and start is not None)
-        part = _check_part(robot, question, followed, progress)
+        if parts:
+            inherited = parts[-1].assumed_after
+        else:
+            inherited = frozenset()
+        part = _check_part(robot, question, followed, inherited, progress)
         parts.append(part)
         if followed.rows:
             before = followed.rows[-1]
@@ -448,19 +474,20 @@ def check_program(
 
 
 def _with_what_is_given(program: Program, question: PathQuestion, task: Task) -> Program:
-    """A program without the doubts that the question decides, the tool and the first posture; and with that of the tool
-    where there are several, and singularities of the task depend on where the tip is.
+    """A program without the assumptions that the question decides, on the tool and the first posture.
+
+    Where there are several tools, and singularities of the task depend on where the tip is, one on the tool is added.
     """
-    decided: set[Doubt] = set()
+    decided: set[MoveAssumption] = set()
     if question.at_tool_point:
-        decided.add(Doubt.TOOL)
+        decided.add(MoveAssumption.TOOL)
     if question.start is not None:
-        decided.add(Doubt.CONFIGURATION)
+        decided.add(MoveAssumption.CONFIGURATION)
     tip_counts = program.tool is None and len(task.rows) < _WHOLE_POSE
     items: list[Move | Skipped] = []
     for item in program.items:
         if isinstance(item, Move):
-            tools = [Doubt.TOOL] * (tip_counts and item.needs_tool)
+            tools = [MoveAssumption.TOOL] * (tip_counts and item.needs_tool)
             items.append(replace(item, assumed=item.assumed.union(tools) - decided))
         else:
             items.append(item)
@@ -478,13 +505,14 @@ def _with_tool(robot: Robot, tool: Array | None) -> Robot:
     """The arm with a tool (4, 4) at its tip; as it is without one."""
     if tool is None:
         return robot
-    return with_tool(robot, tool[:3, 3], orientation_coordinates(tool[:3, :3], "rpy").tolist())
+    return with_tool_frame(robot, tool)
 
 
 def _check_part(
-    robot: Robot, question: PathQuestion, followed: FollowedMoves, progress: Callable[[int, int], None] | None
+    robot: Robot, question: PathQuestion, followed: FollowedMoves, inherited: frozenset[MoveAssumption],
+    progress: Callable[[int, int], None] | None,
 ) -> ProgramPart:
-    """A part with its path checked."""
+    """A part with its path checked; it begins with lasting assumptions of the part before."""
     check = None
     if followed.rows:
         q = np.array(followed.rows)
@@ -497,7 +525,8 @@ def _check_part(
         check = replace(check, rows=len(q))
     return ProgramPart(
         tuple(followed.moves), check, np.array(followed.owner, dtype=np.int64), followed.begins, followed.ended,
-        followed.off, followed.turned, tuple(followed.passed), followed.untimed, followed.doubts,
+        followed.off, followed.turned, tuple(followed.passed), followed.untimed,
+        followed.assumptions, inherited,
     )  # fmt: skip
 
 

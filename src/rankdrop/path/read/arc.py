@@ -61,6 +61,11 @@ def arc_poses(begin: Array, via: Array, end: Array, height: float) -> Array | No
     return poses
 
 
+def same_turn(first: Array, second: Array) -> bool:
+    """Whether two poses (4, 4) have one orientation."""
+    return bool(np.abs(second[:3, :3] - first[:3, :3]).max() <= _SAME_TURN)
+
+
 def arc_angle(begin: Array, via: Array, end: Array) -> float | None:
     """The angle of the arc through three places (3,) [rad]; None where they are on one line."""
     circle = _circle(begin, via, end)
@@ -99,8 +104,7 @@ def place_between(begin: Array, via: Array, end: Array) -> Array | None:
 
     None where it turns from one end (4, 4) to the other, or the arc is longer than half a turn.
     """
-    turned = np.abs(end[:3, :3] - begin[:3, :3]).max()
     angle = arc_angle(begin[:3, 3], via, end[:3, 3])
-    if turned > _SAME_TURN or angle is None or angle > _LONGEST:
+    if angle is None or angle > _LONGEST or not same_turn(begin, end):
         return None
     return np.asarray(via)

@@ -14,8 +14,8 @@ from typing import Literal
 
 import numpy as np
 
-from rankdrop.path.read.arc import place_between
-from rankdrop.path.read.program_record import BREAKS, Doubt, Language, Listing, Program, Reason, Speed, Target
+from rankdrop.path.read.arc import place_between, same_turn
+from rankdrop.path.read.program_record import BREAKS, Language, Listing, MoveAssumption, Program, Reason, Speed, Target
 from rankdrop.path.read.program_scan import check_length, lines_of, number, positive
 from rankdrop.path.read.program_targets import MILLIMETRE, angle_target, in_base, joint_target
 from rankdrop.robot.model import Array
@@ -42,7 +42,6 @@ _SKIPPED = {**_FLOW, **dict.fromkeys(("CALL", "RUN"), Reason.CALL), **dict.fromk
 _WORD = re.compile(r"[A-Za-z_]+")
 _PLACE, _JOINTS = ("X", "Y", "Z", "W", "P", "R"), tuple(f"J{k}" for k in range(1, 10))
 _NO_TURN = 1e-9
-_SAME_TURN = 1e-4  # entries of rotations that are one
 _REMARKS = ("!", "//", "--")
 
 
@@ -167,8 +166,8 @@ class _Position:
             made = in_base(made, None)
         if isinstance(made, Reason):
             return made
-        doubts = [Doubt.CONFIGURATION] * self.unusual
-        return replace(made, external=tuple(self.external), assumed=frozenset(doubts))
+        assumed = [MoveAssumption.CONFIGURATION] * self.unusual
+        return replace(made, external=tuple(self.external), assumed=frozenset(assumed))
 
 
 def _target(values: dict[str, float | None], where: str) -> Target | Reason:
@@ -220,8 +219,12 @@ def _arc(
     """
     between, key, rest = match.groups()
     words = {word.upper() for word in re.split(r"[\s,\[(]+", rest) if word}
-    unread = {True: Reason.RELATIVE}.get("INC" in words) or _why_unread("L", words)
-    via, target = (unread or positions.get(name, Reason.VARIABLE) for name in (between, key))
+    if "INC" in words:
+        unread: Reason | None = Reason.RELATIVE
+    else:
+        unread = _why_unread("L", words)
+    via = unread or positions.get(between, Reason.VARIABLE)
+    target = unread or positions.get(key, Reason.VARIABLE)
     place = None
     if isinstance(target, Target):
         place = _place_on_arc(last, via, target)
@@ -241,7 +244,7 @@ def _place_on_arc(last: Target | None, via: Target | Reason, target: Target) -> 
     """The place (3,) on the way, where the tool has one orientation in all three positions; else None."""
     if last is None or last.pose is None or target.pose is None or isinstance(via, Reason) or via.pose is None:
         return None
-    if not np.allclose(via.pose[:3, :3], target.pose[:3, :3], atol=_SAME_TURN):
+    if not same_turn(via.pose, target.pose):
         return None
     return place_between(last.pose, via.pose[:3, 3], target.pose)
 

@@ -8,8 +8,8 @@ R = Rz Ry Rx. The base frame is at the height of axis 2 (L). V is taken in mm/s.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import radians
 from typing import Literal
 
@@ -27,10 +27,63 @@ _SHIFTS = {"SFTON": True, "SFTOF": False}
 _FLOW = {**dict.fromkeys(("JUMP", "IFTHEN", "IFTHENEXP", "ELSE", "ELSEIF", "ENDIF", "RET", "SWITCH", "CASE"),
                          Reason.BRANCH),
          **dict.fromkeys(("FOR", "NEXT", "WHILE", "ENDWHILE"), Reason.LOOP)}  # fmt: skip
-_POSITION = re.compile(r"\s*(C\d{1,6})\s*=\s*(.*)")
-_OTHER_POSITION = re.compile(r"[BE]C\d{1,6}")
-"""A position of a base axis or of a station axis."""
+_POSITION = re.compile(r"\s*([BE]?C\d{1,6})\s*=\s*(.*)")
+_EXTERNAL = ("BC", "EC")
+"""Positions of a base axis and of a station axis."""
 _FRAMED = ("BASE", "ROBOT", "USER")
+
+
+@dataclass
+class _Positions:
+    """Positions of a job, by name; a heading holds for the lines after it.
+
+    Attributes:
+        targets: of the arm.
+        external: values of base axes and of station axes.
+        tools: positions with a tool other than 0.
+    """
+
+    where: str
+    targets: dict[str, Target | Reason] = field(default_factory=dict)
+    external: dict[str, tuple[float | str | None, ...]] = field(default_factory=dict)
+    tools: set[str] = field(default_factory=set)
+    kind: str = ""
+    tool: str = "0"
+    rectangular: bool = False
+
+    def take_heading(self, line: str) -> None:
+        """Read a heading: ///POSTYPE BASE, ///TOOL 1, ///RECTAN."""
+        word, _, rest = line.removeprefix("///").partition(" ")
+        if word == "POSTYPE":
+            self.kind, self.rectangular = rest.strip().upper(), False
+        elif word == "TOOL":
+            self.tool = rest.strip()
+        elif word in ("RECTAN", "PULSE"):
+            self.rectangular = word == "RECTAN"
+
+    def take(self, count: int, line: str) -> None:
+        """Read a position."""
+        position = _POSITION.match(line)
+        if position is None:
+            return
+        name, text = position.groups()
+        if name.startswith(_EXTERNAL):
+            self.external[name] = tuple(number(part) for part in text.split(","))
+            return
+        target = _target(text, self.kind, f"{self.where}, line {count}", rectangular=self.rectangular)
+        if self.kind == "USER":
+            target = in_base(target, None)
+        self.targets[name] = target
+        if self.tool not in ("", "0"):
+            self.tools.add(name)
+
+    def external_of(self, tags: Sequence[str]) -> tuple[float | str | None, ...]:
+        """Values of external axes at the positions that a move names; of one that is not in the file its name."""
+        values: list[float | str | None] = []
+        for tag in tags:
+            if tag.startswith(_EXTERNAL):
+                values += self.external.get(tag, (tag,))
+        return tuple(values)
 
 
 def read(text: str, name: str) -> Program:
@@ -39,35 +92,19 @@ def read(text: str, name: str) -> Program:
     Raises:
         TrajectoryError: too large, or a value out of range.
     """
-    positions: dict[str, Target | Reason] = {}
-    tools: set[str] = set()
-    listing = Listing(name)
-    section, kind, tool, rectangular, shifted = "", "", "0", False, False
+    positions, listing = _Positions(name), Listing(name)
+    section, shifted = "", False
     for count, line in lines_of(text, name):
         plain = line.strip()
         if plain.startswith("///"):
-            word, _, rest = plain[3:].partition(" ")
-            if word == "POSTYPE":
-                kind, rectangular = rest.strip().upper(), False
-            elif word == "TOOL":
-                tool = rest.strip()
-            elif word in ("RECTAN", "PULSE"):
-                rectangular = word == "RECTAN"
-            continue
-        if plain.startswith("/"):
+            positions.take_heading(plain)
+        elif plain.startswith("/"):
             section = plain.split()[0].upper()
-            continue
-        if section == "//POS" and (position := _POSITION.match(line)):
-            target = _target(position[2], kind, f"{name}, line {count}", rectangular=rectangular)
-            if kind == "USER":
-                positions[position[1]] = in_base(target, None)
-            else:
-                positions[position[1]] = target
-            if tool not in ("", "0"):
-                tools.add(position[1])
+        elif section == "//POS":
+            positions.take(count, line)
         elif section == "//INST" and plain and not plain.startswith(_COMMENT):
             shifted = _SHIFTS.get(plain.split()[0].upper(), shifted)
-            _instruction(listing, positions, tools, count, plain, shifted=shifted)
+            _instruction(listing, positions, count, plain, shifted=shifted)
     return listing.program(Language.INFORM, raised=True)
 
 
@@ -83,27 +120,24 @@ def _target(text: str, kind: str, where: str, *, rectangular: bool) -> Target | 
     return Reason.INCOMPLETE
 
 
-def _instruction(
-    listing: Listing, positions: dict[str, Target | Reason], tools: set[str], count: int, text: str, *, shifted: bool
-) -> None:
+def _instruction(listing: Listing, positions: _Positions, count: int, text: str, *, shifted: bool) -> None:
     """One instruction of the job."""
     word, *tags = text.split()
     word = word.upper()
-    if word in _MOVES:
-        goal = next((tag for tag in tags if tag in positions), "")
-        target = positions.get(goal, Reason.VARIABLE)
-        target = _shifted(target, tags, shifted=shifted)
-        others = tuple(tag for tag in tags if _OTHER_POSITION.fullmatch(tag))
-        if isinstance(target, Target) and others:
-            target = replace(target, external=others)
-        listing.tool = np.eye(4)
-        if goal in tools and isinstance(target, Target):
+    if word not in _MOVES:
+        if word not in ("NOP", "END"):
+            listing.skip(count, text, _why_skipped(word))
+        return
+    goal = next((tag for tag in tags if tag in positions.targets), "")
+    target = _reached(positions.targets.get(goal, Reason.VARIABLE), tags, shifted=shifted)
+    listing.tool = np.eye(4)
+    if isinstance(target, Target):
+        target = replace(target, external=positions.external_of(tags))
+        if goal in positions.tools:
             listing.set_tool(count, text, None)
-        settings = _settings(tags)
-        kind = _MOVES[word]
-        listing.move(count, text, kind, target, _speed(kind, settings), blend=settings.get("PL") != 0.0)
-    elif word not in ("NOP", "END"):
-        listing.skip(count, text, _why_skipped(word))
+    settings = _settings(tags)
+    kind = _MOVES[word]
+    listing.move(count, text, kind, target, _speed(kind, settings), blend=settings.get("PL") != 0.0)
 
 
 def _why_skipped(word: str) -> Reason:
@@ -117,7 +151,7 @@ def _why_skipped(word: str) -> Reason:
     return (_OTHER_MOVES | _FLOW).get(word, Reason.OTHER)
 
 
-def _shifted(target: Target | Reason, tags: list[str], *, shifted: bool) -> Target | Reason:
+def _reached(target: Target | Reason, tags: list[str], *, shifted: bool) -> Target | Reason:
     """A target, or why the move ends elsewhere."""
     if "UNTIL" in tags:
         return Reason.ENDS_EARLY

@@ -33,13 +33,14 @@ from rankdrop.path.read.krl_values import (
     target_of,
     tool_data,
     tool_of,
+    turns_of_ldat,
 )
 from rankdrop.path.read.program_record import (
     BREAKS,
-    Doubt,
     Kind,
     Language,
     Listing,
+    MoveAssumption,
     Names,
     Program,
     Reason,
@@ -256,7 +257,7 @@ class _KrlReader:
         blend = any(word in after.upper() for word in _BLENDS)
         turns = self.state.turns_behind(after)
         keeps_turn = kind != "joint" and turns == "CONSTANT"
-        assumed = [Doubt.TURNS] * (kind != "joint" and turns not in _FOLLOWED_TURNS)
+        assumed = [MoveAssumption.TURNS] * (kind != "joint" and turns not in _FOLLOWED_TURNS)
         self.listing.move(count, line, kind, target, speed, blend=blend, via=via, keeps_turn=keeps_turn,
                           assumed=assumed)  # fmt: skip
         self.last, self.frames = None, (base, self.state.tool)
@@ -345,7 +346,7 @@ class _State:
         block: SPLINE or PTP_SPLINE while one is open.
         inline: FDAT_ACT has set the base.
         turns: how the tool turns on lines and arcs: "VAR", about one axis to the orientation of the target, "CONSTANT",
-            or "JOINT".
+            or "JOINT"; "" where it is not known.
         arcs: "BASE", or "PATH": the tool turns with the arc.
     """
 
@@ -377,7 +378,7 @@ class _State:
             self._set_mode(word, plain)
             return True
         if word == "LDAT_ACT":
-            self.turns = str(names.literals.get(plain.removeprefix("="), "VAR"))
+            self.turns = turns_of_ldat(plain.removeprefix("=").upper(), names)
             return True
         if word == "$VEL":
             self._set_velocity(rest, plain, names)
@@ -401,7 +402,10 @@ class _State:
 
     def turns_behind(self, after: str) -> str:
         """How the tool turns on a move, which WITH $ORI_TYPE = … may set for it alone."""
-        mode = _MODE.search(settings_of(after).get("$ORI_TYPE", f"#{self.turns}"))
+        stated = settings_of(after).get("$ORI_TYPE")
+        if stated is None:
+            return self.turns
+        mode = _MODE.search(stated)
         if mode is None:
             return ""
         return mode[1].upper()

@@ -21,6 +21,7 @@ EXTERNAL = tuple(f"E{k}" for k in range(1, 7))
 PLACE, TURN = ("X", "Y", "Z"), ("C", "B", "A")
 _TYPES = {"DECL", "GLOBAL", "CONST", "E6POS", "E6AXIS", "POS", "AXIS", "FRAME", "FDAT", "LDAT", "PDAT", "REAL", "INT"}
 _ORIENTATION = re.compile(r"\bORI_TYPE?\s+#(\w+)", re.IGNORECASE)
+_LINE_DATA = re.compile(r"\s*(?:(?:DECL|GLOBAL|CONST)\s+)*LDAT\b", re.IGNORECASE)
 _ELEMENT = re.compile(r"([A-Za-z_$][\w$]*)\[\s*(\d{1,6})\s*\]")
 _BITS = re.compile(r"'\s*([BHbh])\s*([0-9A-Fa-f]{1,8})\s*'")
 _OF_FDAT = re.compile(r"S(?:BASE|TOOL2?)\(([A-Z_$][\w$]*)(?:\.\w+)?\)")
@@ -33,6 +34,13 @@ class FrameNumbers:
 
     tool: int | None
     base: int | None
+
+
+@dataclass(frozen=True)
+class LineData:
+    """The LDAT of an inline form: how the tool turns, "VAR" where it does not say."""
+
+    turns: str
 
 
 def declare(names: Names, line: str, where: str) -> None:
@@ -52,7 +60,9 @@ def declare(names: Names, line: str, where: str) -> None:
     if "TOOL_NO" in right.upper():
         value = _frame_numbers(right)
     elif turns is not None:
-        value = turns[1].upper()
+        value = LineData(turns[1].upper())
+    elif _LINE_DATA.match(line):
+        value = LineData("VAR")
     elif right.startswith("{"):
         value = literal(right, where)
     else:
@@ -278,6 +288,14 @@ def numbers_of_fdat(text: str, names: Names) -> FrameNumbers:
     if isinstance(found, FrameNumbers) and name not in names.changed:
         return found
     return FrameNumbers(None, None)
+
+
+def turns_of_ldat(name: str, names: Names) -> str:
+    """How the tool turns by the LDAT of a name; "" where it is not known."""
+    found = names.literals.get(name)
+    if isinstance(found, LineData) and name not in names.changed:
+        return found.turns
+    return ""
 
 
 def base_frame(base: int | None, names: Names, where: str) -> Array | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
@@ -62,8 +62,8 @@ class Reason(StrEnum):
     OTHER = "other"
 
 
-class Doubt(StrEnum):
-    """What a move is read with where its file, or this reader, does not tell what its controller does."""
+class MoveAssumption(StrEnum):
+    """An assumption on a move: its file, or this reader, does not tell what its controller does."""
 
     TOOL = "tool"
     EXTERNAL = "external axes"
@@ -74,8 +74,8 @@ class Doubt(StrEnum):
     HALF_TURN = "half a turn"
 
 
-LASTING = frozenset((Doubt.TOOL, Doubt.EXTERNAL, Doubt.CONFIGURATION))
-"""Those after which the arm may be elsewhere than where the move was followed to, up to the next joint values."""
+LASTING = frozenset((MoveAssumption.TOOL, MoveAssumption.EXTERNAL, MoveAssumption.CONFIGURATION))
+"""Assumptions after which the arm may be elsewhere than it was followed to, up to the next joint values."""
 MOVES = frozenset((Reason.VARIABLE, Reason.CHANGED, Reason.EXPRESSION, Reason.INCOMPLETE, Reason.PULSES, Reason.CIRCLE,
                    Reason.SPLINE, Reason.RELATIVE, Reason.RELATIVE_TO_JOINTS,
                    Reason.RELATIVE_TO_POSE, Reason.RELATIVE_TURN, Reason.OFFSET, Reason.ENDS_EARLY,
@@ -128,14 +128,14 @@ class Target:
         pose: (4, 4) in the frame of the program [m]; None for joint values.
         posture: which solution of the inverse is meant.
         external: values of external axes or of other groups of joints, as they are written; None: none.
-        assumed: what it is read with.
+        assumed: assumptions with which it is read.
     """
 
     joints: tuple[float, ...] | None = None
     pose: Array | None = None
     posture: Posture = Posture()
     external: tuple[float | str | None, ...] = ()
-    assumed: frozenset[Doubt] = frozenset()
+    assumed: frozenset[MoveAssumption] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +154,7 @@ class Move:
         via: (3,) the place of an arc between its ends, in the frame of the program [m]; None for other moves.
         checks_arrival: a line has to end in the configuration that its target states.
         keeps_turn: the tool keeps the orientation that it has at the beginning, whatever its target states.
-        assumed: what it is read with.
+        assumed: assumptions with which it is read.
     """
 
     line: int
@@ -167,7 +167,7 @@ class Move:
     via: Array | None = None
     keeps_turn: bool = False
     checks_arrival: bool = False
-    assumed: frozenset[Doubt] = frozenset()
+    assumed: frozenset[MoveAssumption] = frozenset()
 
     @property
     def needs_tool(self) -> bool:
@@ -239,7 +239,7 @@ class Listing:
     stated: list[Move | Skipped] = field(default_factory=list)
     label: str = ""
     last: Target | None = None
-    assumed: set[Doubt] = field(default_factory=set)
+    assumed: set[MoveAssumption] = field(default_factory=set)
     external: tuple[float | str | None, ...] = ()
     checks_arrival: bool = False
 
@@ -268,7 +268,7 @@ class Listing:
     def _with_tool_known(self, item: Move | Skipped) -> Move | Skipped:
         """A move of a tool that is not in the file assumes one."""
         if isinstance(item, Move) and item.needs_tool and item.tool is None:
-            return replace(item, assumed=item.assumed | {Doubt.TOOL})
+            return replace(item, assumed=item.assumed | {MoveAssumption.TOOL})
         return item
 
     def _tool_of_all_moves(self) -> Array | None:
@@ -289,7 +289,7 @@ class Listing:
 
     def move(
         self, line: int, text: str, kind: Kind, target: Target | Reason, speed: Speed, *, blend: bool,
-        via: Array | None = None, keeps_turn: bool = False, assumed: Iterable[Doubt] = (),
+        via: Array | None = None, keeps_turn: bool = False, assumed: Iterable[MoveAssumption] = (),
     ) -> None:  # fmt: skip
         """Keep a move, or why its target was not read.
 
@@ -308,7 +308,7 @@ class Listing:
         if kind != "joint":
             every |= self.assumed
         if self._external_axes_matter(kind, target):
-            every |= {Doubt.EXTERNAL}
+            every |= {MoveAssumption.EXTERNAL}
         self.items.append(Move(line, shorten_line(f"{self.label}{text}"), kind, target, speed, blend, self.tool, via,
                                keeps_turn, self.checks_arrival and kind != "joint", every))  # fmt: skip
 
@@ -318,11 +318,17 @@ class Listing:
         """
         pairs = zip(target.external, self.external, strict=False)
         moved = any(now != before and None not in (now, before) for now, before in pairs)
-        self.external = target.external or self.external
-        away = any(value not in (0.0, None) for value in target.external)
+        self._move_external_axes(target.external)
+        away = any(value not in (0.0, None) for value in self.external)
         if target.pose is not None:
             return moved or away
         return moved and kind != "joint"
+
+    def _move_external_axes(self, values: Sequence[float | str | None]) -> None:
+        """Take values of external axes; one that is not stated stays where it is."""
+        before = self.external + (None,) * (len(values) - len(self.external))
+        stated = tuple(values) + (None,) * (len(before) - len(values))
+        self.external = tuple(last if now is None else now for now, last in zip(stated, before, strict=True))
 
 
 @dataclass

@@ -11,7 +11,17 @@ from collections.abc import Iterator
 from math import radians
 
 from rankdrop.path.read.arc import place_between
-from rankdrop.path.read.program_record import Doubt, Kind, Language, Listing, Names, Program, Reason, Speed, Target
+from rankdrop.path.read.program_record import (
+    Kind,
+    Language,
+    Listing,
+    MoveAssumption,
+    Names,
+    Program,
+    Reason,
+    Speed,
+    Target,
+)
 from rankdrop.path.read.program_scan import check_length, lines_of, number, parts_of, positive, without_comment
 from rankdrop.path.read.program_targets import MILLIMETRE, in_base
 from rankdrop.path.read.rapid_values import WORD, goal_of, literal, split_switches, tool_frame, work_object
@@ -93,9 +103,9 @@ def _set_mode(listing: Listing, word: str, switches: str) -> None:
     if word == "CONFL":
         listing.checks_arrival = not off
     elif off:
-        listing.assumed.discard(Doubt.WRIST)
+        listing.assumed.discard(MoveAssumption.WRIST)
     else:
-        listing.assumed.add(Doubt.WRIST)
+        listing.assumed.add(MoveAssumption.WRIST)
 
 
 def _first_word(statement: str) -> tuple[str | None, str]:
@@ -211,7 +221,7 @@ def _move(
     target = goal_of(goal, names, f"{listing.where}, line {count}")
     if isinstance(target, Target) and (target.joints is not None) != absolute:
         target = Reason.EXPRESSION
-    tool, keys = tools[0] if tools else ("tool0", {})
+    tool, keys = (tools or [("tool0", {})])[0]
     target = in_base(target, work_object(keys.get("wobj", "wobj0"), names))
     if shifted and isinstance(target, Target) and target.pose is not None:
         target = Reason.SHIFTED
@@ -244,7 +254,7 @@ def _arc(listing: Listing, names: Names, count: int, one: str, rest: str, *, shi
         return
     (between, _), (goal, _), speed, zone, *tools = arguments
     where = f"{listing.where}, line {count}"
-    tool, keys = tools[0] if tools else ("tool0", {})
+    tool, keys = (tools or [("tool0", {})])[0]
     base = work_object(keys.get("wobj", "wobj0"), names)
     via, target = (in_base(goal_of(text, names, where), base) for text in (between, goal))
     listing.set_tool(count, one, tool_frame(tool, names))

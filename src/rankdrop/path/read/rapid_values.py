@@ -58,7 +58,13 @@ def _target(values: list[object], where: str) -> Target | Reason:
 
 def _external_axes(values: object) -> tuple[float | None, ...]:
     """The values of external axes; None: not used, 9E9."""
-    return tuple({True: value}.get(value < _UNUSED) for value in flat(values, 6) or [])
+    axes: list[float | None] = []
+    for value in flat(values, 6) or []:
+        if value < _UNUSED:
+            axes.append(value)
+        else:
+            axes.append(None)
+    return tuple(axes)
 
 
 def _rotation(turn: list[float], where: str) -> Array:
@@ -78,14 +84,21 @@ def _work_object(text: str, where: str) -> Array | None:
     """(4, 4) the object frame of wobjdata [robhold, ufprog, ufmec, uframe, oframe] in the base; None: it is none, or it
     moves.
     """
-    bracket = split_bracket(text, "[")
-    parts = parts_of((bracket or ("", ""))[0])
+    parts = _parts_in_bracket(text)
     if len(parts) != 5 or [part.upper() for part in parts[:2]] != _FIXED_FRAME:
         return None
     user, object_frame = (_frame(part, where) for part in parts[3:])
     if user is None or object_frame is None:
         return None
     return user @ object_frame
+
+
+def _parts_in_bracket(text: str) -> list[str]:
+    """What stands between commas in a bracket […]; nothing where there is none."""
+    bracket = split_bracket(text, "[")
+    if bracket is None:
+        return []
+    return parts_of(bracket[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +110,7 @@ class ToolData:
 
 def _tool_data(text: str, where: str) -> ToolData | None:
     """tooldata [robhold, tframe, tload]; None: it is none, or the robot does not hold it."""
-    bracket = split_bracket(text, "[")
-    parts = parts_of((bracket or ("", ""))[0])
+    parts = _parts_in_bracket(text)
     if len(parts) != 3 or parts[0].upper() != "TRUE":
         return None
     frame = _frame(parts[1], where)
@@ -121,7 +133,9 @@ def tool_frame(name: str, names: Names) -> Array | None:
 def _frame(text: str, where: str) -> Array | None:
     """(4, 4) of [[x, y, z], [q1, q2, q3, q4]]; None where it is none."""
     values = numbers_of(text) or []
-    place, turn = (flat(part, count) for part, count in zip([*values, None, None][:2], (3, 4), strict=True))
+    if len(values) < 2:
+        return None
+    place, turn = flat(values[0], 3), flat(values[1], 4)
     if place is None or turn is None:
         return None
     return turned_target([MILLIMETRE * value for value in place], _rotation(turn, where), where).pose

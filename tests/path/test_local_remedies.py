@@ -21,7 +21,6 @@ from rankdrop.path.mend.local_change import tool_off
 from rankdrop.path.mend.mend import mend_path
 from rankdrop.path.mend.record import LOCAL, Mending, Remedy
 from rankdrop.path.read.files import read_trajectory
-from rankdrop.questions import RemedyOptions
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -373,17 +372,17 @@ def test_remedies_are_ranked_by_how_far_the_tool_leaves_its_path() -> None:
     assert detour.trajectory.times[-1] > t[-1]
 
 
-@pytest.mark.parametrize(("bound", "bumps", "far", "failed", "unfree", "chosen"), [
-    (0.1, 1, 0, 1, (1, 1), 0), (0.1, 1, 0, 1, (2, 1), 1), (0.1, 1, 0, 1, (2, 2), 1), (0.1, 1, 0, 2, (2, 2), 0),
-    (0.0, 1, 0, 1, (1, 1), None), (0.1, 0, 0, 1, (1, 1), None), (0.1, 1, 0, 0, (1, 1), None),
-    (0.1, 1, 1, 0, (1, 1), 0), (0.1, 1, 1, 1, (2, 2), 0), (0.1, 0, 2, 0, (1, 1), None),
+@pytest.mark.parametrize(("bumps", "far", "failed", "unfree", "chosen"), [
+    (1, 0, 1, (1, 1), 0), (1, 0, 1, (2, 1), 1), (1, 0, 1, (2, 2), 1), (1, 0, 2, (2, 2), 0),
+    (0, 0, 1, (1, 1), None), (1, 0, 0, (1, 1), None),
+    (1, 1, 0, (1, 1), 0), (1, 1, 1, (2, 2), 0), (0, 2, 0, (1, 1), None),
 ])  # fmt: skip
 def test_bumps_before_detours_leave_no_singularity_but_those_without_a_bump(
-    bound: float, bumps: int, far: int, failed: int, unfree: tuple[int, int], chosen: int | None,
+    bumps: int, far: int, failed: int, unfree: tuple[int, int], chosen: int | None,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
     """Of two proposals, which leave so many stretches that are not free, the first that does; else the last. A bump
-    that takes the tool farther off than a detour may counts as none.
+    that is left out counts as none.
     """
     checks = [SimpleNamespace(stretches=[SimpleNamespace(verdict="crossing")] * count) for count in unfree]
     proposals = [SimpleNamespace(trajectory=check, number=k) for k, check in enumerate(checks)]
@@ -393,13 +392,12 @@ def test_bumps_before_detours_leave_no_singularity_but_those_without_a_bump(
         local_remedies, "bump_proposals", lambda bumper, near, room: put_in.extend(near) or iter(proposals)
     )
     near_bumps = [SimpleNamespace(core=core, off=0.02)] * bumps
-    left = near_bumps + [SimpleNamespace(core=core, off=0.04)] * far, [SimpleNamespace(core=core)] * failed
+    far_bumps = [SimpleNamespace(core=core, off=0.04)] * far
+    every = local_remedies.FoundBumps(near_bumps + far_bumps, [SimpleNamespace(core=core)] * failed)
     mender = SimpleNamespace(
-        find_bumps=lambda *given: left, clearance=CLEARANCE, bounds=RemedyOptions(detour=0.03),
-        verifier=SimpleNamespace(check_changed=lambda changed: changed),
+        clearance=CLEARANCE, verifier=SimpleNamespace(check_changed=lambda changed: changed)
     )  # fmt: skip
-    bumper = SimpleNamespace(bound=bound, parts=SimpleNamespace(size=lambda off: off))
-    found = local_remedies.LocalMender.bumps_before_detours(mender, bumper, 0.03)
+    found = local_remedies.LocalMender.bumps_before_detours(mender, SimpleNamespace(), near_bumps, every)
     assert found == (None if chosen is None else (proposals[chosen], checks[chosen]))
     assert put_in == ([] if chosen is None else near_bumps)
 

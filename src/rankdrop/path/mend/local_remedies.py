@@ -8,7 +8,7 @@ tool is led around the singularity (`path.mend.detours`), on the path with its b
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from operator import attrgetter
 
@@ -25,7 +25,7 @@ from rankdrop.path.mend.joint_tool_path import JointToolPath, tool_path
 from rankdrop.path.mend.local_change import ON_PATH, LocalChange, RowsBefore
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, PoseWindow
 from rankdrop.path.mend.record import BUMP, DETOUR, Failure, Proposal, Remedy, joint_values
-from rankdrop.path.mend.singular_parts import Core, SingularParts
+from rankdrop.path.mend.singular_parts import SingularParts
 from rankdrop.path.mend.verifier import Verifier
 from rankdrop.questions import RemedyOptions
 from rankdrop.results.known import known_families
@@ -35,6 +35,14 @@ _CLEARER = 1.5  # times the clearance of a bump whose window was not proven free
 _ROUNDS = 3  # of that
 _MANY = 200  # places on one path above which no local remedy is tried: such a file is not what it was meant to be
 _DETOURS = 12  # crossings of one path that the tool is led around, some 2 s each
+
+
+@dataclass(frozen=True, eq=False)
+class FoundBumps:
+    """Bumps of the singular parts of a path, and why the other parts have none."""
+
+    bumps: list[Bump] = field(default_factory=list)
+    failed: list[NoBump] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +70,16 @@ class LocalMender:
         asked = SPARE * self.check.options.min_distance
         return asked if asked > 0.0 else CLEARANCE
 
+    @property
+    def moves_aside(self) -> bool:
+        """Whether bumps are asked for as a remedy."""
+        return BUMP in self.kinds and self.bounds.bump > 0.0
+
+    @property
+    def leads_around(self) -> bool:
+        """Whether detours of joint paths are asked for."""
+        return DETOUR in self.kinds and self.bounds.detour > 0.0 and self.check.poses is None
+
     def change_joints(self, tool: JointToolPath) -> Iterator[Remedy | Failure]:
         """The joints moved aside; where they have to go to the other side, the tool led around it."""
         check, most = self.check, self.bounds
@@ -70,37 +88,39 @@ class LocalMender:
             return
         families, _ = known_families(check.robot, check.task, self.verifier.analysis, check.tolerances)
         bumper = Bumper(SingularParts(check, tool), families, most.bump, *self.verifier.limits)
-        if BUMP in self.kinds and most.bump > 0.0:
-            result = self._bump(bumper)
+        found = FoundBumps()
+        if most.bump > 0.0 and (self.moves_aside or self.leads_around):
+            found = self.find_bumps(bumper, self.clearance)
+        if self.moves_aside:
+            result = self._bump(bumper, found)
             yield result
             if isinstance(result, Remedy) and bumper.parts.size(result.deviation) <= ON_PATH:
                 return
-        if DETOUR in self.kinds and most.detour > 0.0 and check.poses is None:
-            yield self._detour_after_bumps(bumper)
+        if self.leads_around:
+            yield self._detour_after_bumps(bumper, found)
 
-    def _detour_after_bumps(self, bumper: Bumper) -> Remedy | Failure:
-        """Detours where a bump takes the tool off its path; where these are not all found, where it takes it farther
-        off than a detour may.
+    def _detour_after_bumps(self, bumper: Bumper, found: FoundBumps) -> Remedy | Failure:
+        """Detours, and of the bumps those that leave the tool on its path; where these are not enough, those that take
+        it no farther off than a detour may.
         """
-        failure: Failure = DETOUR, None
-        for farthest in (min(ON_PATH, self.bounds.detour), self.bounds.detour):
-            result = self._detour(bumper.parts, self.bumps_before_detours(bumper, farthest))
-            if isinstance(result, Remedy):
-                return result
-            failure = result
-        return failure
+        size = bumper.parts.size
+        near = [bump for bump in found.bumps if size(bump.off) <= min(ON_PATH, self.bounds.detour)]
+        result = self._detour(bumper.parts, self.bumps_before_detours(bumper, near, found))
+        farther = [bump for bump in found.bumps if size(bump.off) <= self.bounds.detour]
+        if isinstance(result, Remedy) or len(farther) == len(near):
+            return result
+        return self._detour(bumper.parts, self.bumps_before_detours(bumper, farther, found))
 
-    def bumps_before_detours(self, bumper: Bumper, farthest: float) -> tuple[Proposal, PathCheck] | None:
-        """A path that needs detours in addition to its bumps, with them: some part of it has none, or
-        one that takes the tool farther off its path than `farthest`. None without bumps.
+    def bumps_before_detours(
+        self, bumper: Bumper, bumps: list[Bump], found: FoundBumps
+    ) -> tuple[Proposal, PathCheck] | None:
+        """The path with some of the bumps that were found, where it needs detours in addition; None where it does not,
+        or without bumps.
 
         Bumps that bring the tool back are taken where only the singularities without a bump are left after them.
         """
-        if bumper.bound <= 0.0:
-            return None
-        found, failed = self.find_bumps(bumper, self.clearance)
-        bumps = [bump for bump in found if bumper.parts.size(bump.off) <= farthest]
-        led_around = _without(bumps, found, failed)
+        led_around = [failure.core for failure in found.failed]
+        led_around += [bump.core for bump in found.bumps if bump not in bumps]
         if not bumps or not led_around:
             return None
         most = sum(len(core.stretches) for core in led_around)
@@ -110,24 +130,25 @@ class LocalMender:
                 break
         return proposal, check
 
-    def _bump(self, bumper: Bumper) -> Remedy | Failure:
+    def _bump(self, bumper: Bumper, found: FoundBumps) -> Remedy | Failure:
         """The joints moved aside at every singularity, farther where the path is not proven free."""
         parts, clearance = bumper.parts, self.clearance
         for tried in range(1, _ROUNDS + 1):
-            bumps, failed = self.find_bumps(bumper, clearance)
-            if failed or not bumps:
+            if found.failed or not found.bumps:
                 missing = [
                     (parts.path.place(parts.spot(failure.core)), failure.obstacle, failure.needed)
-                    for failure in failed
+                    for failure in found.failed
                 ]
                 return BUMP, (tried - 1, bumper.bound, missing)
-            remedy = self.verifier.first_proven(BUMP, bump_proposals(bumper, bumps, clearance))
+            remedy = self.verifier.first_proven(BUMP, bump_proposals(bumper, found.bumps, clearance))
             if remedy is not None:
                 return remedy
-            clearance *= _CLEARER
+            if tried < _ROUNDS:
+                clearance *= _CLEARER
+                found = self.find_bumps(bumper, clearance)
         return BUMP, (_ROUNDS, bumper.bound, [])
 
-    def find_bumps(self, bumper: Bumper, clearance: float) -> tuple[list[Bump], list[NoBump]]:
+    def find_bumps(self, bumper: Bumper, clearance: float) -> FoundBumps:
         """A bump for each part of a path that has one, and why the others have none."""
         cores, crossed = bumper.cores(clearance)
         results: list[Bump | NoBump] = [NoBump(core, Obstacle.SIDE) for core in crossed]
@@ -136,7 +157,7 @@ class LocalMender:
             results.append(bumper.bump(core, clearance))
         self.verifier.report(BUMP, len(cores), len(cores))
         bumps = [result for result in results if isinstance(result, Bump)]
-        return bumps, [result for result in results if isinstance(result, NoBump)]
+        return FoundBumps(bumps, [result for result in results if isinstance(result, NoBump)])
 
     def _detour(self, parts: SingularParts, bumped: tuple[Proposal, PathCheck] | None) -> Remedy | Failure:
         """The tool led around what no bump avoids, on the path with its bumps."""
@@ -237,12 +258,6 @@ def _poses_determine(tool: JointToolPath) -> bool:
 
 def _unreported(done: int, count: int) -> None:
     """Progress of a part of the work that is too short to be reported."""
-
-
-def _without(bumps: list[Bump], found: list[Bump], failed: list[NoBump]) -> list[Core]:
-    """Parts of a path that have none of the bumps that are taken."""
-    left_out = [bump.core for bump in found if bump not in bumps]
-    return [failure.core for failure in failed] + left_out
 
 
 def bump_proposals(bumper: Bumper, bumps: list[Bump], clearance: float) -> Iterator[Proposal]:

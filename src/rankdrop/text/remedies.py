@@ -237,7 +237,7 @@ def _remedy_lines(remedy: Any, *, deg: bool) -> list[str]:
     lines.append(f"    checked again: {remedy.check.sentence}")
     if remedy.usage is not None:
         lines.append(f"    {_usage_words(remedy)}")
-    if remedy.off[0] > 0.0:
+    if max(np.nan_to_num(remedy.off)) > 0.0:
         lines.append(f"    {_off_words(remedy)}")
     return lines
 
@@ -265,17 +265,11 @@ def _usage_words(remedy: Any) -> str:
 
 def _off_words(remedy: Any) -> str:
     """How far the tool strays, and from what."""
-    distance, turned = remedy.off
-    if isnan(turned):
-        turn = ""
-    else:
-        turn = f", {_small(degrees(turned))}°"
-    if turn and not remedy.changes:
-        where = "of its path between rows, measured in their middles"
-    else:
+    if remedy.kind == "blend" or remedy.changes:
         where = "of the old path where it leaves it"
-    off = 1000 * distance / counted_length(remedy.check.robot)
-    return f"the tool is within {_small(off)} mm{turn} {where}"
+    else:
+        where = "of its path between rows, measured in their middles"
+    return f"the tool is within {tool_off_words(remedy.off, remedy.check.robot)} {where}"
 
 
 def change_words(change: Any, robot: Robot) -> str:
@@ -308,8 +302,13 @@ def _amount(value: float, unit: str) -> str:
 
 
 def tool_off_words(off: tuple[float, float], robot: Robot) -> str:
-    """A deviation of the tool."""
-    return f"{_small(1000 * off[0] / counted_length(robot))} mm and {_small(degrees(off[1]))}°"
+    """A deviation of the tool; what the task leaves free is left out."""
+    parts = []
+    if not isnan(off[0]):
+        parts.append(f"{_small(1000 * off[0] / counted_length(robot))} mm")
+    if not isnan(off[1]):
+        parts.append(f"{_small(degrees(off[1]))}°")
+    return " and ".join(parts)
 
 
 def local_lines(mending: Any) -> list[str]:

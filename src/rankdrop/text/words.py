@@ -95,17 +95,20 @@ NO_TOLERANT = "No configuration of {} was found that tolerates"
 
 
 def short(value: float, digits: int = 4) -> str:
-    """A number with few digits: "0.1134", "2.6e−6", "∞".
+    """A number with few digits: "0.1134", "2.6e−6", "180" for 178 with two of them, "∞".
 
     Example:
-        >>> short(0.11340174), short(-2.5702e-6), short(0.0)
-        ('0.1134', '−2.57e−6', '0')
+        >>> short(0.11340174), short(-2.5702e-6), short(0.0), short(178.2, 2)
+        ('0.1134', '−2.57e−6', '0', '180')
     """
     if isinf(value):
         return "∞" if value > 0 else "−∞"
     if value == 0:
         return "0"
-    return minus(_EXPONENT.sub(_exponent, f"{value:.{digits}g}"))
+    rounded = f"{value:.{digits}g}"
+    if "e+" in rounded and abs(value) < _LONGEST_WHOLE:
+        rounded = f"{float(rounded):.0f}"
+    return minus(_EXPONENT.sub(_exponent, rounded))
 
 
 def rounded_down(value: float, digits: int = 2) -> str:

@@ -143,7 +143,7 @@ class BumpedPath:
         if any(bump.twist is not None for bump in self.bumps):  # between rows the joints go straight
             place = np.concatenate([place, (place[1:] + place[:-1]) / 2])
             q = np.concatenate([q, (q[1:] + q[:-1]) / 2])
-        return tool_off(self.parts.robot, self.parts.configurations(place), q)
+        return tool_off(self.parts.robot, self.parts.configurations(place), q, self.parts.aim)
 
     def _window_places(self) -> Array:
         windows = [window_of(self.parts, bump) for bump in self.bumps]

@@ -126,7 +126,8 @@ class Bumper:
             if height > self.bound:
                 too_high.append(height)
                 continue
-            off = tool_off(self.parts.robot, q, move_joints(self.parts, q, height * way, null=null))
+            moved = move_joints(self.parts, q, height * way, null=null)
+            off = tool_off(self.parts.robot, q, moved, self.parts.aim)
             alone = np.count_nonzero(way) == 1
             bumps.append((self.parts.size(off), not alone, Bump(core, way, height, null, off=off)))
         if not bumps:

@@ -318,7 +318,7 @@ class Detourer:
         """How far the tool leaves the old path at rows, and in the middle between two: [m], [rad]."""
         places = np.concatenate([place, (place[1:] + place[:-1]) / 2])
         old, new = self.parts.configurations(places), np.concatenate([q, (q[1:] + q[:-1]) / 2])
-        return tool_off(self.parts.robot, old, new)
+        return tool_off(self.parts.robot, old, new, self.parts.aim)
 
     def changes(self, detours: list[Detour]) -> list[LocalChange]:
         """What each of them changes."""

@@ -15,10 +15,10 @@ import numpy as np
 
 from rankdrop.kinematics import pose
 from rankdrop.local.block import block, generic_rank, joint_scale
-from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.path.check.follow import Pull, follow
 from rankdrop.path.check.tool_branch import Followed
 from rankdrop.path.curve import Curve, number_parts
+from rankdrop.path.mend.local_change import poses_off
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.poses.inverse import Aim, within_limits
 from rankdrop.problem import Mask
@@ -166,9 +166,7 @@ class JointToolPath:
         k = np.arange(len(trajectory.q) - 1)
         now = pose(self.robot, trajectory.curve(interpolate).at(k, np.full(len(k), 0.5)))
         wanted = self.at_places((self.place[:-1] + self.place[1:]) / 2).poses
-        turn = orientation_coordinates(now[:, :3, :3] @ wanted[:, :3, :3].swapaxes(1, 2), "rotvec")
-        apart = np.linalg.norm(now[:, :3, 3] - wanted[:, :3, 3], axis=1)
-        return float(apart.max(initial=0.0)), float(np.linalg.norm(turn, axis=1).max(initial=0.0))
+        return poses_off(wanted, now, self.aim)
 
     def at_places(self, place: Array) -> Self:
         """The same tool path at other places (K,)."""

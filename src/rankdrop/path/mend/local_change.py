@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from math import asin, nan
 
 import numpy as np
 
 from rankdrop.kinematics import pose
-from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.path.curve import Curve, Place
+from rankdrop.poses.inverse import Aim
 from rankdrop.robot.model import Array, Robot
 
 ON_PATH = 1e-4
@@ -23,7 +24,7 @@ class LocalChange:
     Attributes:
         start, end: between them the joints are moved, from the old path and back to it.
         way: (n,) how far the joints are from the old path at most [rad, m].
-        off: how far the tool is from the old path at most [m], [rad].
+        off: how far the tool is from the old path at most [m], [rad]; nan for what the task leaves free.
         at_end: (n,) how far the joints are from the old path at its end: zero where they are back on it; else the rest
             is on another branch of the inverse kinematics.
         longer: how much longer it takes in a new time [s].
@@ -71,12 +72,46 @@ class RowsBefore:
         return Place(row + 1, position - row, place.time)
 
 
-def tool_off(robot: Robot, q: Array, moved: Array) -> tuple[float, float]:
-    """How far the tip is apart at most at pairs of configurations (N, n): [m], [rad]."""
-    old, new = pose(robot, q), pose(robot, moved)
-    turn = orientation_coordinates(new[:, :3, :3] @ old[:, :3, :3].swapaxes(1, 2), "rotvec")
-    apart = np.linalg.norm(new[:, :3, 3] - old[:, :3, 3], axis=1)
-    return float(apart.max(initial=0.0)), float(np.linalg.norm(turn, axis=1).max(initial=0.0))
+def tool_off(robot: Robot, q: Array, moved: Array, aim: Aim | None = None) -> tuple[float, float]:
+    """How far the tip is apart at most at pairs of configurations (N, n), as `poses_off`: [m], [rad]."""
+    return poses_off(pose(robot, q), pose(robot, moved), aim)
+
+
+def poses_off(old: Array, new: Array, aim: Aim | None = None) -> tuple[float, float]:
+    """How far poses of the tip are apart at most.
+
+    Args:
+        old, new: (N, 4, 4) in pairs.
+        aim: of a task: only what it holds counts, so that no turning about the axis of a welding gun does. None: all.
+
+    Returns:
+        Distance [m] and angle [rad]; nan for what the task leaves free.
+    """
+    if aim is None:
+        rows = [*range(6)]
+        away = np.linalg.norm(new[:, :3, 3] - old[:, :3, 3], axis=1)
+        chord = np.linalg.norm(new[:, :3, :3] - old[:, :3, :3], axis=(1, 2)) / np.sqrt(2.0)
+    else:
+        rows = aim.rows
+        away, chord = aim.missing_between(old, new)
+    farthest, turned = nan, nan
+    if min(rows) < 3:
+        farthest = float(away.max(initial=0.0))
+    if max(rows) >= 3:
+        turned = 2.0 * asin(min(1.0, float(chord.max(initial=0.0)) / 2.0))
+    return farthest, turned
+
+
+def largest_off(offs: Iterable[tuple[float, float]]) -> tuple[float, float]:
+    """The largest distance and the largest angle of several, nan where all are."""
+    farthest, turned = np.fmax.reduce(np.array([*offs]), axis=0).tolist()
+    return farthest, turned
+
+
+def size_of_off(off: tuple[float, float], length: float) -> float:
+    """A deviation as one number, its distance divided by a length; what the task leaves free is none."""
+    away, turned = np.nan_to_num(off).tolist()
+    return float(away / length + turned)
 
 
 def largest_move(moves: Array) -> Array:

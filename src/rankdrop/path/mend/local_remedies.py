@@ -22,7 +22,7 @@ from rankdrop.path.mend.candidates import other_branches
 from rankdrop.path.mend.detours import Detour, Detourer, NoDetour
 from rankdrop.path.mend.given_poses import given_tool_path
 from rankdrop.path.mend.joint_tool_path import JointToolPath, tool_path
-from rankdrop.path.mend.local_change import ON_PATH, LocalChange, RowsBefore
+from rankdrop.path.mend.local_change import ON_PATH, LocalChange, RowsBefore, largest_off, size_of_off
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer, PoseWindow
 from rankdrop.path.mend.record import BUMP, DETOUR, Failure, Proposal, Remedy, joint_values
 from rankdrop.path.mend.singular_parts import SingularParts
@@ -189,7 +189,7 @@ class LocalMender:
             changes.append(replace(change, start=rows.place(change.start), end=rows.place(change.end)))
         changes.sort(key=attrgetter("start"))
         trajectory, rest = work.trajectory(detours)
-        off = max(rest[0], *(change.off[0] for change in changes)), max(rest[1], *(change.off[1] for change in changes))
+        off = largest_off([rest, *(change.off for change in changes)])
         proposal = Proposal(("detour", len(detours)), (), trajectory, off, tuple(changes))
         return self.verifier.first_proven(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
 
@@ -231,7 +231,7 @@ class LocalMender:
             proposals.append(replace(proposal, parameters=(joint_values("start", other),)))
         self.verifier.report(DETOUR, len(starts), len(starts))
         length = self.check.length_scale
-        proposals.sort(key=lambda proposal: proposal.off[0] / length + proposal.off[1])
+        proposals.sort(key=lambda proposal: size_of_off(proposal.off, length))
         remedy = self.verifier.first_proven(DETOUR, proposals)
         if remedy is not None:
             yield remedy
@@ -243,7 +243,7 @@ class LocalMender:
             LocalChange(work.place_at(window.low), work.place_at(window.high), still, window.off, still)
             for window in windows
         )
-        off = max(window.off[0] for window in windows), max(window.off[1] for window in windows)
+        off = largest_off(window.off for window in windows)
         return Proposal((how, len(windows)), (), work.trajectory(), off, changes)
 
 
@@ -276,5 +276,5 @@ def _bump_proposal(bumper: Bumper, bumps: list[Bump]) -> Proposal:
         start, end = (parts.path.place(spot) for spot in ends_of(parts, bump))
         way = BumpedPath(parts, [bump]).most_moved()
         changes.append(LocalChange(start, end, way, bump.off, np.zeros_like(bump.way)))
-    off = max(bump.off[0] for bump in bumps), max(bump.off[1] for bump in bumps)
+    off = largest_off(bump.off for bump in bumps)
     return Proposal(("bump", len(bumps)), (), BumpedPath(parts, bumps).trajectory(), off, tuple(changes))

@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.path.check.follow import follow
 from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.tool_branch import Followed
@@ -25,7 +24,7 @@ from rankdrop.path.check.tool_path import tip_tolerance
 from rankdrop.path.curve import Place
 from rankdrop.path.mend.detours import Hindrance
 from rankdrop.path.mend.given_poses import given_tool_path, way_lengths
-from rankdrop.path.mend.local_change import step
+from rankdrop.path.mend.local_change import poses_off, step
 from rankdrop.path.mend.lost_direction import lost_motions, moved_along
 from rankdrop.path.read.trajectory import Trajectory, regular_times
 from rankdrop.poses.inverse import Aim
@@ -428,9 +427,7 @@ class PoseDetourer:
         run = self._follow_branch(at, q[span.kept], moved)
         if not run.complete or float(self.tool.room(run.q).min()) < _NEARER * self.clearance:
             return None
-        apart = np.linalg.norm(moved[:, :3, 3] - old[:, :3, 3], axis=1)
-        turn = orientation_coordinates(moved[:, :3, :3] @ old[:, :3, :3].swapaxes(1, 2), "rotvec")
-        off = float(apart.max()), float(np.linalg.norm(turn, axis=1).max())
+        off = poses_off(old, moved, self.aim)
         return PoseWindow(span.low, span.high, off), self._places(at, run), run.q
 
     def _time(self, place: Array) -> Array:

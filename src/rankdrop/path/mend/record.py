@@ -10,7 +10,7 @@ import numpy as np
 from rankdrop.codec import Result
 from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.turns import FarTurn, far_turns
-from rankdrop.path.mend.local_change import ON_PATH, LocalChange
+from rankdrop.path.mend.local_change import ON_PATH, LocalChange, size_of_off
 from rankdrop.path.mend.retime import Usage
 from rankdrop.path.read.trajectory import Trajectory
 from rankdrop.robot.model import Array
@@ -66,7 +66,8 @@ class Remedy:
         usage: shares of the rate and acceleration limits that it nowhere exceeds, at most 1; None without times or
             limits.
         off: how far the tool is from the path meant, at most, in the middle between two of its rows [m], [rad];
-            at the rows it is on it. Of a blend and a bump: from the old path, at sampled points.
+            at the rows it is on it. Of a blend and a bump: from the old path, at sampled points. nan for what the
+            task leaves free, and for the turn of a blend.
         retimed: it has a new time law as well, because the old one would break limits.
         changes: of a local remedy the parts that it changes, in order.
     """
@@ -88,6 +89,8 @@ class Remedy:
         """How far the tool leaves the path that it was given at most [m], [rad]: `off`, and what the tool is tilted."""
         tilt = next((value for name, value, _ in self.parameters if name == "tool tilt"), 0.0)
         assert isinstance(tilt, float)
+        if not tilt:
+            return self.off
         return self.off[0], float(np.nan_to_num(self.off[1])) + tilt
 
     @property
@@ -98,8 +101,7 @@ class Remedy:
     @property
     def rank(self) -> tuple[bool, bool, float, float]:
         """What remedies are sorted by: proven free, the base where it is, deviation of the tool, duration."""
-        away, turned = self.deviation
-        size = away / self.check.length_scale + turned
+        size = size_of_off(self.deviation, self.check.length_scale)
         _, after = self.gains.get("duration", (0.0, 0.0))
         return not self.check.clear, self.kind == SHIFT, 0.0 if size < ON_PATH else size, after
 

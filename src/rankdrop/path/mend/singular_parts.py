@@ -17,6 +17,7 @@ from rankdrop.local.block import joint_scale
 from rankdrop.path.check.record import CROSSING, FREE, PathCheck, Stretch
 from rankdrop.path.curve import Curve, Spot
 from rankdrop.path.mend.joint_tool_path import JointToolPath
+from rankdrop.path.mend.local_change import size_of_off
 from rankdrop.poses.inverse import Aim
 from rankdrop.robot.model import Array, Robot
 
@@ -109,7 +110,7 @@ class SingularParts:
 
     def size(self, off: tuple[float, float]) -> float:
         """A deviation as one number: lengths divided by the length scale."""
-        return off[0] / self.check.length_scale + off[1]
+        return size_of_off(off, self.check.length_scale)
 
     def cores(self, clearance: float, deepest: float) -> tuple[list[Core], list[Core]]:
         """Parts to be lifted; and crossings to the other side, from which the path does not come back.

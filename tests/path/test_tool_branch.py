@@ -67,3 +67,20 @@ def test_long_files_and_redundant_arms_get_no_table() -> None:
     seven = open_robot("panda")
     q = np.array([[0.1, 0.2, 0.3, -1.5, 0.1, 1.8, 0.2], [0.1, 0.3, 0.3, -1.4, 0.1, 1.8, 0.2]])
     assert check_poses(seven, pose(seven, q), start=q[0]).tool.branches == ()
+
+
+def test_the_table_says_where_a_branch_is_singular() -> None:
+    """An LR Mate along Y through the middle, with A4 at 90°: two branches pass the wrist's singularity there."""
+    arm = open_robot("lrmate200id")
+    middle = pose(arm, np.radians([[0.0, 2.0, -2.0, 90.0, 0.0, 90.0]]))[0]
+    poses = np.stack([middle, middle])
+    poses[:, 1, 3] += (-0.02, 0.03)
+    start = np.radians([-2.0, 2.0, -2.0, 90.0, 2.0, 90.0])
+    check = check_poses(arm, poses, start=start)
+    taken = next(branch for branch in check.tool.branches if branch.chosen)
+    assert not taken.free
+    assert taken.singular
+    assert taken.place == pytest.approx(1.4, abs=1e-3)
+    assert all(branch.singular <= (not branch.free) for branch in check.tool.branches)
+    rows = next(section for section in check.sections() if section.title == "Branches").rows
+    assert "meets a singularity at pose 1.4" in str(rows)

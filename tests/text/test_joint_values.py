@@ -8,6 +8,7 @@ import pytest
 
 from rankdrop.robot.open import open_robot
 from rankdrop.text.joint_values import (
+    fixed_point,
     joints_named,
     letters_text,
     symbols,
@@ -70,3 +71,10 @@ def test_a_witness_names_the_joints_beyond_their_limits() -> None:
     assert "beyond" not in witness_text(robot, q.tolist())
     q[[0, 5]] = robot.upper[[0, 5]] + 0.1
     assert witness_text(robot, q.tolist()).endswith(", beyond the limits of joints 1, 6")
+
+
+@pytest.mark.parametrize(("value", "digits", "text"), [
+    (-0.00004, 4, "0.0000"), (-0.004, 2, "0.00"), (-0.006, 2, "−0.01"), (-0.0, 1, "0.0"), (1.25, 2, "1.25"),
+])  # fmt: skip
+def test_what_is_rounded_to_zero_has_no_sign(value: float, digits: int, text: str) -> None:
+    assert fixed_point(value, digits) == text

@@ -412,6 +412,7 @@ TOOL_BRANCH = table(
     joint=(Count, "number of the joint at its limit; 0 for other reasons"),
     free=(bool, "proven free of singularities up to where it ends"),
     place=(num("pose", ge=0), "pose where it is first not proven free; 0 where it is"),
+    singular=(bool, "it is known to be singular there"),
     chosen=(bool, "the path takes it"),
 )
 TOOL = table(

@@ -33,6 +33,7 @@ from rankdrop.task import BASE, TIP, resolve_task
 from rankdrop.text.distances import far_sections, nearest_sections
 from rankdrop.text.family_conditions import condition_sentences
 from rankdrop.text.inverse import tool_sentence
+from rankdrop.text.joint_values import fixed_point
 from rankdrop.text.lost_directions import focus_words, lost_sections, never_sections
 from rankdrop.text.procedure import hunt_words
 from rankdrop.text.robots import notes_words
@@ -51,9 +52,7 @@ from rankdrop.text.words import (
     POINTING_HERE,
     degrees_hint,
     failures_table,
-    fixed_point,
     joint_word,
-    minus,
     numbers,
     plural,
     power,
@@ -186,11 +185,11 @@ def _joint_values(robot: Robot, q: Array) -> tuple[tuple[str, ...], ...]:
     if not any(joint.unit == "rad" for joint in joints):
         return (first,)
     second = ["deg"]
-    for joint, value in zip(joints, np.degrees(q) + 0.0, strict=True):
+    for joint, value in zip(joints, np.degrees(q), strict=True):
         if joint.unit == "m":
             second.append("")
         else:
-            second.append(minus(f"{value:.2f}"))
+            second.append(fixed_point(float(value), 2))
     return first, tuple(second)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from rankdrop.distance.distance import nearest_turns
 from rankdrop.families.record import Family, Pin
 from rankdrop.robot.model import Robot
-from rankdrop.text.joint_values import joint_symbol, values_text
+from rankdrop.text.joint_values import fixed_point, joint_symbol, values_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +67,6 @@ def outside_text(inside: Inside, robot: Robot) -> str:
         kind = str(joint.kind)
         values = values_text(pin.values, kind)
         verb = "is" if len(pin.values) == 1 else "are"
-        limits = f"{joint.lower:.4f} … {joint.upper:.4f} {joint.unit}".replace("-", "−")
+        limits = f"{fixed_point(joint.lower)} … {fixed_point(joint.upper)} {joint.unit}"
         told.append(f"{joint_symbol(pin.number, kind)} = {values} {verb} outside {limits}")
     return ("" if inside.holds else "the row lies outside the joint limits: ") + "; ".join(told)

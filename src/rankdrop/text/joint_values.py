@@ -14,6 +14,11 @@ _NUMBERS = re.compile(r"\d+")  # in a joint's name
 _ALIKE = 1e-9
 
 
+def fixed_point(value: float, digits: int = 4) -> str:
+    """A number with so many decimals; zero has no sign."""
+    return f"{round(float(value), digits) + 0.0:.{digits}f}".replace("-", "−")
+
+
 def joint_symbol(number: int, kind: str) -> str:
     """θ3 for an angle, q3 for a length, as conditions write them."""
     return f"{'q' if kind == 'prismatic' else 'θ'}{number}"
@@ -30,7 +35,7 @@ def _value_parts(value: float, kind: str) -> tuple[str, str]:
         return f"{value:.6g} m", ""
     if share_of_pi(value) is not None:
         return pretty_angle(value), ""
-    return f"{value:.4f}".replace("-", "−"), f"{degrees(value):.2f}°".replace("-", "−")
+    return fixed_point(value, 4), _in_degrees(value)
 
 
 def value_and_degrees(parts: tuple[str, str]) -> str:
@@ -71,9 +76,7 @@ def _in_degrees(value: float) -> str:
     """An angle as "π/2" or "−26.76°"."""
     if share_of_pi(value) is not None:
         return pretty_angle(value)
-    return f"{degrees(value):.2f}°".replace("-", "−")
-
-
+    return f"{fixed_point(degrees(value), 2)}°"
 def joints_named(robot: Robot) -> str:
     """Which symbol is which joint, where a maker's name has another number than the symbol: "q1 rail, θ2 a1"; else "".
 

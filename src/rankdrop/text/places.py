@@ -7,7 +7,8 @@ from math import degrees, isfinite
 from typing import Any
 
 from rankdrop.robot.model import Array, Robot
-from rankdrop.text.words import minus, short
+from rankdrop.text.joint_values import fixed_point
+from rankdrop.text.words import short
 
 _NAMED = 3  # joints above their rate limits that are described
 _LARGE = 999.5  # an amount that is printed with commas, from here on
@@ -51,7 +52,10 @@ def joint_heads(robot: Robot, *, deg: bool) -> tuple[str, ...]:
 def joint_cells(robot: Robot, q: Array, *, deg: bool) -> Iterator[str]:
     """Joint values (n,) as cells of a table."""
     for joint, value in zip(robot.variables, q.tolist(), strict=True):
-        yield minus(f"{degrees(value):.2f}" if deg and joint.unit == "rad" else f"{value:.4f}")
+        if deg and joint.unit == "rad":
+            yield fixed_point(degrees(value), 2)
+        else:
+            yield fixed_point(value)
 
 
 def overrun_words(overruns: Sequence[Any], robot: Robot, *, where: bool = True) -> str:

@@ -14,8 +14,9 @@ from rankdrop.lists import flat_map
 from rankdrop.options import advise
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
+from rankdrop.text.joint_values import fixed_point
 from rankdrop.text.places import interval_words, turn_far_words, when
-from rankdrop.text.words import fixed_point, plural, short
+from rankdrop.text.words import plural, short
 from rankdrop.units import counted_length
 
 _LISTED = 12  # changes of a remedy that are listed

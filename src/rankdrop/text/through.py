@@ -7,6 +7,7 @@ from typing import Any
 
 from rankdrop.sections import Section
 from rankdrop.task import ROWS
+from rankdrop.text.joint_values import fixed_point
 from rankdrop.text.places import joint_cells, joint_heads
 from rankdrop.text.tool_paths import turn_words
 from rankdrop.text.words import minus
@@ -53,7 +54,7 @@ def through_sections(through: Any, *, deg: bool) -> Iterator[Section]:
     yield Section(f"{through.robot.name}, {through.task.name}", lines=tuple(map(minus, lines)))
     if len(through.s):
         cells = tuple(
-            (minus(f"{through.times[i]:.3f}"), minus(f"{through.s[i]:.3e}"),
+            (fixed_point(through.times[i], 3), minus(f"{through.s[i]:.3e}"),
              *joint_cells(through.robot, through.joints[i], deg=deg))
             for i in range(0, len(through.s), max(1, len(through.s) // 8))
         )  # fmt: skip

@@ -11,8 +11,9 @@ import numpy as np
 from rankdrop.options import advise
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
+from rankdrop.text.places import joint_cells
 from rankdrop.text.postures import posture_words
-from rankdrop.text.words import minus, plural, short
+from rankdrop.text.words import plural, short
 
 _TURNING = 1e-6  # a joint that turns less stands still [rad]
 MOST_NAMED = 10  # crossings whose poses are noted
@@ -148,8 +149,10 @@ def _branch_verdict(branch: Any, robot: Robot) -> str:
     """A branch: "free", or where it ends and why, or where it is not proven free."""
     if branch.free:
         met = ""
+    elif branch.singular:
+        met = f"meets a singularity at pose {branch.place:.5g}"
     else:
-        met = f"meets a singularity or is not decided at pose {branch.place:.5g}"
+        met = f"not proven free at pose {branch.place:.5g}"
     if branch.complete:
         return met or "free"
     if branch.turn is not None:
@@ -175,8 +178,7 @@ def branches_section(check: Any, *, deg: bool) -> Section:
     )
     rows = []
     for number, branch in enumerate(check.tool.branches, start=1):
-        values = (minus(f"{degrees(x):.2f}") if deg and joint.unit == "rad" else minus(f"{x:.4f}")
-                  for x, joint in zip((branch.start + 0.0).tolist(), robot.variables, strict=True))  # fmt: skip
+        values = joint_cells(robot, branch.start, deg=deg)
         if branch.chosen:
             taken = f"{number} (taken)"
         else:

@@ -18,6 +18,7 @@ from rankdrop.options import advise
 from rankdrop.results.explained import Difference, DifferenceKind, Summary
 from rankdrop.results.explanation import Explanation
 from rankdrop.robot.model import Array, Robot
+from rankdrop.text.joint_values import fixed_point
 from rankdrop.text.special import family_title, names_no_reason, parts_words, special_words
 from rankdrop.text.words import (
     NO_JOG,
@@ -29,7 +30,6 @@ from rankdrop.text.words import (
     jog_step,
     joint_word,
     lost_count,
-    minus,
     power,
     short,
 )
@@ -347,7 +347,7 @@ def _axis_words(vector: Iterable[float]) -> str:
     large = np.flatnonzero(np.abs(unit) > _AXIS)
     if len(large) == 1:
         return "XYZ"[int(large[0])]
-    return f"({', '.join(minus(f'{round(x, 2) + 0.0:.2f}') for x in unit.tolist())})"
+    return f"({', '.join(fixed_point(x, 2) for x in unit.tolist())})"
 
 
 def degrees_words(distance: float) -> str:

@@ -17,7 +17,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.quantities import count, degrees_text
 from rankdrop.sections import Section
 from rankdrop.text.families import FREE
-from rankdrop.text.joint_values import joint_symbol
+from rankdrop.text.joint_values import fixed_point, joint_symbol
 
 if TYPE_CHECKING:
     from rankdrop.distance.tolerant import LockedJoint, SelfMotions, Tolerant, TolerantPlace
@@ -186,11 +186,6 @@ def degrees_hint(q: Array, robot: Robot) -> str | None:
 def minus(text: str) -> str:
     """The sign − of the printed page for the hyphen of the machine."""
     return text.replace("-", "−")
-
-
-def fixed_point(value: float, digits: int = 4) -> str:
-    """A number with so many decimals, for columns."""
-    return minus(f"{round(float(value), digits) + 0.0:.{digits}f}")
 
 
 def power(value: float) -> str:
@@ -487,7 +482,7 @@ def _locked_ranges(locked: LockedJoint, unit: str) -> str:
     if locked.share is not None and locked.share >= 1.0 - _ZERO:
         return "any value"
     if unit == "rad":
-        parts = [f"{degrees(low):.1f}° … {degrees(high):.1f}°" for low, high in locked.ranges]
+        parts = [f"{fixed_point(degrees(low), 1)}° … {fixed_point(degrees(high), 1)}°" for low, high in locked.ranges]
     else:
         parts = [f"{low:.4g} … {high:.4g} m" for low, high in locked.ranges]
     return minus(", ".join(parts))

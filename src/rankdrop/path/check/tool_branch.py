@@ -37,6 +37,7 @@ class ToolBranch:
         complete, reached, reason, joint, folds, turn: as of `Followed`.
         free: proven free of singularities up to where it ends.
         place: pose, from 1, where it is first not proven free; 0 where it is.
+        singular: it is known to be singular there; False where that is not decided, or it is free.
         chosen: the path takes it.
     """
 
@@ -51,6 +52,7 @@ class ToolBranch:
     turn: Turn | None
     free: bool
     place: float
+    singular: bool
     chosen: bool
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,6 +47,7 @@ MOST_POSES, MOST_BRANCHES = 300, 16
 """Of a tool path whose branches are all followed."""
 _AT_ONE = 1e-5  # σ_r of a row below which it counts as singular: a pose there is reached to half the digits only
 _FOR_BRANCH = 50_000  # enclosures of the proof of one of the other branches
+_SAME_PLACE = 1e-3  # of a pose: a singularity that a branch passes, and where its proof stops
 
 
 @takes(PathOptions)
@@ -175,27 +176,42 @@ def _branches(
     branches = []
     for row, q in enumerate(starts):
         if row == chosen:
-            branch, place = taken, _not_free_taken(taken, check)
+            branch, not_free = taken, _not_free_taken(taken, check)
         else:
             branch = follow(robot, poses, q, task, tolerance=tolerance, through=True)
-            place = _not_free(robot, asked, branch, tolerances)
-        branches.append(_tool_branch(robot, task, q, branch, place, chosen=row == chosen))
+            not_free = _not_free(robot, asked, branch, tolerances)
+        branches.append(_tool_branch(robot, task, q, branch, not_free, chosen=row == chosen))
         turned = _whole_turn_away(robot, q, branch)
         if turned is not None:
             farther = follow(robot, poses, turned, task, tolerance=tolerance, through=True)
             if farther.reached > branch.reached:
-                place = _not_free(robot, asked, farther, tolerances)
-                branches.append(_tool_branch(robot, task, turned, farther, place, chosen=False))
+                not_free = _not_free(robot, asked, farther, tolerances)
+                branches.append(_tool_branch(robot, task, turned, farther, not_free, chosen=False))
     return tuple(branches)
 
 
-def _tool_branch(robot: Robot, task: Task, q: Array, branch: Followed, place: float, *, chosen: bool) -> ToolBranch:
-    """The record of a branch from a start (n,); `place`: pose where it is first not proven free, 0 where it is."""
+class NotFree(NamedTuple):
+    """The first place at which a branch is not proven free of singularities.
+
+    Attributes:
+        place: pose, from 1, with the share of the way to the next; 0 where the branch is free.
+        singular: it is known to be singular there.
+    """
+
+    place: float = 0.0
+    singular: bool = False
+
+
+def _tool_branch(
+    robot: Robot, task: Task, q: Array, branch: Followed, not_free: NotFree, *, chosen: bool
+) -> ToolBranch:
+    """The record of a branch from a start (n,)."""
     from rankdrop.poses.postures import posture_names  # with the exact side, which a path of joint values does without
 
     return ToolBranch(
         q, posture_names(robot, task, q[None])[0], arm_postures(robot, q[None])[0], branch.complete, branch.reached,
-        branch.reason, branch.joint, branch.folds, branch.turn, place == 0.0, place, chosen,
+        branch.reason, branch.joint, branch.folds, branch.turn, not_free.place == 0.0, not_free.place,
+        not_free.singular, chosen,
     )  # fmt: skip
 
 
@@ -211,15 +227,16 @@ def _whole_turn_away(robot: Robot, start: Array, branch: Followed) -> Array | No
     return turned
 
 
-def _not_free_taken(taken: Followed, check: PathCheck) -> float:
-    """The pose, from 1, from which on the branch that was taken and checked is not free; 0 where it is free."""
+def _not_free_taken(taken: Followed, check: PathCheck) -> NotFree:
+    """Where the branch that was taken and checked is first not free."""
     if check.crossings:
-        return min(float(_pose_at(taken, crossing.closest.place.position)) for crossing in check.crossings)
+        places = (_pose_at(taken, crossing.closest.place.position) for crossing in check.crossings)
+        return NotFree(min(places), singular=True)
     if taken.passed:
-        return min(point.place for point in taken.passed)
+        return NotFree(min(point.place for point in taken.passed), singular=True)
     if any(stretch.verdict == UNDECIDED for stretch in check.stretches):
-        return 1.0
-    return 0.0
+        return NotFree(1.0)
+    return NotFree()
 
 
 def _pose_at(branch: Followed, row: float) -> float:
@@ -227,19 +244,20 @@ def _pose_at(branch: Followed, row: float) -> float:
     return float(np.interp(row, np.arange(1, len(branch.place) + 1), branch.place))
 
 
-def _not_free(robot: Robot, task: Task, branch: Followed, tolerances: Tolerances) -> float:
-    """Pose at which the joint path of a branch is first not proven free of singularities; 0: it is."""
+def _not_free(robot: Robot, task: Task, branch: Followed, tolerances: Tolerances) -> NotFree:
+    """Where the joint path of a branch is first not proven free of singularities."""
     if not len(branch.q):
-        return 1.0
+        return NotFree(1.0)
     arm, arm_task = in_metres(robot), task_in_metres(replace(task, length_scale=float(task.scale(robot))), robot)
     sigma = singular_values(arm, into_metres(robot, branch.q), arm_task)[:, generic_rank(arm, arm_task) - 1]
     if (sigma <= _AT_ONE).any():
-        return float(branch.place[int((sigma <= _AT_ONE).argmax())])
+        return NotFree(float(branch.place[int((sigma <= _AT_ONE).argmax())]), singular=True)
     proof = proof_of(robot, task, branch.q, tolerances, _FOR_BRANCH)
     if not proof.slivers:
-        return 0.0
+        return NotFree()
     (row, share), *_ = proof.slivers[0]
-    return _pose_at(branch, 1.0 + row + share)
+    place = _pose_at(branch, 1.0 + row + share)
+    return NotFree(place, any(abs(point.place - place) <= _SAME_PLACE for point in branch.passed))
 
 
 def proof_of(robot: Robot, task: Task, q: Array, tolerances: Tolerances, evaluations: int) -> Proof:

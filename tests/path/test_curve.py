@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -56,3 +58,10 @@ def test_the_curve_goes_through_samples_with_their_rates() -> None:
     h = 1e-4
     bend = (made.at(np.array([1] * 3), np.array([0.0, h, 2 * h])) * [[1], [-2], [1]]).sum(axis=0) / (h * 1.5) ** 2
     np.testing.assert_allclose(bend, a[1], atol=2e-2)
+
+
+def test_a_place_of_a_tool_path_has_its_pose() -> None:
+    path = curve(np.zeros((3, 2)), None)
+    assert path.place((1, 0.5)).pose is None
+    tool = replace(path, poses=np.array([1.0, 1.2, 2.0]))
+    assert [tool.place(spot).pose for spot in ((0, 0.0), (1, 0.5), (1, 1.0))] == pytest.approx([1.0, 1.6, 2.0])

@@ -82,5 +82,8 @@ def test_the_table_says_where_a_branch_is_singular() -> None:
     assert taken.singular
     assert taken.place == pytest.approx(1.4, abs=1e-3)
     assert all(branch.singular <= (not branch.free) for branch in check.tool.branches)
+    assert "at pose 1.4;" in check.sentence
+    (crossing,) = check.to_dict()["crossings"]
+    assert crossing["poses"] == pytest.approx([1.4, 1.4], abs=1e-3)
     rows = next(section for section in check.sections() if section.title == "Branches").rows
     assert "meets a singularity at pose 1.4" in str(rows)

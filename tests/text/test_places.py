@@ -12,8 +12,8 @@ from printed import one_line
 from rankdrop.kinematics import pose
 from rankdrop.path.check.overrun import fastest, overruns
 from rankdrop.path.check.tool_path import check_poses
-from rankdrop.path.curve import curve
-from rankdrop.text.places import fastest_words, overrun_words
+from rankdrop.path.curve import Place, curve
+from rankdrop.text.places import fastest_words, interval_words, overrun_words, place_text, when
 
 WRIST = np.radians([0, -70, 90, -110, 1, 0])
 
@@ -69,3 +69,11 @@ def test_a_free_line_near_a_wrist_names_its_fastest_joint() -> None:
     unlimited = replace(ARM, joints=tuple(replace(joint, velocity=np.inf) for joint in ARM.joints))
     quickest = fastest(unlimited, check.curve)
     assert fastest_words(quickest, unlimited).startswith("joint 4 turns at up to 66.3°/s, no limit is known, at 9.96")
+
+
+def test_places_are_times_else_poses_else_rows() -> None:
+    timed, tool, joint = Place(3, 0.5, 1.25, 2.5), Place(3, 0.5, None, 1.46789), Place(3, 0.5, None)
+    assert [when(place) for place in (timed, tool, joint)] == ["at 1.25 s", "at pose 1.4679", "between rows 3 and 4"]
+    assert [place_text(place) for place in (timed, tool, joint)] == ["1.25 s", "pose 1.4679", "row 3.5"]
+    assert interval_words(tool, Place(4, 0.0, None, 2.0)) == "between poses 1.4679 and 2"
+    assert interval_words(joint, Place(4, 0.0, None)) == "between rows 3.5 and 4"

@@ -32,11 +32,13 @@ class Place:
         row: number of the sample before it, from 1.
         share: of the way to the next sample, 0 … 1.
         time: [s]; None without times.
+        pose: of a tool path the pose, from 1, with the share of the way to the next; None of a joint path.
     """
 
     row: int
     share: float
     time: float | None = field(compare=False)
+    pose: float | None = field(default=None, compare=False)
 
     @property
     def position(self) -> float:
@@ -53,11 +55,13 @@ class Curve:
         times: (T,) [s]; None where the path has none.
         speeds: (T − 1, n) joint rates that a straight stretch stands for, where they are larger than its own: those of
             the tool's curve at both ends [rad/s, m/s].
+        poses: (T,) of a tool path the pose that each sample takes, as in `Place`.
     """
 
     control: Array
     times: Array | None
     speeds: Array | None = None
+    poses: Array | None = None
 
     @property
     def degree(self) -> int:
@@ -105,14 +109,18 @@ class Curve:
         return np.concatenate([self.control[:, 0], self.control[-1:, -1]])
 
     def place(self, spot: Spot) -> Place:
-        """A point with its row and time."""
+        """A point with its row, its time and its pose."""
         stretch, share = spot
         time = self.time(np.array([stretch]), np.array([share]))
+        pose = None
+        if self.poses is not None:
+            before, after = self.poses[stretch : stretch + 2].tolist()
+            pose = before + share * (after - before)
         if share == 1.0:
             stretch, share = (stretch + 1, 0.0)
         else:
             stretch, share = spot
-        return Place(stretch + 1, share, None if time is None else float(time[0]))
+        return Place(stretch + 1, share, None if time is None else float(time[0]), pose)
 
     def configuration_and_slope(self, place: Place) -> tuple[Array, Array]:
         """(n,) configuration at a place, and the derivative by the share."""

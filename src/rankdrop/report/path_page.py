@@ -19,7 +19,7 @@ from rankdrop.report.figures import new_figure
 from rankdrop.report.page import header, whole_page
 from rankdrop.robot import Array
 from rankdrop.sections import html
-from rankdrop.text import free_words, stretch_place
+from rankdrop.text import free_words, place_text, stretch_place
 from rankdrop.version import VERSION
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def _stage(check: PathCheck) -> str:
     buttons = "".join(
         f'<button data-stretch="{i}"><i class="dot" style="background:var({INKS[stretch.verdict]})"></i>'
         f"<b>{escape(stretch.verdict)}</b> {escape(_place(check, stretch) or 'no family known')}<br>"
-        f'<span class="small">{escape(_when(check, stretch))}</span></button>'
+        f'<span class="small">{escape(_when(stretch))}</span></button>'
         for i, stretch in sorted(enumerate(check.stretches[:_LISTED]), key=lambda pair: _order(pair[1]))
     )
     left = len(check.stretches) - _LISTED
@@ -151,12 +151,9 @@ def _order(stretch: Stretch) -> tuple[bool, int, float]:
     return (free, 0, 0.0)
 
 
-def _when(check: PathCheck, stretch: Stretch) -> str:
+def _when(stretch: Stretch) -> str:
     """From where to where: "row 3 – row 4.5", "at 1.25 s"."""
-    start, end = (
-        f"row {place.row + place.share:.6g}" if check.curve.times is None else f"{place.time:.4g} s"
-        for place in (stretch.start, stretch.end)
-    )
+    start, end = map(place_text, (stretch.start, stretch.end))
     if start == end:
         return f"at {start}"
     return f"{start} – {end}"

@@ -249,6 +249,7 @@ PATH_CROSSINGS = table(
     "path_crossings",
     rows=(row(num("row", ge=1), 2), "rows from 1; the fraction is the share of the way to the next row"),
     time=(row(num("s"), 2) | None, "[s]; null without times"),
+    poses=(optional(row(num("pose", ge=1), 2)), "of a file of poses: the poses of these rows"),
     family=(str, "id of the family; empty where it is not of an atlas"),
     name=(str, "of the family"),
     corank=(Positive, "freedoms that are lost there"),
@@ -276,6 +277,7 @@ STRETCHES = table(
     "stretches",
     rows=(row(num("row", ge=1), 2), "rows from 1; the fraction is the share of the way to the next row"),
     time=(row(num("s"), 2) | None, "[s]; null without times"),
+    poses=(optional(row(num("pose", ge=1), 2)), "of a file of poses: the poses of these rows"),
     family=(str, "id of the family; empty where it is not of an atlas"),
     name=(str, "of the family"),
     verdict=(Literal["free", "crossing", "touching", "undecided"], "of the stretch"),
@@ -434,9 +436,11 @@ TOOL = table(
 )
 def _part(stretch: Any, ends: tuple[Any, Any], check: Any) -> dict[str, Any]:
     """A stretch between two places of it as entries."""
+    poses = [place.pose for place in ends if place.pose is not None]
     return {
         **vars(stretch), "rows": [place.position for place in ends],
         "time": None if ends[0].time is None else [place.time for place in ends], "how": evidence_words(stretch, check),
+        "poses": poses or None,
         "q": stretch.closest.q, "touching": stretch.verdict == "touching", "rates": stretch.rates.tolist() or None,
         "slowest": stretch.slowest or None,
     }  # fmt: skip

@@ -73,6 +73,7 @@ from .lost import lost_sentences as lost_sentences
 from .lost_directions import lost_text as lost_text
 from .paths import free_words as free_words
 from .paths import many_section as many_section
+from .places import place_text as place_text
 from .procedure import hunt_words as hunt_words
 from .procedure import procedure_text as procedure_text
 from .remedies import NO_POSES as NO_POSES

@@ -17,7 +17,7 @@ from rankdrop.options import advise
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.text.inverse import missed_words
-from rankdrop.text.places import fastest_words, overrun_words, row_words, turn_far_words, when
+from rankdrop.text.places import fastest_words, overrun_words, turn_far_words, when
 from rankdrop.text.remedies import local_lines
 from rankdrop.text.stretches import (
     REACHED,
@@ -198,10 +198,17 @@ def _path_line(check: Any) -> str:
         lasts = f", {times[-1] - times[0]:.6g} s"
     if check.rows == 1:
         return "Path: one row; its configuration is checked."
+    if check.tool is None:
+        given = f"{check.rows} rows{lasts}, {check.options.interpolate} between them"
+    else:
+        given = f"{check.tool.poses} poses{lasts}, {check.rows} rows of joint values along them"
+    if check.tool is None or check.tool.complete:
+        length = "its length"
+    else:
+        length = "the part that is followed"
     free = sum(stretch.verdict == "free" for stretch in check.stretches)
     return (
-        f"Path: {check.rows} rows{lasts}, {check.options.interpolate} between them; {free_words(check)} of its length "
-        f"is proven free, {free} stretch{'es' if free != 1 else ''}."
+        f"Path: {given}; {free_words(check)} of {length} is proven free, {free} stretch{'es' if free != 1 else ''}."
     )
 
 
@@ -335,11 +342,9 @@ def free_words(check: Any) -> str:
 
 
 def notes(check: Any) -> tuple[str, ...]:
-    """Remarks; of a tool path its branch and the poses of its crossings."""
+    """Remarks; of a tool path its branch, and with times the poses of its crossings."""
     lines = [_remark(kind, values, check.robot) for kind, values in check.remarks]
     if check.tool is not None:
-        places = [crossing.closest.place for crossing in check.crossings][:MOST_NAMED]
-        poses = np.interp([place.position for place in places], np.arange(1, check.rows + 1), check.tool.place)
         if check.tool.moved > _MOVED:
             far = f"; it was moved by {angle(check.tool.moved)} to reach pose 1"
         else:
@@ -348,7 +353,8 @@ def notes(check: Any) -> tuple[str, ...]:
         if check.tool.half_turns:
             lines += [half_turn_words(check.tool.half_turns)]
         lines += [turn_far_words(turn) for turn in check.turns]
-        lines += [f"row {row_words(place)} is pose {pose:.6g}" for place, pose in zip(places, poses, strict=True)]
+        places = [crossing.closest.place for crossing in check.crossings][:MOST_NAMED]
+        lines += [f"{place.time:.4g} s is pose {place.pose:.6g}" for place in places if place.time is not None]
     return tuple(lines)
 
 

@@ -16,9 +16,11 @@ _AT_ROW = 1e-6  # share of the way between two rows that is reported as the row
 
 
 def when(place: Any) -> str:
-    """A place of a path by its time, else by its row: "at 1.2 s", "between rows 3 and 4"."""
+    """A place of a path by its time, else by its pose or row: "at 1.2 s", "at pose 1.5", "between rows 3 and 4"."""
     if place.time is not None:
         return f"at {place.time:.4g} s"
+    if place.pose is not None:
+        return f"at pose {place.pose:.5g}"
     near = min(place.share, 1.0 - place.share) < _AT_ROW
     if near:
         return f"at row {round(place.position)}"
@@ -26,8 +28,24 @@ def when(place: Any) -> str:
 
 
 def row_words(place: Any) -> str:
-    """A row, with two digits of the share of the way to the next."""
+    """A row, with two digits of the share of the way to the next; of a tool path a pose, with four."""
+    if place.pose is not None:
+        return f"{round(place.pose, 4):.12g}"
     return f"{round(place.position, 2):.12g}"
+
+
+def row_noun(place: Any) -> str:
+    """What `row_words` numbers: "row" or "pose"."""
+    if place.pose is not None:
+        return "pose"
+    return "row"
+
+
+def place_text(place: Any) -> str:
+    """A place by its time, else by its pose or row: "1.25 s", "pose 3.5", "row 4.5"."""
+    if place.time is not None:
+        return f"{place.time:.4g} s"
+    return f"{row_noun(place)} {row_words(place)}"
 
 
 def interval_words(start: Any, end: Any) -> str:
@@ -35,8 +53,8 @@ def interval_words(start: Any, end: Any) -> str:
     if start.time is not None and end.time is not None:
         return f"between {start.time:.5g} and {end.time:.5g} s"
     if row_words(start) == row_words(end):
-        return f"at row {row_words(start)}"
-    return f"between rows {row_words(start)} and {row_words(end)}"
+        return f"at {row_noun(start)} {row_words(start)}"
+    return f"between {row_noun(start)}s {row_words(start)} and {row_words(end)}"
 
 
 def turn_far_words(turn: Any) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
-from rankdrop.text.places import row_words, when
+from rankdrop.text.places import row_noun, row_words, when
 from rankdrop.text.special import place_words
 from rankdrop.text.words import angle, motion, rounded_down, short
 
@@ -124,7 +124,8 @@ def free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
     """Table of the stretches that are proven free, each with its closest configuration."""
     timed = check.curve.times is not None
     limited = any(not isnan(stretch.speed_factor) for stretch in free)
-    columns = ["nearest family", "rows", "closest", "σ", "weak"]
+    noun = row_noun(free[0].start)
+    columns = ["nearest family", f"{noun}s", "closest", "σ", "weak"]
     notes = ["closest: joint-space distance to the nearest singular configuration known [rad]; weak: share of the "
              "tool's travel there along the direction that would be lost"]  # fmt: skip
     if timed:
@@ -143,7 +144,7 @@ def free_section(free: list[Any], check: Any, *, deg: bool) -> Section:
             row.append(_speed_cell(stretch))
         rows.append(tuple(row))
     where = tuple(
-        f"{_distance_words(stretch.closest.distance)} at row {row_words(stretch.closest.place)}"
+        f"{_distance_words(stretch.closest.distance)} at {noun} {row_words(stretch.closest.place)}"
         f"{_way(stretch, check.robot)}: {joints_words(check.robot, stretch.closest.q, deg=deg)}"
         for stretch in free[:_CLOSEST] if stretch.closest.distance >= _AT_SINGULARITY
     )
@@ -179,19 +180,33 @@ def _id(stretch: Any) -> str:
 def span_words(stretch: Any) -> str:
     """Rows and times between which a stretch reaches a singularity."""
     start, end = stretch.bracket
-    if start.row == end.row or (end.share == 0.0 and end.row == start.row + 1):
-        rows = f"between rows {start.row} and {start.row + 1}"
-        if start.share == end.share == 0.0 and start.row == end.row:
-            rows = f"at row {start.row}"
-    elif row_words(start) == row_words(end):
-        rows = f"at row {row_words(start)}"
+    if start.pose is None:
+        rows = _row_span(start, end)
     else:
-        rows = f"rows {row_words(start)} to {row_words(end)}"
+        rows = _pose_span(start, end)
     if start.time is None or end.time is None:
         return rows
     if end.time - start.time < 1e-4:
         return f"{rows}, at {stretch.closest.place.time:.6f} s (± {short(max(end.time - start.time, _SMALLEST), 2)} s)"
     return f"{rows}, {start.time:.6g} to {end.time:.6g} s"
+
+
+def _row_span(start: Any, end: Any) -> str:
+    """Rows of a joint path between which a stretch reaches a singularity."""
+    if start.row == end.row and start.share == end.share == 0.0:
+        return f"at row {start.row}"
+    if start.row == end.row or (end.share == 0.0 and end.row == start.row + 1):
+        return f"between rows {start.row} and {start.row + 1}"
+    if row_words(start) == row_words(end):
+        return f"at row {row_words(start)}"
+    return f"rows {row_words(start)} to {row_words(end)}"
+
+
+def _pose_span(start: Any, end: Any) -> str:
+    """Poses of a tool path between which a stretch reaches a singularity."""
+    if row_words(start) == row_words(end):
+        return f"at pose {row_words(start)}"
+    return f"poses {row_words(start)} to {row_words(end)}"
 
 
 def _distance_words(distance: float) -> str:

@@ -330,7 +330,7 @@ def timed_branch(robot: Robot, task: Task, poses: Array, times: Array | None, br
         when = None
     else:
         when = np.interp(branch.place, np.arange(1, len(poses) + 1), times)
-    path = curve(branch.q, when)
+    path = replace(curve(branch.q, when), poses=np.resize(branch.place, max(len(branch.place), 2)))
     if times is None or len(branch.q) < 2:
         return path
     way = np.minimum(np.floor(branch.place[:-1]).astype(np.int64) - 1, len(poses) - 2)

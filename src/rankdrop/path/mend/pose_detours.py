@@ -441,7 +441,11 @@ class PoseDetourer:
         given = self.check.poses
         timed = given is not None and given.times is not None
         row = int(np.floor(place))
-        return Place(row + 1, place - row, float(self._time(np.array([place]))[0]) if timed else None)
+        if timed:
+            time = float(self._time(np.array([place]))[0])
+        else:
+            time = None
+        return Place(row + 1, place - row, time, pose=place + 1.0)
 
     def trajectory(self) -> Trajectory:
         """The joint path along the moved poses."""

@@ -45,7 +45,7 @@ _SHORTEST = 0.02  # half of a core at least, by the clock
 _INSTANT = 1e-9  # rows nearer in time are one [s]
 _MET = 0.05  # share of the clearance below which a path counts as at the singularity
 _ROWS = 40  # of a window at least
-_MOST = 12  # windows
+_MOST = 12  # windows of one branch
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,11 +117,13 @@ class PoseDetourer:
         check: of the poses.
         bound: largest size [rad; lengths divided by the length scale].
         clearance: first-order distance that is left to a singularity [rad].
+        searched: windows that were looked for until now, on all branches.
     """
 
     check: PathCheck
     bound: float
     clearance: float
+    searched: int = 0
 
     def __post_init__(self) -> None:
         given = self.check.poses
@@ -135,14 +137,16 @@ class PoseDetourer:
         self.rows: list[tuple[Array, Array]] = []  # places and configurations that are kept, in order
 
     def find_windows(
-        self, report: Callable[[int, int], None], other: Array | None = None
+        self, report: Callable[[int, int], None], other: Array | None = None, most: int = _MOST
     ) -> list[PoseWindow] | Blocked:
         """Windows after which the whole path is followed; else where there is none.
 
         Args:
             report: how many windows are done, of how many at least.
             other: (n,) a configuration at the first pose; None: that of the check.
+            most: windows that are looked for at most.
         """
+        most = min(most, _MOST)
         tool = self.check.tool
         assert tool is not None
         if other is None and not len(tool.q):
@@ -150,7 +154,7 @@ class PoseDetourer:
         start = tool.q[0] if other is None else other
         place, windows = 0.0, list[PoseWindow]()
         self.rows.clear()
-        for _ in range(_MOST + 1):
+        for _ in range(most + 1):
             at = self._places_from(place)
             known = tool if other is None and not windows else None
             run = self._run_from(at, start, known)
@@ -158,8 +162,9 @@ class PoseDetourer:
             if end is None:
                 self.rows.append((self._places(at, run), run.q))
                 return windows
-            if len(windows) == _MOST:
+            if len(windows) == most:
                 break
+            self.searched += 1
             outcome = self._window_of_run(at, run, end, first=not windows)
             if isinstance(outcome, Blocked):
                 return self._with_excess(outcome, at, start) if run.reason == "limit" and not outcome.joint else outcome

@@ -205,7 +205,7 @@ class LocalMender:
             place = work.place_at(windows.place)
             joints = (windows.joint,) if windows.joint else ()
             yield DETOUR, (most, [(place, windows.hindrance, windows.needed, joints)], 0)
-            if windows.joint:
+            if np.isfinite(windows.beyond):
                 yield "range", (windows.joint, windows.beyond, self.check.robot)
             return
         if not windows:

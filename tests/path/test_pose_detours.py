@@ -17,7 +17,7 @@ from rankdrop.local.block import singular_values
 from rankdrop.path.check.follow import follow
 from rankdrop.path.check.record import PathCheck
 from rankdrop.path.check.tool_path import check_poses
-from rankdrop.path.mend import pose_detours
+from rankdrop.path.mend import local_remedies, pose_detours
 from rankdrop.path.mend.detours import Hindrance, lost_motions
 from rankdrop.path.mend.mend import mend_path
 from rankdrop.path.mend.pose_detours import Blocked, PoseDetourer
@@ -192,3 +192,38 @@ def test_another_branch_is_led_around_a_singularity_of_its_own() -> None:
     failed = [fact for kind, fact in mending.failures if kind == "detour"]
     assert failed[0][1][0][3] == (1,)
     assert any("joint 1 reaches its limit" in note for note in mending.notes)
+
+
+@pytest.mark.slow
+def test_the_detours_of_all_branches_share_a_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of poses that pass a singularity many times on every branch, detours were looked for during 20 s and more."""
+    _, _, check = _line(
+        "irb120", (-47.69, -20.62, -68.46, -100.37, 59.6, 73.67), (-2.45, 11.59, -68.55, -95.38, 30.64, 88.49)
+    )  # fmt: skip
+    monkeypatch.setattr(local_remedies, "_ELSEWHERE", 0)
+    mending = mend_path(check, kinds=("detour", "flip"))
+    assert mending.remedies == ()
+    ((followed, count, searched),) = [fact for kind, fact in mending.failures if kind == "other branches"]
+    assert (followed, searched) == (0, 0)
+    assert mending.notes[-1] == (
+        f"detour on other branches: 0 of {count} were followed until the budget of 0 detours was spent"
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("y", "last"), [(0.0, 0.8), (0.002, 0.8), (0.002, 0.7)])
+def test_a_wider_range_is_named_where_the_poses_are_followed_to_their_end_with_it(y: float, last: float) -> None:
+    """IRB 120, tool level, up past its wrist: 20° more of joint 4 were named though 0.8 m is out of reach."""
+    arm = open_robot("irb120")
+    poses = np.tile(np.eye(4), (60, 1, 1))
+    poses[:, :3, :3] = Rotation.from_euler("y", np.pi / 2.0).as_matrix()
+    poses[:, 0, 3], poses[:, 1, 3], poses[:, 2, 3] = 0.45, y, np.linspace(0.35, last, 60)
+    check = check_poses(arm, poses, np.linspace(0.0, 3.0, 60), branches=False)
+    ranges = [fact for kind, fact in mend_path(check, kinds=("detour",)).failures if kind == "range"]
+    assert len(ranges) == (last == 0.7)
+    for joint, beyond, _ in ranges:
+        limits = arm.joints[joint - 1]
+        wider = replace(limits, lower=limits.lower - beyond - 1e-6, upper=limits.upper + beyond + 1e-6)
+        free = replace(arm, joints=(*arm.joints[: joint - 1], wider, *arm.joints[joint:]))
+        moved = PoseDetourer(check_poses(free, poses, branches=False), float(np.radians(2.0)), CLEARANCE)
+        assert not isinstance(moved.find_windows(lambda done, count: None), Blocked)

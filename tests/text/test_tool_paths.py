@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,8 @@ from rankdrop.kinematics import pose
 from rankdrop.path.check.tool_path import check_poses
 from rankdrop.poses.inverse import rotation
 from rankdrop.robot.open import open_robot
+from rankdrop.text import tool_paths
+from rankdrop.text.tool_paths import branch_chosen, branches_words
 
 
 @pytest.mark.shipped
@@ -40,3 +44,23 @@ def test_half_a_turn_between_two_poses_is_a_choice_and_is_said() -> None:
     assert plain.tool.half_turns == ()
     assert not any(note.startswith("half a turn") for note in plain.notes)
     assert check_poses(robot, ends[:2], start=start, task="position").tool.half_turns == ()
+
+
+@pytest.mark.parametrize(("free", "words"), [
+    ([], "1 of 1; the verdict is about this one"),
+    ([False], "The other one is not free to the end"), ([True], "The other one is free to the end"),
+    ([False] * 3, "None of the 3 others is free to the end"), ([True] * 3, "All 3 others are free to the end"),
+    ([True, False], "Of the 2 others 1 is free to the end"),
+])  # fmt: skip
+def test_how_many_other_branches_are_free(free: list[bool], words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tool_paths, "posture_words", lambda posture, parts: "–")
+    branches = [SimpleNamespace(chosen=not k, free=one, complete=True, posture=(), parts=())
+                for k, one in enumerate([True, *free])]  # fmt: skip
+    said = branches_words(SimpleNamespace(tool=SimpleNamespace(branches=branches)))
+    assert said.endswith(words)
+    assert " 0 " not in said
+
+
+def test_a_single_solution_is_no_choice_of_one() -> None:
+    tool = SimpleNamespace(given_start=False, more=False, solutions=1, self_motions=0)
+    assert branch_chosen(tool) == "the posture that people use (the only one found)"

@@ -102,7 +102,8 @@ def remedy_note(kind: str, fact: Any) -> str:
         fact: of a blend how many were checked, None on a smooth path; of "path" why it cannot be followed; of others
             how many candidates run the whole path, and how many of the others end for each reason; of a bump how many
             times it was tried, the bound, and for each place without one the place, why, and the bound that is needed;
-            of "range" a joint, how much wider its range would have to be, and the arm.
+            of "range" a joint, how much wider its range would have to be, and the arm; of "other branches" how many
+            were tried, of how many, and how many detours were looked for.
     """
     match kind:
         case "local":
@@ -111,6 +112,10 @@ def remedy_note(kind: str, fact: Any) -> str:
             joint, beyond, robot = fact
             amount = _amount(beyond, robot.variables[joint - 1].unit)
             return f"joint limits: with {amount} more range of joint {joint} the poses are followed to the end"
+        case "other branches":
+            followed, count, searched = fact
+            return (f"detour on other branches: {followed} of {count} were followed until "
+                    f"the budget of {searched} detours was spent")  # fmt: skip
         case "unfinished":
             return f"other kinds: not tried, the poses are followed up to pose {short(fact)} only"
         case "bump":

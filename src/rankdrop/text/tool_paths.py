@@ -36,6 +36,8 @@ def branch_chosen(tool: Any) -> str:
     if tool.more:
         return f"nearest to q = 0 (of {tool.solutions} found, and there are more)"
     count = f"one of {tool.solutions} found"
+    if tool.solutions == 1:
+        count = "the only one found"
     if tool.self_motions:
         curves = f"{tool.self_motions} {plural('self-motion', tool.self_motions)}"
         count = f"of {curves} found"
@@ -140,9 +142,19 @@ def branches_words(check: Any) -> str:
     others = [branch for branch in branches if not branch.chosen]
     free = sum(branch.free and branch.complete for branch in others)
     named = f" ({posture})" if posture != "–" else ""
-    be = "is" if free == 1 else "are"
     this = f"{number} of {len(branches)}{named}; the verdict is about this one"
-    return f"{this}. Of the others {free} {be} free to the end"
+    return this + _others_words(free, len(others))
+
+
+def _others_words(free: int, count: int) -> str:
+    """How many of the other branches are free to the end, of how many."""
+    if count < 2:
+        return ("", ". The other one is not free to the end", ". The other one is free to the end")[count + free]
+    return {
+        0: f". None of the {count} others is free to the end",
+        1: f". Of the {count} others 1 is free to the end",
+        count: f". All {count} others are free to the end",
+    }.get(free, f". Of the {count} others {free} are free to the end")
 
 
 def _branch_verdict(branch: Any, robot: Robot) -> str:

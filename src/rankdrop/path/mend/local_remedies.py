@@ -34,6 +34,7 @@ from rankdrop.robot.model import Array
 _CLEARER = 1.5  # times the clearance of a bump whose window was not proven free
 _ROUNDS = 3  # of that
 _MANY = 200  # places on one path above which no local remedy is tried: such a file is not what it was meant to be
+_ELSEWHERE = 12  # windows that are looked for on all other branches of poses together, some 0.3 s each
 _DETOURS = 12  # crossings of one path that the tool is led around, some 2 s each
 
 
@@ -204,7 +205,7 @@ class LocalMender:
             place = work.place_at(windows.place)
             joints = (windows.joint,) if windows.joint else ()
             yield DETOUR, (most, [(place, windows.hindrance, windows.needed, joints)], 0)
-            if windows.joint:
+            if np.isfinite(windows.beyond):
                 yield "range", (windows.joint, windows.beyond, self.check.robot)
             return
         if not windows:
@@ -213,8 +214,9 @@ class LocalMender:
         proposal = self._pose_proposal(work, windows, "detour")
         yield self.verifier.first_proven(DETOUR, [proposal]) or (DETOUR, (most, [], 0))
 
-    def change_poses_on_other_branch(self, start: Array) -> Iterator[Remedy]:
-        """The poses followed on another branch from the first one on, and moved around the singularities there.
+    def change_poses_on_other_branch(self, start: Array) -> Iterator[Remedy | Failure]:
+        """The poses followed on another branch from the first one on, and moved around the singularities there; and how
+        many branches were followed, where the budget of windows did not last for all.
 
         Args:
             start: (n,) the configuration at the first pose.
@@ -222,9 +224,13 @@ class LocalMender:
         work = PoseDetourer(self.check, self.bounds.detour, self.clearance)
         starts = other_branches(given_tool_path(self.check, start))
         proposals = []
+        followed = len(starts)
         for k, other in enumerate(starts):
+            if work.searched >= _ELSEWHERE:
+                followed = k
+                break
             self.verifier.report(DETOUR, k, len(starts))
-            windows = work.find_windows(_unreported, other)
+            windows = work.find_windows(_unreported, other, _ELSEWHERE - work.searched)
             if isinstance(windows, Blocked) or not windows:
                 continue
             proposal = self._pose_proposal(work, windows, "detour elsewhere")
@@ -235,6 +241,8 @@ class LocalMender:
         remedy = self.verifier.first_proven(DETOUR, proposals)
         if remedy is not None:
             yield remedy
+        if followed < len(starts):
+            yield "other branches", (followed, len(starts), _ELSEWHERE)
 
     def _pose_proposal(self, work: PoseDetourer, windows: list[PoseWindow], how: str) -> Proposal:
         """The joints along poses that are moved in windows."""

@@ -172,7 +172,7 @@ class _Mender:
             if is_found:
                 return
 
-    def _other_branch(self) -> Iterator[Remedy]:
+    def _other_branch(self) -> Iterator[Remedy | Failure]:
         """The poses on another branch of the inverse kinematics, and moved around the singularities there."""
         start = self._start()
         if {DETOUR, FLIP} <= self.kinds and self.bounds.detour > 0.0 and start is not None:

@@ -44,7 +44,7 @@ _SHORTEST = 0.02  # half of a core at least, by the clock
 _INSTANT = 1e-9  # rows nearer in time are one [s]
 _MET = 0.05  # share of the clearance below which a path counts as at the singularity
 _ROWS = 40  # of a window at least
-_MOST = 12  # windows
+_MOST = 12  # windows of one branch
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +69,9 @@ class Blocked:
         place: counted in poses from 0.
         hindrance: why.
         needed: the size that would do where it is above the bound, else nan [rad; lengths by the length scale].
-        joint: number from 1 of the one that reached its limit, where without limits the rest is followed; 0: none.
-        beyond: how far it goes beyond its range there [rad, m].
+        joint: number from 1 of the one that reached its limit; 0: none.
+        beyond: how far it goes beyond its range, where without its limits the poses are followed to the end and no
+            other joint leaves its range; else nan [rad, m].
     """
 
     place: float
@@ -116,11 +117,13 @@ class PoseDetourer:
         check: of the poses.
         bound: largest size [rad; lengths divided by the length scale].
         clearance: first-order distance that is left to a singularity [rad].
+        searched: windows that were looked for until now, on all branches.
     """
 
     check: PathCheck
     bound: float
     clearance: float
+    searched: int = 0
 
     def __post_init__(self) -> None:
         given = self.check.poses
@@ -134,14 +137,16 @@ class PoseDetourer:
         self.rows: list[tuple[Array, Array]] = []  # places and configurations that are kept, in order
 
     def find_windows(
-        self, report: Callable[[int, int], None], other: Array | None = None
+        self, report: Callable[[int, int], None], other: Array | None = None, most: int = _MOST
     ) -> list[PoseWindow] | Blocked:
         """Windows after which the whole path is followed; else where there is none.
 
         Args:
             report: how many windows are done, of how many at least.
             other: (n,) a configuration at the first pose; None: that of the check.
+            most: windows that are looked for at most.
         """
+        most = min(most, _MOST)
         tool = self.check.tool
         assert tool is not None
         if other is None and not len(tool.q):
@@ -149,7 +154,7 @@ class PoseDetourer:
         start = tool.q[0] if other is None else other
         place, windows = 0.0, list[PoseWindow]()
         self.rows.clear()
-        for _ in range(_MOST + 1):
+        for _ in range(most + 1):
             at = self._places_from(place)
             known = tool if other is None and not windows else None
             run = self._run_from(at, start, known)
@@ -157,8 +162,9 @@ class PoseDetourer:
             if end is None:
                 self.rows.append((self._places(at, run), run.q))
                 return windows
-            if len(windows) == _MOST:
+            if len(windows) == most:
                 break
+            self.searched += 1
             outcome = self._window_of_run(at, run, end, first=not windows)
             if isinstance(outcome, Blocked):
                 return self._with_excess(outcome, at, start) if run.reason == "limit" and not outcome.joint else outcome
@@ -191,11 +197,27 @@ class PoseDetourer:
         free = follow(self.robot, poses, start, self.task, limits=False, tolerance=self.tolerance)
         if not free.complete:
             return blocked
-        excess = np.maximum(free.q - self.robot.upper, self.robot.lower - free.q).max(axis=0)
+        excess = self._excess(free.q)
         joint = int((excess / self.aim.joints).argmax())
         if excess[joint] <= 0.0:
             return blocked
-        return replace(blocked, joint=joint + 1, beyond=float(excess[joint]))
+        return replace(blocked, joint=joint + 1, beyond=_of_one_joint(excess, joint))
+
+    def _excess(self, q: Array) -> Array:
+        """(n,) how far each joint leaves its range at most in rows (K, n), negative inside it."""
+        return np.asarray(np.maximum(q - self.robot.upper, self.robot.lower - q).max(axis=0))
+
+    def _excess_to_end(self, look: Look, q: Array) -> Array | None:
+        """(n,) as `_excess`, along a window and the poses after it; None where they are not followed to the end."""
+        _, _, moved = self._window_poses(look)
+        led = follow(self.robot, moved, q[look.span.kept], self.task, limits=False, tolerance=self.tolerance)
+        if not led.complete:
+            return None
+        rest = poses_at(self.poses, self._places_from(look.span.high))
+        free = follow(self.robot, rest, led.q[-1], self.task, limits=False, tolerance=self.tolerance)
+        if not free.complete:
+            return None
+        return self._excess(np.concatenate([led.q, free.q]))
 
     def _run_from(self, at: Array, start: Array, known: Followed | None) -> Followed:
         """The branch of a configuration along places; one that is known up to the first singularity that it goes
@@ -320,7 +342,9 @@ class PoseDetourer:
             return Blocked(place, Hindrance.TOOL)
         least = min(within, key=lambda look: float((look.excess / self.aim.joints).max()))
         joint = int((least.excess / self.aim.joints).argmax())
-        return Blocked(place, Hindrance.LIMIT, np.nan, joint + 1, float(least.excess[joint]))
+        excess = self._excess_to_end(least, q)
+        beyond = np.nan if excess is None else _of_one_joint(excess, joint)
+        return Blocked(place, Hindrance.LIMIT, np.nan, joint + 1, beyond)
 
     def _sizes(self) -> Array:
         """Sizes that are tried, the least first, the bound among them."""
@@ -419,16 +443,22 @@ class PoseDetourer:
     def _follow_window(self, look: Look, q: Array) -> tuple[PoseWindow, Array, Array] | None:
         """A window followed as any tool path is: its places and rows; None where it is not free."""
         span = look.span
-        inner = np.arange(np.floor(span.low) + 1.0, np.ceil(span.high))
-        begin, *_, end = span.ends
-        fine = self._place(np.linspace(begin, end, _ROWS)).clip(span.low, span.high)
-        at = np.unique(np.concatenate([[span.low], inner, fine, [span.high]]))
-        old, moved = self._moved_poses(span, at, look.size * look.way)
+        at, old, moved = self._window_poses(look)
         run = self._follow_branch(at, q[span.kept], moved)
         if not run.complete or float(self.tool.room(run.q).min()) < _NEARER * self.clearance:
             return None
         off = poses_off(old, moved, self.aim)
         return PoseWindow(span.low, span.high, off), self._places(at, run), run.q
+
+    def _window_poses(self, look: Look) -> tuple[Array, Array, Array]:
+        """(N,) places of a window, and (N, 4, 4) the poses there, as they were and moved."""
+        span = look.span
+        inner = np.arange(np.floor(span.low) + 1.0, np.ceil(span.high))
+        begin, *_, end = span.ends
+        fine = self._place(np.linspace(begin, end, _ROWS)).clip(span.low, span.high)
+        at = np.unique(np.concatenate([[span.low], inner, fine, [span.high]]))
+        old, moved = self._moved_poses(span, at, look.size * look.way)
+        return at, old, moved
 
     def _time(self, place: Array) -> Array:
         return np.asarray(np.interp(place, np.arange(len(self.clock)), self.clock))
@@ -456,3 +486,10 @@ class PoseDetourer:
         timed = given is not None and given.times is not None
         times = self._time(place) if timed else regular_times(len(place))
         return Trajectory("", times, q, timed, ())
+
+
+def _of_one_joint(excess: Array, joint: int) -> float:
+    """How far a joint, by its index, leaves its range; nan where another one leaves its own, or it does not."""
+    if excess[joint] <= 0.0 or (np.delete(excess, joint) > 0.0).any():
+        return np.nan
+    return float(excess[joint])

@@ -161,21 +161,6 @@ TABLES: dict[str, tuple[str, str, list[Row], str]] = {
 }  # fmt: skip
 
 
-def framed(rows: list[list[str]], ascii_only: bool) -> list[str]:
-    """Rows in a frame of lines, as the package ansitable prints them for Robotics Toolbox."""
-    widths = [max(map(len, column)) + 2 for column in zip(*rows, strict=True)]
-    left, cross, right = "++", "++", "++"
-    line, bar = "-", "|"
-    if not ascii_only:
-        left, cross, right = "┌└", "┬┴", "┐┘"
-        line, bar = "─", "│"
-    top, bottom = (left[i] + cross[i].join(line * width for width in widths) + right[i] for i in (0, 1))
-    middle = bottom if ascii_only else "├" + "┼".join(line * width for width in widths) + "┤"
-    first, *others = (bar + bar.join(cell.center(width) for cell, width in zip(row, widths, strict=True)) + bar
-                      for row in rows)  # fmt: skip
-    return [top, first, middle, *others, bottom, ""]
-
-
 def opened(folder: Path, text: str) -> Robot:
     path = folder / "arm.txt"
     path.write_text(text, encoding="utf-8")
@@ -190,29 +175,6 @@ def test_the_arm_is_that_of_the_table(name: str, tmp_path: Path, rng: np.random.
     assert any(f"{convention} convention" in str(note) for note in arm.notes)
     for q in rng.uniform(-1.0, 1.0, (5, arm.n)):
         assert np.abs(pose(arm, q) - tip(rows, q, convention, kinds)).max() < 1e-12
-
-
-@pytest.mark.parametrize("ascii_only", [False, True])
-@pytest.mark.parametrize("limits", [False, True])
-@pytest.mark.parametrize("n", [2, 3, 4, 5, 6, 7])
-def test_configurations_below_a_printed_table_are_no_rows(
-    n: int, limits: bool, ascii_only: bool, tmp_path: Path
-) -> None:
-    """`print(rtb.models.DH.Puma560())` has qr and qz below the table; with n + 1 columns, as many as the table may."""
-    head = ["θⱼ", "dⱼ", "aⱼ", "⍺ⱼ", *["q⁻", "q⁺"] * limits]
-    rows = [[f"q{i}", "0.1", "0", "-90.0°", *["-160.0°", "160.0°"] * limits] for i in range(1, n + 1)]
-    table = ["DHRobot.Puma560: standard DH parameters", *framed([head, *rows], ascii_only)]
-    below = framed([["name", *(f"q{i}" for i in range(n))], ["qr", *["90°"] * n], ["qz", *["0°"] * n]], ascii_only)
-    alone, whole = (opened(tmp_path, "\n".join(lines)) for lines in (table, [*table, *below]))
-    assert whole.n == alone.n == n
-    assert np.array_equal(whole.home, alone.home)
-
-
-def test_blanks_separate_nothing_between_bars(tmp_path: Path) -> None:
-    """Cut at blanks, the line of a configuration has as many cells as the table: it is no row."""
-    table = "standard\n| i | θ | d | a | α |\n| 1 | q1 | 0.1 | 0.2 | 90° |\n| 2 | q2 | 0 | 0.3 | 0° |\n"
-    below = "\n| name | q0  | q1  | q2  | q3  | q4  |\n| qr   | 0  | 90  | 0  | 0  | 0  |\n"
-    assert opened(tmp_path, table + below).n == 2
 
 
 def test_an_angle_that_is_converted_to_degrees_is_one_of_its_column(tmp_path: Path) -> None:

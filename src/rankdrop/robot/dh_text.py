@@ -17,8 +17,9 @@ import numpy as np
 
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import CONVENTIONS, DHRow, from_dh
-from rankdrop.robot.dh_rows import WrittenRow, WrittenTable, table_in
+from rankdrop.robot.dh_rows import table_in
 from rankdrop.robot.dh_units import LENGTHS, Unit, angle_unit, length_unit, unit_named
+from rankdrop.robot.dh_written import WrittenRow, WrittenTable
 from rankdrop.robot.joint_text import with_plain_constants
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
 from rankdrop.robot.note import NoteOn, RobotNote

@@ -11,7 +11,7 @@ from math import pi
 from typing import NamedTuple
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.dh_rows import WrittenTable
+from rankdrop.robot.dh_written import WrittenTable
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 ANGLES = {"rad": 1.0, "deg": pi / 180, "°": pi / 180}

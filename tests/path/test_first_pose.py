@@ -102,3 +102,32 @@ def test_a_first_pose_out_of_reach_and_bad_starts_are_errors() -> None:
         check_poses(ARM, POSES * np.array([1, 2, 1])[:, None, None])
     with pytest.raises(ConfigurationError, match=r"t, pose 3: time does not go on"):
         check_poses(ARM, POSES, [0, 1, 1])
+
+
+def inwards(beyond: float) -> np.ndarray:
+    """(3, 4, 4) poses of an IRB 120 from the edge of reach forward, and beyond it, straight inwards."""
+    poses = np.tile(np.eye(4), (3, 1, 1))
+    poses[:, :3, :3] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
+    poses[:, 2, 3] = 0.29
+    poses[:, 0, 3] = 0.27 + np.hypot(0.07, 0.302) + 0.072 + np.array([beyond, -0.05, -0.1])
+    return poses
+
+
+@pytest.mark.parametrize("beyond", [4.5e-10, 4e-7])
+@pytest.mark.parametrize("start", [None, np.radians([0.0, 90.0, -76.95, 0.0, -13.05, 0.0])])
+def test_a_path_begins_at_the_edge_of_reach_that_its_first_pose_misses_by_rounding(
+    beyond: float, start: np.ndarray | None
+) -> None:
+    arm, poses = open_robot("irb120"), inwards(beyond)
+    check = check_poses(arm, poses, start=start)
+    assert check.tool.complete
+    assert check.verdict == "touching"
+    np.testing.assert_allclose(pose(arm, check.curve.samples[0]), poses[0], atol=2 * beyond)
+    np.testing.assert_allclose(pose(arm, check.curve.samples[-1]), poses[-1], atol=1e-9)
+    assert check.tool.off >= beyond - 1e-12
+    assert any("beyond the edge of reach" in note for note in check.notes)
+
+
+def test_a_first_pose_beyond_the_edge_by_more_is_out_of_reach() -> None:
+    with pytest.raises(ConfigurationError, match="out of reach"):
+        check_poses(open_robot("irb120"), inwards(1e-5))

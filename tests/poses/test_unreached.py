@@ -8,7 +8,7 @@ import pytest
 from rankdrop.kinematics import pose
 from rankdrop.poses.branches import inverse
 from rankdrop.poses.inverse import rotation
-from rankdrop.poses.unreached import JOINTS, ORIENTATION
+from rankdrop.poses.unreached import EDGE, JOINTS, ORIENTATION, POSITION
 from rankdrop.robot.open import open_robot
 
 
@@ -40,3 +40,20 @@ def test_an_orientation_out_of_reach_is_told_from_a_position() -> None:
         assert found.unreached.turn is not None
         np.testing.assert_allclose(found.unreached.turned[:3, 3], edge[:3, 3], atol=1e-4)
     assert found.unreached is not None or found.branches
+
+
+@pytest.mark.parametrize(("beyond", "kind"), [
+    (3e-10, EDGE), (4e-7, EDGE), (3e-6, POSITION), (0.08, POSITION),
+])  # fmt: skip
+def test_a_pose_that_misses_the_edge_of_reach_by_rounding_says_so(beyond: float, kind: str) -> None:
+    """An IRB 120 stretched forward at the height of its shoulder: upper arm, forearm and flange in one line."""
+    robot, goal = open_robot("irb120"), np.eye(4)
+    goal[:3, :3] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
+    goal[:3, 3] = 0.27 + np.hypot(0.07, 0.302) + 0.072 + beyond, 0.0, 0.29
+    found = inverse(robot, goal, starts=300)
+    why = found.unreached
+    assert why is not None
+    assert why.kind == kind
+    assert beyond - 1e-12 <= why.shift <= beyond + 3e-8
+    np.testing.assert_allclose(pose(robot, why.near)[:3, 3], why.tip[:3, 3], atol=1e-9)
+    assert ("which is rounding" in found.sentence) == (kind == EDGE)

@@ -158,9 +158,9 @@ CONTINUA = table(
 )
 UNREACHED = table(
     "unreached",
-    kind=(Literal["position", "orientation", "joints", "tilt"],
+    kind=(Literal["position", "orientation", "joints", "tilt", "edge"],
         "the position is out of reach; it is in reach but not with this orientation; the arm has too few joints; no "
-        "joint tilts the tool, and the pose is tilted"),
+        "joint tilts the tool, and the pose is tilted; the pose misses the edge of reach by rounding"),
     off_position=(num("m", ge=0), "least distance from the position, whatever the orientation",
         attrgetter("position")),
     off_shift=(num("m", ge=0) | None, "the same with the orientation kept; null where the arm does not make it",
@@ -168,6 +168,7 @@ UNREACHED = table(
     turn=(num("rad", ge=0) | None, "least angle from the orientation, the position kept; null: not reached; of a "
         "tilted pose the angle to the tilt of the tool"),
     tip=(list_of(list_of(num("1"))), "(4, 4) the reachable pose of the least distance"),
+    q=(list_of(num("joint")), "a configuration that takes it, joint limits ignored", attrgetter("near")),
     turned_tip=(list_of(list_of(num("1"))) | None,
         "(4, 4) the reachable pose of the least angle", attrgetter("turned")),
 )
@@ -249,7 +250,7 @@ PATH_CROSSINGS = table(
     "path_crossings",
     rows=(row(num("row", ge=1), 2), "rows from 1; the fraction is the share of the way to the next row"),
     time=(row(num("s"), 2) | None, "[s]; null without times"),
-    poses=(optional(row(num("pose", ge=1), 2)), "of a file of poses: the poses of these rows"),
+    poses=(optional(row(num("pose", ge=1), 2) | None), "of a file of poses: the poses of these rows; else null"),
     family=(str, "id of the family; empty where it is not of an atlas"),
     name=(str, "of the family"),
     corank=(Positive, "freedoms that are lost there"),
@@ -277,7 +278,7 @@ STRETCHES = table(
     "stretches",
     rows=(row(num("row", ge=1), 2), "rows from 1; the fraction is the share of the way to the next row"),
     time=(row(num("s"), 2) | None, "[s]; null without times"),
-    poses=(optional(row(num("pose", ge=1), 2)), "of a file of poses: the poses of these rows"),
+    poses=(optional(row(num("pose", ge=1), 2) | None), "of a file of poses: the poses of these rows; else null"),
     family=(str, "id of the family; empty where it is not of an atlas"),
     name=(str, "of the family"),
     verdict=(Literal["free", "crossing", "touching", "undecided"], "of the stretch"),

@@ -15,6 +15,7 @@ from rankdrop.robot.arm_reach import reach
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import BASE, Task
+from rankdrop.text.places import joints_words
 from rankdrop.text.postures import meaning_lines, posture_words
 from rankdrop.text.words import joint_word, minus, motion, plural, power, short
 from rankdrop.tolerances import MISSED
@@ -190,6 +191,8 @@ def _why(inverse: Any) -> str:
     why, robot = inverse.unreached, inverse.robot
     if why.kind == "tilt":
         return _tilt_words(inverse)
+    if why.kind == "edge":
+        return f"The pose lies beyond the edge of reach by at most {_length(why.shift, robot)}, which is rounding"
     if why.shift is None:
         shift = None
     else:
@@ -327,10 +330,15 @@ def _tables(inverse: Any, *, deg: bool) -> Iterator[Section]:
             "", "verdict", "shape", "inside limits", *heads), rows=rows, texts=(0, 1, 2))  # fmt: skip
     why = inverse.unreached
     if why is not None and why.kind != "tilt":
-        lines = [f"the nearest tip: {tool_place(robot, why.tip)}"]
-        if why.turned is not None:
-            lines.append(f"the nearest orientation there: {tool_place(robot, why.turned)}")
-        yield Section("Nearest poses in reach", "joint limits ignored", lines=tuple(lines))
+        yield Section("Nearest poses in reach", "joint limits ignored", lines=_nearest_lines(robot, why, deg=deg))
+
+
+def _nearest_lines(robot: Robot, why: Any, *, deg: bool) -> tuple[str, ...]:
+    """The reachable poses nearest to one out of reach, and joint values that take the first."""
+    tip = (f"the nearest tip: {tool_place(robot, why.tip)}", f"    at {joints_words(robot, why.near, deg=deg)}")
+    if why.turned is None or why.kind == "edge":
+        return tip
+    return (*tip, f"the nearest orientation there: {tool_place(robot, why.turned)}")
 
 
 def _order_words(robot: Robot) -> str:

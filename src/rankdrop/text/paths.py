@@ -17,8 +17,8 @@ from rankdrop.options import advise
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.text.inverse import missed_words
-from rankdrop.text.places import fastest_words, overrun_words, turn_far_words, when
-from rankdrop.text.remedies import local_lines
+from rankdrop.text.places import fastest_words, overrun_words, seconds, turn_far_words, when
+from rankdrop.text.remedies import local_lines, tool_off_words
 from rankdrop.text.stretches import (
     REACHED,
     crossing_lines,
@@ -354,7 +354,7 @@ def notes(check: Any) -> tuple[str, ...]:
             lines += [half_turn_words(check.tool.half_turns)]
         lines += [turn_far_words(turn) for turn in check.turns]
         places = [crossing.closest.place for crossing in check.crossings][:MOST_NAMED]
-        lines += [f"{place.time:.4g} s is pose {place.pose:.6g}" for place in places if place.time is not None]
+        lines += [f"{seconds(place.time)} s is pose {place.pose:.6g}" for place in places if place.time is not None]
     return tuple(lines)
 
 
@@ -371,6 +371,9 @@ def _remark(kind: str, values: Any, robot: Robot) -> str:
         )
     if kind == "missed":
         return missed_words(robot, *values)
+    if kind == "edge":
+        off = tool_off_words(values, robot)
+        return f"pose 1 lies beyond the edge of reach by {off}, which is rounding; the arm begins at the edge"
     return _REMARKS[kind].format(values)
 
 

@@ -15,10 +15,15 @@ _LARGE = 999.5  # an amount that is printed with commas, from here on
 _AT_ROW = 1e-6  # share of the way between two rows that is reported as the row
 
 
+def seconds(time: float, digits: int = 4) -> str:
+    """A time of a path, rounded to nanoseconds."""
+    return f"{round(time, 9) + 0.0:.{digits}g}"
+
+
 def when(place: Any) -> str:
     """A place of a path by its time, else by its pose or row: "at 1.2 s", "at pose 1.5", "between rows 3 and 4"."""
     if place.time is not None:
-        return f"at {place.time:.4g} s"
+        return f"at {seconds(place.time)} s"
     if place.pose is not None:
         return f"at pose {place.pose:.5g}"
     near = min(place.share, 1.0 - place.share) < _AT_ROW
@@ -44,14 +49,14 @@ def row_noun(place: Any) -> str:
 def place_text(place: Any) -> str:
     """A place by its time, else by its pose or row: "1.25 s", "pose 3.5", "row 4.5"."""
     if place.time is not None:
-        return f"{place.time:.4g} s"
+        return f"{seconds(place.time)} s"
     return f"{row_noun(place)} {row_words(place)}"
 
 
 def interval_words(start: Any, end: Any) -> str:
     """Two places of a path: "between 1.2 and 1.8 s"."""
     if start.time is not None and end.time is not None:
-        return f"between {start.time:.5g} and {end.time:.5g} s"
+        return f"between {seconds(start.time, 5)} and {seconds(end.time, 5)} s"
     if row_words(start) == row_words(end):
         return f"at {row_noun(start)} {row_words(start)}"
     return f"between {row_noun(start)}s {row_words(start)} and {row_words(end)}"
@@ -60,6 +65,20 @@ def interval_words(start: Any, end: Any) -> str:
 def turn_far_words(turn: Any) -> str:
     """A joint that turns far: "joint 4 turns 173° between 1.2 and 1.8 s"."""
     return f"joint {turn.joint} turns {short(abs(degrees(turn.angle)), 3)}° {interval_words(turn.start, turn.end)}"
+
+
+def joints_words(robot: Robot, q: Array, *, deg: bool) -> str:
+    """Joint values by name, with units."""
+    parts = []
+    for joint, value in zip(robot.variables, q, strict=True):
+        turns = joint.unit == "rad"
+        if deg and turns:
+            shown = degrees(float(value))
+        else:
+            shown = float(value)
+        unit = ("°" if deg else " rad") if turns else " m"
+        parts.append(f"{joint.name} {short(round(shown, 4 if not turns or not deg else 3) + 0.0, 6)}{unit}")
+    return ", ".join(parts)
 
 
 def joint_heads(robot: Robot, *, deg: bool) -> tuple[str, ...]:

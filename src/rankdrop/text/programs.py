@@ -15,9 +15,9 @@ from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 from rankdrop.text.inverse import tool_place
 from rankdrop.text.paths import free_words, times
-from rankdrop.text.places import overrun_words
+from rankdrop.text.places import joints_words, overrun_words
 from rankdrop.text.remedies import joint_moves, tool_off_words
-from rankdrop.text.stretches import REACHED, crossing_lines, how_reached, joints_words, stretch_place
+from rankdrop.text.stretches import REACHED, crossing_lines, how_reached, stretch_place
 from rankdrop.text.tool_paths import turn_words
 from rankdrop.text.words import above_limit, angle, motion, plural, rounded_down, rounded_up, short
 from rankdrop.tolerances import NEAR

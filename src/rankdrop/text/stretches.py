@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import degrees, isfinite, isnan
+from math import isfinite, isnan
 from operator import attrgetter
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
-from rankdrop.text.places import row_noun, row_words, when
+from rankdrop.text.places import joints_words, row_noun, row_words, when
 from rankdrop.text.special import place_words
 from rankdrop.text.words import angle, motion, rounded_down, short
 
@@ -230,17 +230,3 @@ def _percent(share: float) -> str:
     if 0.0 < share < 1e-3:
         return "< 0.1 %"
     return f"{short(100 * share, 3)} %"
-
-
-def joints_words(robot: Robot, q: Array, *, deg: bool) -> str:
-    """Joint values by name, with units."""
-    parts = []
-    for joint, value in zip(robot.variables, q, strict=True):
-        turns = joint.unit == "rad"
-        if deg and turns:
-            shown = degrees(float(value))
-        else:
-            shown = float(value)
-        unit = ("°" if deg else " rad") if turns else " m"
-        parts.append(f"{joint.name} {short(round(shown, 4 if not turns or not deg else 3) + 0.0, 6)}{unit}")
-    return ", ".join(parts)

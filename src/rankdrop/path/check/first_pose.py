@@ -11,13 +11,15 @@ from rankdrop.local.pointing import fitting_task
 from rankdrop.local.posture import by_habit
 from rankdrop.path.check.follow import follow
 from rankdrop.path.check.missed_singularity import missed_start
-from rankdrop.poses.inverse import Aim, distinct, near_and_within
+from rankdrop.poses.inverse import Aim, distinct, near_and_within, wrap_joints
+from rankdrop.poses.unreached import nearest_configurations
 from rankdrop.problem import whole_turns
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, first_joint_beyond_limit
 from rankdrop.robot.transform import as_numbers
 from rankdrop.task import Task
 from rankdrop.units import in_metres, into_metres, task_in_metres
 
+_EDGE_STARTS = 128  # of Levenberg's method, for a pose at the edge of reach
 _EDGE = 1e-9  # a joint this far beyond a limit stands at it [rad, m]
 _NEAR_START = 0.5  # a start so far from where Newton's method ends may belong to another branch [rad]
 STARTS = 512
@@ -67,6 +69,10 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
     else:
         given = _validate_start(robot, start)
     solutions = within_limits(robot, goal, task)
+    if not len(solutions):
+        edge = edge_of_reach(robot, goal, task, given)
+        if edge is not None:
+            return edge, edge[None], _distance(robot, task, edge, given)
     if given is not None:
         near = _nearest_to_start(robot, goal, task, solutions, given)
         if near is not None:
@@ -74,6 +80,40 @@ def configuration_at(robot: Robot, goal: Array, task: Task, start: ArrayLike | N
     if not len(solutions):
         raise _out_of_reach(robot, goal, task)
     return solutions[0], solutions, 0.0
+
+
+def _distance(robot: Robot, task: Task, q: Array, given: Array | None) -> float:
+    """How far a configuration (n,) is from the start that was given [rad; slides by the length scale]."""
+    if given is None:
+        return 0.0
+    return float(np.linalg.norm((q - given) / joint_scale(robot, task)))
+
+
+def edge_of_reach(robot: Robot, goal: Array, task: Task, given: Array | None = None) -> Array | None:
+    """(n,) the configuration at the edge of reach, within the joint limits, that a pose (4, 4) without solution misses
+    by as little as poses are rounded; None where there is none.
+
+    Args:
+        robot, task: the arm.
+        goal: the pose.
+        given: (n,) a start near it; None: random ones.
+    """
+    aim = Aim(robot, task)
+    if not aim.square:
+        return None
+    if given is None:
+        low, high = sampling_box(robot, task, limits=True)
+        starts = np.random.default_rng(0).uniform(low, high, (_EDGE_STARTS, robot.n))
+    else:
+        starts = given[None]
+    ends = wrap_joints(robot, nearest_configurations(aim, goal, np.ones(task.m), starts))
+    inside = [q for q in ends if first_joint_beyond_limit(robot, q[None]) < 0]
+    if not inside:
+        return None
+    edge = missed_start(aim, goal, inside[0])
+    if edge is None or first_joint_beyond_limit(robot, edge[None]) >= 0:
+        return None
+    return edge
 
 
 def count_solutions(robot: Robot, goal: Array, task: Task, solutions: Array) -> tuple[int, int]:

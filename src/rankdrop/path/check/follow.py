@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from rankdrop import _core
 from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import singular_values
+from rankdrop.local.posture import by_habit
 from rankdrop.path.check.missed_singularity import StraightCrossing, missed_start
 from rankdrop.path.check.passing import Departure, StraightMove, Turn, departures, internal_turn
 from rankdrop.path.check.solution_curve import CurvePart, follow_curve
@@ -481,13 +482,16 @@ class _BranchWalk:
         return over
 
     def _sort_by_turn(self, progress: _BranchProgress, ways: list[Departure]) -> list[Departure]:
-        """Departures, those first that go on in the direction in which the joints arrive.
+        """Departures, those first that go on in the direction in which the joints arrive; at the start those into the
+        posture that people use.
 
         Where two solution curves cross at a singularity, a change from one to the other is a corner of the joint path
         within a straight move: the arm has to rest there.
         """
         arriving = progress.direction(self.aim.joints)
-        if arriving is None or not ways or ways[0].rest:
+        if arriving is None:
+            return self._sort_by_habit(ways)
+        if not ways or ways[0].rest:
             return ways
         turned: list[tuple[float, Departure]] = []
         for departure in ways:
@@ -497,6 +501,13 @@ class _BranchWalk:
             turned.append((cosine, replace(departure, rest=corner)))
         turned.sort(key=lambda pair: -pair[0])
         return [departure for _, departure in turned]
+
+    def _sort_by_habit(self, ways: list[Departure]) -> list[Departure]:
+        """Departures, those first that lead into a usual posture."""
+        if len(ways) < 2:
+            return ways
+        order = by_habit(self.aim.robot, self.aim.task, np.stack([departure.q for departure in ways]))
+        return [ways[k] for k in order]
 
     def _step_over_singularity(
         self, rows: list[Array], places: list[Array], step: tuple[Array, Array]

@@ -8,6 +8,7 @@ keeps its tolerance of the curve (`Aim.deviation`). At the pose that misses it t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,10 +16,10 @@ from rankdrop.local.block import singular_values
 from rankdrop.path.check.passing import StraightMove
 from rankdrop.path.check.tool_line import poses_at
 from rankdrop.poses.inverse import Aim
+from rankdrop.poses.unreached import ROUNDED
 from rankdrop.robot.model import Array, first_joint_beyond_limit
 
 _ACROSS = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)  # σ_r of the row behind a singularity from which a step leads over it
-_ROUNDED = 2e-6  # of a pose: error of its printed digits [1]
 _SAME = 1e-11  # error of poses that a configuration has; translations divided by the length scale
 _FROM_START = 0.1  # of a pose: a start farther off is brought to it by Newton's method alone
 _MISSED = 1e-5  # σ_r of a start that counts as at a singularity that its pose misses by rounding
@@ -26,6 +27,7 @@ _LEAVING = 0.5 ** np.arange(16)  # shares of the first move that are tried to le
 _LONGEST = 0.15  # of these in joint space [rad; slides divided by the length scale]
 _BENT = 0.2  # share of a step by which a solution may be off the straight line
 _TRUNCATED = 4  # steps of Newton's method without the weakest direction
+_ONTO, _STEP = 6, 1e-6  # of Newton's method along the weakest direction; of its differences [rad]
 
 
 def without_weakest(aim: Aim, target: Array, q: Array) -> Array:
@@ -48,12 +50,45 @@ def missed_start(aim: Aim, goal: Array, start: Array) -> Array | None:
     """
     if not aim.square or float(np.linalg.norm(aim.error(goal[None], start[None]))) > _FROM_START:
         return None
-    singular = without_weakest(aim, goal[None], start)
+    singular = without_weakest(aim, goal[None], _onto_singularity(aim, start))
     off = float(np.linalg.norm(aim.error(goal[None], singular[None])))
     sigma = singular_values(aim.robot, singular, aim.task)[aim.rank - 1]
-    if _SAME < off <= _ROUNDED and sigma <= _MISSED:
+    if _SAME < off <= ROUNDED and sigma <= _MISSED:
         return singular
     return None
+
+
+def _onto_singularity(aim: Aim, q: Array) -> Array:
+    """(n,) q moved along its weakest direction v to where ±σ_r, signed as det J, is zero; q where that leads away.
+
+    Newton's steps on the sign times σ_r, its derivative along v by differences.
+    """
+    first, moved = _signed_weakest(aim, q), 0.0
+    way = first.way
+    here = first
+    for _ in range(_ONTO):
+        slope = (_signed_weakest(aim, q + (moved + _STEP) * way).sigma - here.sigma) / _STEP
+        if abs(here.sigma) >= _LONGEST * abs(slope):
+            return q
+        moved -= here.sigma / slope
+        here = _signed_weakest(aim, q + moved * way)
+    if abs(here.sigma) > min(abs(first.sigma), _MISSED):
+        return q
+    return np.asarray(q + moved * way)
+
+
+class _Weakest(NamedTuple):
+    """σ_r signed as det J, and the joint motion (n,) of its direction [rad, m]."""
+
+    sigma: float
+    way: Array
+
+
+def _signed_weakest(aim: Aim, q: Array) -> _Weakest:
+    """The smallest singular value at q (n,)."""
+    u, sigma, vt = np.linalg.svd(aim.jacobian(q[None])[0])
+    sign = np.sign(np.linalg.det(u) * np.linalg.det(vt))
+    return _Weakest(float(sign * sigma[-1]), vt[-1] * aim.joints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +195,7 @@ class StraightCrossing:
         (n,), is farther from the path than poses are rounded.
         """
         aim, target = self.aim, poses_at(self.poses, np.array([place]))
-        if np.linalg.norm(aim.error(target, without_weakest(aim, target, singular)[None])) > _ROUNDED:
+        if np.linalg.norm(aim.error(target, without_weakest(aim, target, singular)[None])) > ROUNDED:
             return None
         ahead = self._as_far_ahead(place, behind, singular)
         if ahead is None:
@@ -177,7 +212,7 @@ class StraightCrossing:
         """As `_end_across`, where the path ends at the singularity."""
         last, target = len(self.poses) - 1.0, self.poses[-1:]
         end = without_weakest(self.aim, target, singular)
-        if np.linalg.norm(self.aim.error(target, end[None])) > _ROUNDED:
+        if np.linalg.norm(self.aim.error(target, end[None])) > ROUNDED:
             return None
         return last, end, frozenset({last})
 

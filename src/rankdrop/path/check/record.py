@@ -34,7 +34,7 @@ Evidence = Literal["covered", "determinant", "condition", "singular throughout",
                    "unfinished"]
 """How the verdict of a stretch is known."""
 Remark = Literal["degrees", "velocities", "jump", "lost", "distances", "no distance", "distance open",
-                 "missed"]  # fmt: skip
+                 "missed", "edge"]  # fmt: skip
 """What a reader should know besides the verdict; its values follow it in `PathCheck.remarks`."""
 
 

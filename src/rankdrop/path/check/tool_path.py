@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.cover.setting import settings_for
 from rankdrop.errors import ConfigurationError
-from rankdrop.kinematics import check_robot
+from rankdrop.kinematics import check_robot, pose
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.pointing import TILTED, followed_task, tilt_is_fixed, tilts_off
@@ -27,6 +27,7 @@ from rankdrop.options import takes
 from rankdrop.path.check.check import asked_for, check_curve, checked_times
 from rankdrop.path.check.first_pose import SAME_SOLUTION, count_solutions, first_configuration, within_limits
 from rankdrop.path.check.follow import follow
+from rankdrop.path.check.missed_singularity import missed_start
 from rankdrop.path.check.prove import Proof, prove
 from rankdrop.path.check.record import FREE, NOT_FOLLOWED, TOUCHING, UNDECIDED, VERDICTS, GivenPoses, PathCheck
 from rankdrop.path.check.tool_branch import Followed, ToolBranch
@@ -106,6 +107,12 @@ def check_poses(
     tolerance = tip_tolerance(how, robot)
     first, solutions, moved = first_configuration(robot, wanted, resolved, start, tolerance)
     branch = followed_branch(robot, wanted, first, resolved, tolerance, free=start is None)
+    beyond = None
+    if not len(branch.q):
+        beyond = _beyond_edge(Aim(robot, resolved), wanted[0], first)
+    if beyond is not None:
+        wanted = np.concatenate([pose(robot, first)[None], wanted[1:]])
+        branch = followed_branch(robot, wanted, first, resolved, tolerance, free=False)
     if not len(branch.q):
         raise ConfigurationError(
             "the first pose lies next to a singularity of the start, where the solver ends on no configuration of it",
@@ -113,6 +120,8 @@ def check_poses(
         )  # fmt: skip
     aim, targets = Aim(robot, resolved), poses_at(wanted, branch.place - 1.0)
     away, turned = tip_apart(aim, branch.q, targets)
+    if beyond is not None:
+        away, turned = away + beyond[0], turned + beyond[1]
     missed = aim.missed(targets, branch.q)
     ahead = wanted[min(ceil(branch.place[-1] - 1.0 + 1e-9), len(wanted) - 1)]
     isolated, self_motions = 0, 0
@@ -143,8 +152,20 @@ def check_poses(
     remarks = check.remarks
     if missed is not None:
         remarks += (("missed", missed),)
+    if beyond is not None:
+        remarks += (("edge", beyond),)
     return replace(check, rows=len(branch.q), tool=tool, verdict=worst, remarks=remarks,
                    poses=GivenPoses(wanted, times, resolved))  # fmt: skip
+
+
+def _beyond_edge(aim: Aim, goal: Array, q: Array) -> tuple[float, float] | None:
+    """How far a pose (4, 4) lies beyond the edge of reach that a configuration (n,) is at [m], [rad]; None where it is
+    farther than poses are rounded, or not square.
+    """
+    if not aim.square or missed_start(aim, goal, q) is None:
+        return None
+    away, chord = aim.missing(goal[None], q[None])
+    return float(away[0]), 2.0 * float(np.arcsin(chord[0] / 2.0))
 
 
 def tip_tolerance(options: PathOptions, robot: Robot) -> tuple[float, float]:
